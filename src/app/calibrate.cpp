@@ -114,10 +114,11 @@ std::vector<ToughnessRow> rows_of(const Ensemble& sweep, const Candidate& candid
             return run.result.status == "done" && run.result.values[1] >= through_at * way;
         };
         const auto runs = sweep.runs_of(v);
-        const Spread work = sweep.spread(
-                         v, [&](const EnsembleRun&run) { return went_through(run) ? run.result.values[0] : NAN; }),
-                     speed = sweep.spread(
-                         v, [&](const EnsembleRun&run) { return went_through(run) ? run.result.values[2] : NAN; });
+        const auto spread_of = [&](std::size_t quantity) {
+            return sweep.spread(
+                v, [&](const EnsembleRun& run) { return went_through(run) ? run.result.values[quantity] : NAN; });
+        };
+        const Spread work = spread_of(0), speed = spread_of(2);
         ToughnessRow row{.law = candidate.meshed,
                          .load = loads[v],
                          .through = static_cast<double>(std::ranges::count_if(runs, went_through)) /
@@ -165,10 +166,11 @@ ExitCode calibrate(const std::string& scenario, Texts overrides, const Calibrate
             rows_of(sweep, candidate, options.loads, candidate.material.elastic.rayleigh_speed(base.plane)),
             std::back_inserter(rows));
     }
-    write_new_file(file, toughness_csv(rows));
-    std::printf("%stable:   %s\n", toughness_csv(rows).c_str(), file.string().c_str());
+    const std::string table = toughness_csv(rows);
+    write_new_file(file, table);
+    std::printf("%stable:   %s\n", table.c_str(), file.string().c_str());
     std::printf("to use it: [toughness] with meaning = \"as measured\" and table = \"%s\"\n", file.string().c_str());
-    if (std::ranges::none_of(rows, [](const ToughnessRow& row) { return row.through >= 0.8; }))
+    if (std::ranges::none_of(rows, &ToughnessRow::breaks))
         std::printf("warning: under no load did four of five cracks run through; larger ones by --loads\n");
     return exit_done;
 }

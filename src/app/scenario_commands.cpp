@@ -145,8 +145,7 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     if (const SchemeChangeOptions& change = plan.limits.change; plan.limits.changes())
         std::printf(
             "  these are implicit, down to %.4g s (%.3g CFL) where they fail; then explicit ones of %.4g s go on, at "
-            "least "
-            "%.0f each time, until the body is quiet for %.3g s\n",
+            "least %.0f each time, until the body is quiet for %.3g s\n",
             plan.limits.cracking, plan.limits.cracking / plan.stable_step, change.explicit_step,
             std::ceil((plan.limits.cracking + change.quiet_for) / change.explicit_step), change.quiet_for);
     else if (plan.limits.cracking < plan.limits.largest)

@@ -153,7 +153,7 @@ const std::vector<Member>& members() {
         {"scheme", "", "of bulk and cohesion, theta, mass, assumption_1",
          [](R r) {
              return Json{{"bulk", name_of(r.scheme.bulk)},
-                         {"cohesion", r.scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit"},
+                         {"cohesion", name_of(r.scheme.cohesion)},
                          {"theta", r.scheme.theta},
                          {"mass", name_of(r.scheme.mass)},
                          {"assumption_1", r.scheme.respect_assumption_1 ? "respect" : "ignore"}};

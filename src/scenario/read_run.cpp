@@ -3,6 +3,7 @@
 #include "scenario/reading.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 namespace knap {
@@ -80,11 +81,13 @@ void read_automatic(const Table& table, SchemeOptions& scheme) {
                     "bulk = \"implicit\", or remove mass");
 }
 
-void refuse_without_changes(const Table& table) {
-    for (const char* key : {"quiet_below", "quiet_for"})
+/// Two keys of [time] that mean nothing without `other`; the first one has a default.
+void refuse_without(const char* other, std::array<const char*, 2> keys, const Table& table) {
+    for (const char* key : keys)
         if (table.given(key))
-            table.error("exclusive-keys", key, "belongs to bulk = \"auto\"", "add bulk = \"auto\" to [time]");
-    table.leave_out("quiet_below");
+            table.error("exclusive-keys", key, std::string("belongs to ") + other,
+                        std::string("add ") + other + " to [time]");
+    table.leave_out(keys.front());
 }
 
 void read_time(const Table& table, TimeOptions& time) {
@@ -94,11 +97,8 @@ void read_time(const Table& table, TimeOptions& time) {
     table.fill(time.rest);
     table.fill(time.change);
     if (scheme.bulk == BulkScheme::automatic) read_automatic(table, scheme);
-    else refuse_without_changes(table);
-    for (const char* key : {"rest_below", "rest_for"})
-        if (table.given(key) && !time.rest.ends_run)
-            table.error("exclusive-keys", key, "belongs to until = \"rest\"", "add until = \"rest\" to [time]");
-    if (!time.rest.ends_run) table.leave_out("rest_below");
+    else refuse_without("bulk = \"auto\"", {"quiet_below", "quiet_for"}, table);
+    if (!time.rest.ends_run) refuse_without("until = \"rest\"", {"rest_below", "rest_for"}, table);
     const bool explicit_bulk = !scheme.takes_implicit_steps();
     if (!explicit_bulk || scheme.cohesion == CohesionScheme::implicit_beta) check_theta(table);
     if (!scheme.takes_explicit_steps() && scheme.damping > 0)

@@ -15,8 +15,7 @@ namespace {
 
 constexpr const char* toughness_columns =
     "softening,unloading,order,gamma,edges,load,through,seeds,speed_over_cR,surplus,deviation";
-constexpr double enough_through = 0.8;  // part of the strips
-constexpr double beyond_edges = 2;      // of the table: from 3 to 30 edges the surplus changes by 0.06
+constexpr double beyond_edges = 2;  // of the table: from 3 to 30 edges the surplus changes by 0.06
 
 std::vector<std::string> fields_of(const std::string& line) {
     std::vector<std::string> fields;
@@ -97,7 +96,7 @@ ToughnessTable::ToughnessTable(const std::string& csv) {
         const std::string content(trimmed(std::string_view(line).substr(0, line.find_first_of("#\r"))));
         if (content.empty() || content == toughness_columns) continue;
         const ToughnessRow row = toughness_row(content, number);
-        if (row.through < enough_through) continue;
+        if (!row.breaks()) continue;
         const auto same = std::ranges::find_if(rows_, [&](const ToughnessRow& other) {
             return same_kind(row.law, other.law) && row.law.gamma == other.law.gamma &&
                    row.law.edges == other.law.edges;

@@ -40,6 +40,9 @@ struct ToughnessRow {
     int seeds = 0;                      // strips
     double speed = 0;                   // [-] mean over the Rayleigh speed
     double surplus = 0, deviation = 0;  // [-] mean and standard deviation over the strips
+
+    /// Whether four of five cracks ran through.
+    bool breaks() const { return through >= 0.8; }
 };
 
 /// Lines of a table, with its header.
@@ -52,7 +55,7 @@ struct Surplus {
 class ToughnessTable {
 public:
     /// Throws UserError for a text that is no such table. Of the rows that differ only in the load it keeps the one
-    /// with the smallest load under which four of five strips or more broke: a crack as slow as the mesh allows.
+    /// with the smallest load that breaks its strips: a crack as slow as the mesh allows.
     explicit ToughnessTable(const std::string& csv);
 
     /// Interpolated over ln(edges) and gamma; beyond the fewest and most edges of the table, up to twice, those.

@@ -17,28 +17,31 @@ namespace knap {
 MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model_(model), options_(options) {
     if (options.takes_implicit_steps() && model.large_rotation)  // the scheme is linear in the displacement
         throw UserError("large-rotation", "large rotations need the explicit bulk");
-    if (options.bulk == BulkScheme::explicit_lumped) explicit_ = std::make_unique<ExplicitScheme>(model, options);
-    if (options.bulk == BulkScheme::implicit_theta) implicit_ = std::make_unique<ImplicitScheme>(model, options);
+    if (!changes()) make_scheme(options.takes_implicit_steps());
     if (model.heat) heat_.emplace(model);
 }
 
 bool MoreauJean::is_implicit(const State& begin) const {
-    return options_.bulk == BulkScheme::automatic ? has_end_velocities(begin) : implicit_ != nullptr;
+    return changes() ? has_end_velocities(begin) : implicit_ != nullptr;
+}
+
+void MoreauJean::make_scheme(bool implicit) {
+    SchemeOptions options = options_;
+    if (changes()) options.cohesion = implicit ? CohesionScheme::implicit_beta : CohesionScheme::explicit_beta;
+    if (implicit) implicit_ = std::make_unique<ImplicitScheme>(model_, options);
+    else explicit_ = std::make_unique<ExplicitScheme>(model_, options);
+    if (give_up_ != nullptr) give_up_when(give_up_);
 }
 
 StepScheme& MoreauJean::scheme_of(const State& begin) {
-    std::unique_ptr<StepScheme>& scheme = is_implicit(begin) ? implicit_ : explicit_;
-    if (scheme) return *scheme;
-    SchemeOptions options = options_;  // of a run that changes
-    if (is_implicit(begin)) {
-        options.cohesion = CohesionScheme::implicit_beta;
-        scheme = std::make_unique<ImplicitScheme>(model_, options);
-    } else {
-        options.cohesion = CohesionScheme::explicit_beta;
-        scheme = std::make_unique<ExplicitScheme>(model_, options);
-    }
-    if (give_up_ != nullptr) scheme->give_up_when(give_up_);
+    const bool implicit = is_implicit(begin);
+    const std::unique_ptr<StepScheme>& scheme = implicit ? implicit_ : explicit_;
+    if (!scheme) make_scheme(implicit);
     return *scheme;
+}
+
+void MoreauJean::begin(State& start) const {
+    if (changes()) begin_theta_scheme(start);
 }
 
 void MoreauJean::give_up_when(GiveUp condition) {
@@ -48,8 +51,7 @@ void MoreauJean::give_up_when(GiveUp condition) {
 }
 
 double MoreauJean::stable_step() const {
-    if (explicit_) return explicit_->stable_step();
-    if (implicit_) return implicit_->stable_step();
+    if (!options_.takes_explicit_steps()) return infinity;
     return std::ranges::min(stable_steps(model_.mesh, model_.materials, model_.plane));
 }
 

@@ -29,17 +29,22 @@ public:
     /// far, so that implicit ones can follow (stepper/scheme_change.hpp). `end` is void after a rejection.
     StepReport close_leapfrog(const State& begin, State& end);
 
+    /// Before the first step of a run: that of an automatic bulk is implicit.
+    void begin(State& start) const;
+
     /// Static equilibrium at start.time (stepper/equilibrium.hpp).
     void start_in_equilibrium(State& start) const { knap::start_in_equilibrium(model_, options_.mass, start); }
 
     /// Ends a long step early, by StepGivenUp. Without it every step is completed.
     void give_up_when(GiveUp condition);
 
-    double stable_step() const;      // [s] of the explicit scheme; infinite without it
+    double stable_step() const;      // [s] of explicit steps; infinite without them
     FactorSize factor_size() const;  // of the implicit scheme
 
 private:
+    bool changes() const { return options_.bulk == BulkScheme::automatic; }
     bool is_implicit(const State& begin) const;
+    void make_scheme(bool implicit);
     StepScheme& scheme_of(const State& begin);
     StepReport advance(const State& begin, double h, State& end);
 

@@ -24,10 +24,6 @@
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
 
-#include <optional>
-#include <string_view>
-#include <vector>
-
 namespace knap {
 
 struct SchemeChangeOptions {

@@ -78,9 +78,8 @@ Texts refined(const Scenario& base, Refine refine, double level) {
 }
 
 std::string scheme_name(const SchemeOptions& scheme) {
-    if (scheme.bulk == BulkScheme::automatic) return "auto";
-    return std::string(scheme.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit") + ", " +
-           (scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit");
+    if (scheme.bulk == BulkScheme::automatic) return name_of(scheme.bulk);
+    return std::string(name_of(scheme.bulk)) + ", " + name_of(scheme.cohesion);
 }
 
 /// The name of a quantity is part of the names of its figures.

@@ -24,9 +24,9 @@ constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of th
 
 /// [s] Processor time of a step at the start, after the first one: the minimum over some batches, since other load on
 /// the machine only adds.
-double measured_step(const Model& model, MoreauJean& stepper, double step, bool changes, double at_least_for) {
+double measured_step(const Model& model, MoreauJean& stepper, double step, double at_least_for) {
     State now = initial_state(model), next = now;
-    if (changes) begin_theta_scheme(now);
+    stepper.begin(now);
     stepper.step(now, step, next);
     const Stopwatch all;
     double fastest = infinity;
@@ -122,7 +122,7 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     cost.n_steps =
         plan.limits.changes() ? largest : std::max(largest, std::ceil(scenario.time.end / plan.limits.cracking));
     MoreauJean stepper(model, scenario.time.scheme);
-    cost.first_step = measured_step(model, stepper, plan.limits.largest, plan.limits.changes(), measure_for);
+    cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
     cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
     double growth = 1;  // of the number of triangles, at the end
     if (scenario.adapt.active()) {

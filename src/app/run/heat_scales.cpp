@@ -4,6 +4,7 @@
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "mesh/polygon.hpp"
+#include "output/outputs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -41,6 +42,15 @@ std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, d
     return found;
 }
 
+namespace {
+
+/// The field at one moment over the vertices of a mesh, and its strains as the stresses that they are where prevented.
+struct FieldExtremes {
+    double lowest = infinity, highest = -infinity;  // [K]
+    double strain = 0;                              // [-] largest |e(T) - e(reference)|
+    double stress = 0;                              // [Pa] E e/(1 - nu) in plane stress, E e/(1 - 2 nu) in plane strain
+};
+
 FieldExtremes field_extremes(const Scenario& scenario, const Mesh& mesh, double t) {
     FieldExtremes found;
     const Heat& heat = *scenario.heat;
@@ -60,16 +70,13 @@ FieldExtremes field_extremes(const Scenario& scenario, const Mesh& mesh, double 
     return found;
 }
 
-namespace {
-
 /// "20 C", "20 to 400 C"
 std::string range_text(const FieldExtremes& field, const char* unit) {
     const std::string low = formatted("%.6g", field.lowest), high = formatted("%.6g", field.highest);
     return (low == high ? low : low + " to " + high) + " " + unit;
 }
 
-}  // namespace
-
+/// [Pa] The smallest sigma_c of the laws with cohesion that can break; infinite without one.
 double smallest_strength(const Scenario& scenario) {
     double smallest = infinity;
     for (const NamedLaw& named : scenario.laws)
@@ -77,10 +84,12 @@ double smallest_strength(const Scenario& scenario) {
     return smallest;
 }
 
+}  // namespace
+
 std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
     if (!scenario.heat) return "";
     const Heat& heat = *scenario.heat;
-    const char* const unit = heat.celsius ? "C" : "K";
+    const char* const unit = unit_of_temperature("K", heat.celsius).data();
     const FieldExtremes start = field_extremes(scenario, mesh, 0);
     std::string text = "heat\n  temperature  " + range_text(start, unit) + " at t = 0";
     FieldExtremes largest = start;
@@ -129,7 +138,7 @@ std::vector<Diagnostic> findings_of_hot_start(const ReadResult& read, const Mode
     const FieldExtremes start = field_extremes(scenario, model.mesh, 0);
     const double strength = smallest_strength(scenario);
     if (!(start.stress > strength / 3)) return {};
-    const char* const unit = heat.celsius ? "C" : "K";
+    const char* const unit = unit_of_temperature("K", heat.celsius).data();
     return {read.at(
         "heat.temperature",
         {.severity = Diagnostic::Severity::warning,

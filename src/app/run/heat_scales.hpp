@@ -37,16 +37,6 @@ struct HeatScales {
 /// Empty without conduction. `step`: [s] the largest one of the run.
 std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, double step);
 
-/// The field at one moment over the vertices of a mesh, and its strains as the stresses that they are where prevented.
-struct FieldExtremes {
-    double lowest = infinity, highest = -infinity;  // [K]
-    double strain = 0;                              // [-] largest |e(T) - e(reference)|
-    double stress = 0;                              // [Pa] E e/(1 - nu) in plane stress, E e/(1 - 2 nu) in plane strain
-};
-FieldExtremes field_extremes(const Scenario& scenario, const Mesh& mesh, double t);
-/// [Pa] The smallest sigma_c of the laws with cohesion that can break; infinite without one.
-double smallest_strength(const Scenario& scenario);
-
 /// Temperatures and strains; with conduction a line or two for each material. Empty without heat.
 std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step);
 

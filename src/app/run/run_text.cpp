@@ -151,8 +151,7 @@ std::string scheme_text(const TimeOptions& time, bool is_viscous) {
     if (scheme.bulk == BulkScheme::automatic)
         return formatted(
             "changes: implicit bulk (theta %g) and beta in large steps while the body is quiet%s, explicit bulk and "
-            "beta "
-            "where it is not%s",
+            "beta where it is not%s",
             scheme.theta, time.start_in_equilibrium ? ", from equilibrium" : "",
             scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "");
     if (scheme.bulk == BulkScheme::implicit_theta)

@@ -137,21 +137,20 @@ StartState::StartState(const std::string& file, const Scenario& scenario, Model&
 /// The state at t = 0. A body that its interfaces cannot hold in equilibrium has failed before its first step.
 State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record) {
     State start = initial_state(model);
-    const auto begin = [&](State& state) -> State& {
-        if (record.scheme.bulk == BulkScheme::automatic) begin_theta_scheme(state);
-        return state;
-    };
-    if (!in_equilibrium) return begin(start);
-    const Stopwatch watch;
-    State loaded = start;
-    try {
-        stepper.start_in_equilibrium(loaded);
-    } catch (const SimulationError& error) {
-        record.status = "failed";
-        record.reason = error.what();
+    if (in_equilibrium) {
+        const Stopwatch watch;
+        State loaded = start;
+        try {
+            stepper.start_in_equilibrium(loaded);
+            start = std::move(loaded);
+        } catch (const SimulationError& error) {
+            record.status = "failed";
+            record.reason = error.what();
+        }
+        record.spent.preload = watch.cpu();
     }
-    record.spent.preload = watch.cpu();
-    return begin(record.status == "failed" ? start : loaded);
+    stepper.begin(start);
+    return start;
 }
 
 std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step) {

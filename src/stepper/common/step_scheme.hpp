@@ -14,6 +14,9 @@ constexpr const char* name_of(BulkScheme bulk) {
     return bulk == BulkScheme::automatic ? "auto" : bulk == BulkScheme::implicit_theta ? "implicit" : "explicit";
 }
 enum class CohesionScheme { explicit_beta, implicit_beta };
+constexpr const char* name_of(CohesionScheme cohesion) {
+    return cohesion == CohesionScheme::implicit_beta ? "implicit" : "explicit";
+}
 
 struct SchemeOptions {
     BulkScheme bulk = BulkScheme::explicit_lumped;
@@ -45,7 +48,6 @@ public:
 
     /// From `begin` over h [s] to everything in `end` but its times. After a rejection `end` is void.
     virtual StepReport step(const State& begin, double h, State& end) = 0;
-    virtual double stable_step() const = 0;  // [s]
     virtual FactorSize factor_size() const { return {}; }
     virtual void give_up_when(GiveUp) {}  // ignored by a scheme with short steps
 };

@@ -23,7 +23,6 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     : model_(model),
       damping_(options.damping),
       forces_(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation),
-      stable_step_(std::ranges::min(stable_steps(model.mesh, model.materials, model.plane))),
       crack_forces_(model),
       incubation_(model),
       absorbing_(model, options.absorbing),

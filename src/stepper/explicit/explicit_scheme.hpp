@@ -21,7 +21,6 @@ public:
     ExplicitScheme(const Model& model, const SchemeOptions& options);
 
     StepReport step(const State& begin, double h, State& end) override;
-    double stable_step() const override { return stable_step_; }
 
 private:
     StepReport sweep_blocks(const ExplicitStep& step);
@@ -57,7 +56,6 @@ private:
     double damping_;  // [1/s]
     ElasticForces forces_;
     std::optional<ThermalStress> thermal_;  // with heat
-    double stable_step_;                    // [s] of the worst free triangle
     CrackForces crack_forces_;
     IncubationClock incubation_;
     AbsorbingBoundary absorbing_;

@@ -97,20 +97,16 @@ bool FrontalFactor::eliminate(Front& front) const {
 }
 
 void FrontalFactor::solve(std::vector<double>& x) {
-    const auto in_front = [&](const Front& front, const auto& substitute) {
+    const auto in_front = [&](const Front& front, const auto& substitute, Index n_changed) {
         if (front.n_eliminated == 0) return;
         const Index* unknown = front.unknown.first();
         for (Index i = 0; i < front.size(); ++i) local_[i] = x[unknown[i]];
         substitute(front.L.first(), front.size(), front.n_eliminated, local_.data());
+        for (Index i = 0; i < n_changed; ++i) x[unknown[i]] = local_[i];
     };
-    for (const Front& front : fronts_) {
-        in_front(front, kernel_.substitute);
-        for (Index i = 0; i < front.size() && front.n_eliminated > 0; ++i) x[front.unknown.first()[i]] = local_[i];
-    }
-    for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) {
-        in_front(*front, kernel_.substitute_back);
-        for (Index i = 0; i < front->n_eliminated; ++i) x[front->unknown.first()[i]] = local_[i];
-    }
+    for (const Front& front : fronts_) in_front(front, kernel_.substitute, front.size());
+    for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front)
+        in_front(*front, kernel_.substitute_back, front->n_eliminated);
 }
 
 FactorSize FrontalFactor::size() const {

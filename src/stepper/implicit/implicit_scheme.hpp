@@ -34,7 +34,6 @@ public:
     ImplicitScheme(const Model& model, const SchemeOptions& options);
 
     StepReport step(const State& begin, double h, State& end) override;
-    double stable_step() const override { return infinity; }
     void give_up_when(GiveUp condition) override { solver_.give_up_when(condition); }
     FactorSize factor_size() const override { return matrix_.size(); }
 
