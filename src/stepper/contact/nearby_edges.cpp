@@ -93,10 +93,10 @@ void NearbyEdges::fill_grid(std::span<const FreeEdge> edges) {
     const CellBox moving = cells_of_moving(edges);
     fill(edge_cells_, 2 * n, [&](const auto& visit) {
         for (Index e = 0; e < n; ++e) {
-            const auto [low, high] = cells_of(edges[e]);
-            const auto misses = [&](int k) { return high[k] < moving.low[k] || low[k] > moving.high[k]; };
+            const CellBox cells = cells_of(edges[e]);
+            const auto misses = [&](int k) { return cells.high[k] < moving.low[k] || cells.low[k] > moving.high[k]; };
             if (edges[e].ground && (misses(0) || misses(1))) continue;
-            for_cells(low, high, [&](std::int32_t x, std::int32_t y) { visit(Entry{x, y, e}); });
+            for_cells(cells.low, cells.high, [&](std::int32_t x, std::int32_t y) { visit(Entry{x, y, e}); });
         }
     });
     fill(vertex_cells_, n, [&](const auto& visit) {

@@ -57,7 +57,7 @@ double overlap(const Model& model, const State& state, Index one, Index two) {
                    leaving = along(own, next_in_triangle(own)), entering = along(own, previous_in_triangle(own));
         for (const Vec2& outward : {Vec2(-turned_left(leaving)), turned_left(entering)}) {
             const Vec2 n = outward / outward.squaredNorm();
-            const auto lies_outside = [&](Index end) {
+            const auto lies_outside = [&, other = other](Index end) {
                 const Vec2 edge = along(other, end);
                 return outward.dot(edge) >= -same_direction * outward.norm() * edge.norm();
             };
