@@ -56,18 +56,17 @@ int crossings(const std::vector<Path>& arms, int axis, double level, double apar
 
 }  // namespace
 
-// Griffith theory of parallel cracks in a cooled half space, computed for this slab: an array of spacing p runs evenly to a depth a(p), then every second
-// crack stops, so that the cracks deeper than a have a spacing between p(a) and 2 p(a), p(a) = 1.25 mm (a/mm)^0.75. The mesh
-// covers the process zone by 4.2 edges only; the gate of the shorter cracks, which may be too few, is wider (2.6 p instead of 2 p). Deeper than 2.5 mm
-// an earlier version of the program, whose pattern is that of another seed, had six cracks, 4.2 mm apart, and the gates were at 2.5 mm. Seeds 1 to 3
-// have 3, 5 and 5 now, up to 3.4 p apart: the deepest are 2.8 to 2.9 mm deep at 0.2 s, so that 2.5 mm is the front of cracks that still run, and one mesh
-// of 0.16 mm has as few at 0.3 s. A mesh of 0.07 mm (undamped) has 6, and 7 at 0.3 s, within the theory. So
-// the gates of the theory are at 2 mm, and that of 2.5 mm is as wide as what was found.
+// Griffith theory of parallel cracks in a cooled half space, computed for this material: an array of spacing p runs evenly to a depth a(p), then every
+// second crack stops, so that the cracks deeper than a have a spacing between p(a) and 2 p(a): p(a) = 1.25 mm (a/mm)^0.75 for perfect transfer and
+// 1.68 mm (a/mm)^0.53 for Bi = 10. This slab has Bi = 16: the spacing lies between p of the first and 2 p of the second. The mesh covers the process zone
+// by 4.2 edges. Cracks deeper than 2.5 mm still run at 0.2 s (the deepest of seeds 1 to 3 are 2.8 to 2.9 mm deep; 3, 5 and 5 are deeper than 2.5 mm), so
+// that their number has no upper spacing yet.
 TEST_CASE("H7 cracks of a quenched slab stop one after the other" * doctest::test_suite("slow")) {
     describe(
         "`alumina_quench` (400 C into water of 20 C, mesh of 0.1 mm, damped): depth and spacing of the cracks against "
-        "the stability of arrays of Griffith cracks. STR: the theory; ACC: what this mesh reaches, except at 2 mm, "
-        "where it is a tenth of p wider to both sides than the theory.");
+        "the stability of arrays of Griffith cracks: their spacing is between p(a) of perfect transfer and 2 p(a) of "
+        "Bi "
+        "= 10 (the slab has 16). Cracks deeper than 2.5 mm still run.");
     const Folder folder("quench");
     const std::vector<Path> arms = arms_of(run(folder, "alumina_quench"));
     constexpr double mm = 1e-3, width = 25 * mm, height = 5 * mm;
@@ -77,13 +76,11 @@ TEST_CASE("H7 cracks of a quenched slab stop one after the other" * doctest::tes
         for (const Vec2& x : arm) deepest = std::max(deepest, height - x.y());
     verify_near("depth of the longest crack [mm]: 2.8 to 3.6", deepest / mm, 3.2, {0.4, 0.4});
     verify_near("spacing of cracks deeper than 2 mm [mm]: 2.3 to 5", spacing(2 * mm) / mm, 3.65, {1.35, 1.35});
-    for (const double a : {1.0, 1.5, 2.0, 2.5})
-        verify_near("spacing of cracks deeper than " + digits(a) + " mm over p: 1 to 2",
-                    spacing(a * mm) / (1.25 * mm * std::pow(a, 0.75)), 1.5,
-                    {a < 2   ? 1.1
-                     : a > 2 ? 1.9
-                             : 0.6,
-                     0.5});
+    for (const double a : {1.0, 1.5, 2.0, 2.5}) {
+        const std::string deeper = "spacing of cracks deeper than " + digits(a) + " mm over p of ";
+        verify_at_least(deeper + "perfect transfer", spacing(a * mm) / (1.25 * mm * std::pow(a, 0.75)), 1);
+        if (a < 2.5) verify_at_most(deeper + "Bi = 10", spacing(a * mm) / (1.68 * mm * std::pow(a, 0.53)), 2);
+    }
     verify_at_least("cracks deeper than 0.5 mm over those deeper than 2.5 mm", spacing(2.5 * mm) / spacing(0.5 * mm),
                     1.4);
 }
