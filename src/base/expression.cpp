@@ -145,6 +145,10 @@ bool Expression::depends_on_time() const {
     return std::ranges::any_of(steps_, [](const Step& step) { return step.code == Code::t; });
 }
 
+bool Expression::depends_on_place() const {
+    return std::ranges::any_of(steps_, [](const Step& step) { return step.code == Code::x || step.code == Code::y; });
+}
+
 double Expression::operator()(double x, double y, double t) const {
     double stack[max_depth + 1]{};
     double* top = stack;  // behind the last value

@@ -16,6 +16,7 @@ public:
     double operator()(double x, double y, double t) const;
     const std::string& text() const { return text_; }
     bool depends_on_time() const;
+    bool depends_on_place() const;
 
     enum class Code { number, x, y, t, negate, add, subtract, multiply, divide, power, function };
     struct Step {

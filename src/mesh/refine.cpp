@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <unordered_map>
 #include <unordered_set>
 
@@ -92,6 +93,7 @@ private:
     std::vector<Vec2> points_;               // [m]
     std::vector<Place> places_;              // per point
     std::vector<double> factor_;             // [-] per point, of its disc
+    std::vector<Index> neighbour_;           // per point: an earlier one beside it; -1: the one before it
     std::optional<TriangleLocator> old_;
     Delaunay fine_;
     Mesh part_;  // the new triangles, its vertices are the points
@@ -144,6 +146,7 @@ void Patch::find_lines() {
     }
     n_fixed_ = points_.size();
     factor_.assign(n_fixed_, 1);
+    neighbour_.assign(n_fixed_, -1);
     on_line_.assign(n_fixed_, 0);
     for (const Line& line : lines_) on_line_[line.from] = on_line_[line.to] = 1;
 }
@@ -171,7 +174,8 @@ void Patch::triangulate() {
     fine_.clear();
     std::vector<Vertex> vertex;
     for (std::size_t i = 0; i < points_.size(); ++i) {
-        vertex.push_back(fine_.insert(delaunay::point(points_[i]), i > 0 ? vertex.back()->face() : Face()));
+        const Index near = neighbour_[i] >= 0 ? neighbour_[i] : static_cast<Index>(i) - 1;
+        vertex.push_back(fine_.insert(delaunay::point(points_[i]), near >= 0 ? vertex[near]->face() : Face()));
         vertex.back()->info().value = static_cast<Index>(i);
     }
     for (const Line& line : lines_) fine_.insert_constraint(vertex[line.from], vertex[line.to]);
@@ -197,6 +201,7 @@ bool Patch::has_room(const Vec2& p, double radius, double factor, Face near) con
 }
 
 Vertex Patch::insert(const Vec2& p, double factor, Face near) {
+    neighbour_.push_back(std::max(near->vertex(0)->info().value, near->vertex(1)->info().value));  // infinite: -1
     const Vertex vertex = fine_.insert(delaunay::point(p), near);
     vertex->info().value = static_cast<Index>(points_.size());
     points_.push_back(p), places_.push_back({}), factor_.push_back(factor), on_line_.push_back(0);
@@ -299,8 +304,7 @@ Mesh Patch::inside() {
 /// be of any shape but flat.
 void Patch::relax(Mesh& part) {
     const double smallest = std::ranges::min(requested_.size);
-    relax_worst(
-        part, on_line_, [&](const Vec2&) { return smallest; }, QualityTarget(min_angle + 2));
+    relax_worst(part, on_line_, smallest, QualityTarget(min_angle + 2));
     for (std::size_t i = 0; i < points_.size(); ++i) {
         if (on_line_[i]) continue;
         const bool is_old = i < old_vertices_.size();
@@ -328,12 +332,16 @@ std::vector<Index> Patch::fill() {
                 leave_out[std::ranges::max(part_.triangles[t])] = 1;  // the newest
         if (std::ranges::count(leave_out, 1) == 0) return {};
         std::size_t n = n_fixed_;
+        std::vector<Index> now(n_fixed_);  // numbers of the points, or of neighbours of those that are left out
+        std::iota(now.begin(), now.end(), 0);
         for (std::size_t i = n_fixed_; i < points_.size(); ++i) {
+            const Index neighbour = neighbour_[i] < 0 ? -1 : now[neighbour_[i]];
+            now.push_back(leave_out[i] ? neighbour : static_cast<Index>(n));
             if (leave_out[i]) continue;
-            points_[n] = points_[i], factor_[n++] = factor_[i];
+            points_[n] = points_[i], neighbour_[n] = neighbour, factor_[n++] = factor_[i];
         }
         if (n == points_.size() || attempt + 1 == n_attempts) return triangles_at(leave_out);
-        points_.resize(n), places_.resize(n), factor_.resize(n), on_line_.resize(n);
+        points_.resize(n), places_.resize(n), factor_.resize(n), neighbour_.resize(n), on_line_.resize(n);
         triangulate();
     }
     return {};

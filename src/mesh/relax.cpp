@@ -22,26 +22,39 @@ TriangleQuality QualityTarget::operator()(const Mesh& mesh, Index triangle, doub
     return quality;
 }
 
-void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const std::function<double(const Vec2&)>& size,
-                 const QualityTarget& target) {
+namespace {
+
+/// size(t) [m]: of the triangle t.
+template <class SizeOfTriangle, class SizeAt>
+void relax(Mesh& mesh, const std::vector<char>& fixed, const SizeOfTriangle& size_of, const SizeAt& size_at,
+           const QualityTarget& target) {
     static const std::array<Vec2, 8> directions{Vec2(1, 0),  Vec2(0.7, 0.7),   Vec2(0, 1),  Vec2(-0.7, 0.7),
                                                 Vec2(-1, 0), Vec2(-0.7, -0.7), Vec2(0, -1), Vec2(0.7, -0.7)};
     const Grouped<Index> stars = vertex_stars(mesh);
-    const auto quality = [&](Index t) { return target(mesh, t, size(mesh.centroid(t))); };
-    // Pattern search for the position of one vertex where the worst triangle of its star is best. No angle becomes
-    // worse than the target for it: where the shape itself has small details the step ratio cannot be reached, and
-    // angles must not pay for trying.
+    const auto quality = [&](Index t) { return target(mesh, t, size_of(t)); };
+    // No angle becomes worse than the target for a better one: where the shape itself has small details the step ratio
+    // cannot be reached, and angles must not pay for trying. Ends with the first triangle that decides against it.
+    const auto improves = [&](std::span<const Index> star, TriangleQuality& best) {
+        TriangleQuality found{infinity, infinity};
+        for (const Index t : star) {
+            const TriangleQuality q = quality(t);
+            found = {std::min(found.step, q.step), std::min(found.angle, q.angle)};
+            if (found.angle < std::min(1.0, best.angle) || found.worse() <= best.worse()) return false;
+        }
+        best = found;
+        return true;
+    };
+    // Pattern search for the position of one vertex where the worst triangle of its star is best.
     const auto move = [&](Index v) {
         Vec2& x = mesh.vertices[v];
         TriangleQuality best = worst_of(stars[v], quality);
-        double step = 0.1 * size(x);
+        double step = 0.1 * size_at(x);
         for (int n_halvings = 0; n_halvings < 4 && best.worse() < 1;) {
             const Vec2 start = x;
             Vec2 place = start;
             for (const Vec2& direction : directions) {
                 x = start + step * direction;
-                const TriangleQuality found = worst_of(stars[v], quality);
-                if (found.angle >= std::min(1.0, best.angle) && found.worse() > best.worse()) best = found, place = x;
+                if (improves(stars[v], best)) place = x;
             }
             x = place;
             if (place == start) step /= 2, ++n_halvings;
@@ -56,6 +69,19 @@ void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const std::function
             for (const Index v : mesh.triangles[t])
                 if (!fixed[v]) move(v);
     }
+}
+
+}  // namespace
+
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const std::function<double(const Vec2&)>& size,
+                 const QualityTarget& target) {
+    relax(
+        mesh, fixed, [&](Index t) { return size(mesh.centroid(t)); }, size, target);
+}
+
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, double size, const QualityTarget& target) {
+    const auto same = [&](const auto&) { return size; };
+    relax(mesh, fixed, same, same, target);
 }
 
 }  // namespace knap

@@ -49,5 +49,6 @@ private:
 /// `size` [m] is the requested edge length at a place. Reads vertices and triangles only.
 void relax_worst(Mesh& mesh, const std::vector<char>& fixed, const std::function<double(const Vec2&)>& size,
                  const QualityTarget& target);
+void relax_worst(Mesh& mesh, const std::vector<char>& fixed, double size, const QualityTarget& target);
 
 }  // namespace knap

@@ -26,6 +26,7 @@ struct TemperatureField {
     bool is_constant() const {
         return history.time.empty() && !(grid ? grid->depends_on_time() : value.depends_on_time());
     }
+    bool is_uniform() const { return !grid && !value.depends_on_place(); }
 };
 
 /// Heat through a boundary, or into a region.

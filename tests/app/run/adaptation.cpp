@@ -66,6 +66,18 @@ TEST_CASE("adaptation: the same bits for one and three threads and for a run in 
         CHECK(one["adaptation"][name] == other["adaptation"][name]);
 }
 
+TEST_CASE("adaptation: with bulk viscosity the same bits and the energy balance closes") {
+    const Folder folder("adaptation viscosity");
+    std::string viscous = scene();
+    viscous.insert(viscous.find("nu = 0.2\n"), "bulk_viscosity = [0.06, 1.2]\n");
+    write_scene(folder, viscous);
+    check_threads_and_parts(folder, {"2"}, {"6.5us"}, 12);
+    const auto record = record_of(folder.path / "whole");
+    CHECK(record["summary"]["energy_residual"] < 1e-13);
+    CHECK(record["adaptation"]["batches"] > 5);
+    CHECK(knap::read_csv(folder.path / "whole" / "energy.csv").column("bulk_viscosity_work").back() < 0);
+}
+
 TEST_CASE("adaptation: a crack runs through the plate in triangles that are small where it is") {
     const Folder folder("adaptation run");
     write_scene(folder, scene());
