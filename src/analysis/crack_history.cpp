@@ -82,9 +82,9 @@ CrackHistory::Growth CrackHistory::growth(Index arm) const {
     growth.run.assign(n, 0);
     for (std::size_t i = 1, before = 0; i < n; ++i) {
         growth.run[i] = growth.run[i - 1] + position[i] - position[i - 1];
+        if (i + 1 < n && growth.reached[i + 1] == growth.reached[i]) continue;  // all that one snapshot sees at once
         const double duration = growth.reached[i] - growth.reached[before],
                      ahead = growth.run[i] - growth.run[before] - (duration > 0 ? options_.fastest * duration : 0);
-        while (ahead > burst && i + 1 < n && growth.reached[i + 1] == growth.reached[i]) ++i;
         if (ahead > burst) std::fill_n(growth.run.begin() + before, i + 1 - before, growth.run[before]);
         if (ahead <= 0 || ahead > burst) before = i;
     }

@@ -306,6 +306,12 @@ TEST_CASE("edges that break at once are joined and not run through: they give no
         CHECK(history.max_tip_speed() == relative(1000, 0.1));
         CHECK(history.mean_tip_speed() <= history.max_tip_speed());
     }
+    SUBCASE("a tip that runs by more than five edges from snapshot to snapshot has its speed") {
+        s.row(0, 0, 1, 0, 160, 1 * us, 1 * us / 16);  // 16 edges a microsecond, snapshots every half
+        o.fastest = 20000;
+        const CrackHistory history = run(s, 12 * us, o);
+        CHECK(history.mean_tip_speed() == relative(16000, 0.05));
+    }
     SUBCASE("a whole row fails at once") {
         s.row(0, 0, 1, 0, 40, 1 * us, 1e-3 * us);
         const CrackHistory history = run(s, 10 * us, o);
