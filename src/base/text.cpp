@@ -69,6 +69,10 @@ std::size_t n_characters(std::string_view utf8) {
     return utf8.size() - static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), continues_character));
 }
 
+std::string padded(const std::string& utf8, std::size_t width) {
+    return utf8 + std::string(width - std::min(width, n_characters(utf8)), ' ');
+}
+
 std::size_t character_begin(std::string_view utf8, std::size_t i) {
     while (i < utf8.size() && continues_character(utf8[i])) ++i;
     return i;

@@ -44,6 +44,8 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
 constexpr bool continues_character(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) == 0x80; }
 /// The number of characters in UTF-8 text.
 std::size_t n_characters(std::string_view utf8);
+/// With blanks behind it up to `width` characters.
+std::string padded(const std::string& utf8, std::size_t width);
 /// The first position from `i` on that is not inside a character.
 std::size_t character_begin(std::string_view utf8, std::size_t i);
 /// Whether all of a text is UTF-8 (RFC 3629).

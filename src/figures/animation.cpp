@@ -27,9 +27,9 @@ namespace {
 
 using std::filesystem::path;
 
-constexpr float quality = 80;  // of pictures with many colours
-constexpr int effort = 3;      // of 6: more takes longer and saves some percent
-constexpr int film_rate = 25;  // [1/s] pictures of .gif and .mp4
+constexpr float quality = 80;                   // of pictures with many colours
+constexpr int effort = 3, effort_of_still = 2;  // of 6: more takes longer and saves some percent
+constexpr int film_rate = 25;                   // [1/s] pictures of .gif and .mp4
 constexpr const char* encoder_name = "ffmpeg";
 
 int width_of(const Image& image) { return cairo_image_surface_get_width(image.get()); }
@@ -92,6 +92,20 @@ WebPConfig config() {
     config.quality = quality;
     config.method = effort;
     return config;
+}
+
+std::string encoded(WebpImage& picture) {
+    WebPConfig how = config();
+    how.method = effort_of_still;
+    WebPMemoryWriter writer;
+    WebPMemoryWriterInit(&writer);
+    picture.get()->writer = WebPMemoryWrite;
+    picture.get()->custom_ptr = &writer;
+    const bool good = WebPEncode(&how, picture.get()) != 0;
+    std::string bytes(reinterpret_cast<const char*>(writer.mem), writer.size);
+    WebPMemoryWriterClear(&writer);
+    if (!good) throw OutputError("cannot make a .webp picture");
+    return bytes;
 }
 
 /// Drawings of lines are stored without loss, as what changes between two pictures. The pictures of a field are stored
@@ -270,33 +284,17 @@ void write_animation(const path& file, std::size_t n, const std::function<Still(
 }
 
 std::string webp_of(const Image& image) {
-    const WebPConfig how = config();
     WebpImage picture(image);
-    WebPMemoryWriter writer;
-    WebPMemoryWriterInit(&writer);
-    picture.get()->writer = WebPMemoryWrite;
-    picture.get()->custom_ptr = &writer;
-    const bool good = WebPEncode(&how, picture.get()) != 0;
-    std::string bytes(reinterpret_cast<const char*>(writer.mem), writer.size);
-    WebPMemoryWriterClear(&writer);
-    if (!good) throw OutputError("cannot make a .webp picture");
-    return bytes;
+    return encoded(picture);
 }
 
 std::string webp_of_png(const path& file, int width) {
     const Image image(cairo_image_surface_create_from_png(file.string().c_str()), cairo_surface_destroy);
     if (cairo_surface_status(image.get()) != CAIRO_STATUS_SUCCESS) throw OutputError("cannot read " + file.string());
-    const double scale = std::min(1., static_cast<double>(width) / width_of(image));
-    const Image smaller = blank(static_cast<int>(std::ceil(scale * width_of(image))),
-                                static_cast<int>(std::ceil(scale * height_of(image))));
-    cairo_t* cairo = cairo_create(smaller.get());
-    cairo_scale(cairo, scale, scale);
-    cairo_set_source_surface(cairo, image.get(), 0, 0);
-    cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_GOOD);
-    cairo_paint(cairo);
-    cairo_destroy(cairo);
-    cairo_surface_flush(smaller.get());
-    return webp_of(smaller);
+    WebpImage picture(image);
+    // the height follows from the width
+    if (width < width_of(image) && !WebPPictureRescale(picture.get(), width, 0)) throw std::bad_alloc();
+    return encoded(picture);
 }
 
 Image stacked(const Image& above, const Image& below) {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <set>
 
 namespace knap {
@@ -227,20 +226,6 @@ std::vector<Vec2> parts_of(const std::vector<Vec2>& corners, int n) {
     return parts;
 }
 
-/// The edges that belong to one triangle only.
-std::vector<Vec2> outline_of(const Frame& frame, const std::vector<Vec2>& corners) {
-    using Place = std::pair<double, double>;
-    std::map<std::pair<Place, Place>, std::pair<Index, Index>> single;
-    const auto place = [&](Index c) { return Place(frame.position[c].x(), frame.position[c].y()); };
-    for (Index c = 0; c < 3 * frame.n_triangles(); ++c) {
-        const Index next = c % 3 == 2 ? c - 2 : c + 1;
-        if (single.erase({place(next), place(c)}) == 0) single[{place(c), place(next)}] = {c, next};
-    }
-    std::vector<Vec2> ends;
-    for (const auto& [places, edge] : single) ends.insert(ends.end(), {corners[edge.first], corners[edge.second]});
-    return ends;
-}
-
 /// Half planes extend to the end of what is seen.
 void draw_obstacles(Canvas& canvas, const Plot& plot, const Frame& frame, double magnification) {
     const auto at = [&](double x, double y) { return Vec2(Vec2(x, y) / plot.x.unit.factor); };
@@ -427,7 +412,9 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     draw_obstacles(canvas, plot, frame, options.deform);
     if (drawing.n_parts == 1) canvas.triangles(corners, drawing.triangles, area);
     else canvas.triangles(parts_of(corners, drawing.n_parts), drawing.triangles, area);
-    canvas.segments(outline_of(frame, corners), outline_colour, outline_width);
+    std::vector<Vec2> outline;
+    for (const Index c : single_edges(frame)) outline.insert(outline.end(), {corners[c], corners[next_corner(c)]});
+    canvas.segments(outline, outline_colour, outline_width);
     for (const Layer& layer : drawing.layers)
         draw_layer(canvas, frame, corners, layer, (options.panel ? 1.8 : 1) * layer.width);  // panels are shown smaller
     for (const double value : options.mark)

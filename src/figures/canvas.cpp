@@ -94,6 +94,69 @@ void trace(cairo_t* cairo, const std::vector<Vec2>& points) {
     for (const Vec2& p : points) cairo_line_to(cairo, p.x(), p.y());
 }
 
+constexpr int n_fine = 3;  // fine pixels per pixel, in each direction
+
+std::uint32_t pixel_of(const Colour& colour) {
+    const auto byte = [](double part) { return static_cast<std::uint32_t>(std::lround(255 * part)); };
+    return 255u << 24 | byte(colour.red) << 16 | byte(colour.green) << 8 | byte(colour.blue);
+}
+
+/// Rows of fine pixels from the top, transparent (0) until they are filled.
+class Pixels {
+public:
+    Pixels(int width, int height) : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * height) {}
+
+    /// Fills the pixels whose middles lie inside: of two triangles with a common edge one has each pixel along it.
+    void fill(std::array<Vec2, 3> corners, std::uint32_t colour) {
+        if (!(corners[0] + corners[1] + corners[2]).allFinite()) return;
+        std::ranges::sort(corners, {}, [](const Vec2& x) { return x.y(); });
+        const auto& [a, b, c] = corners;
+        const auto first_from = [](double x, int end) {
+            return static_cast<int>(std::clamp(x + 0.5, 0., static_cast<double>(end)));
+        };
+        const auto slope = [](const Vec2& from, const Vec2& to) { return (to.x() - from.x()) / (to.y() - from.y()); };
+        const double long_slope = slope(a, c);
+        const auto fill_rows = [&](const Vec2& from, const Vec2& to) {  // between this side and the long one
+            const double side_slope = slope(from, to);
+            for (int row = first_from(from.y(), height_), end = first_from(to.y(), height_); row < end; ++row) {
+                const double y = row + 0.5, x = a.x() + (y - a.y()) * long_slope,
+                             z = from.x() + (y - from.y()) * side_slope;
+                std::uint32_t* const pixels = pixels_.data() + static_cast<std::size_t>(row) * width_;
+                std::fill(pixels + first_from(std::min(x, z), width_), pixels + first_from(std::max(x, z), width_),
+                          colour);
+            }
+        };
+        fill_rows(a, b), fill_rows(b, c);
+    }
+
+    /// The mean colours of squares of n_fine pixels.
+    Image averaged(int width, int height) const {
+        Image image(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height), cairo_surface_destroy);
+        unsigned char* const bytes = cairo_image_surface_get_data(image.get());
+        for (int y = 0; y < height; ++y) {
+            auto* const row = reinterpret_cast<std::uint32_t*>(bytes + static_cast<std::ptrdiff_t>(y) *
+                                                                           cairo_image_surface_get_stride(image.get()));
+            for (int x = 0; x < width; ++x) row[x] = mean(n_fine * x, n_fine * y);
+        }
+        cairo_surface_mark_dirty(image.get());
+        return image;
+    }
+
+private:
+    std::uint32_t mean(int x, int y) const {
+        constexpr std::uint32_t n = n_fine * n_fine, every_second = 0xff00ff;  // bytes, summed two at a time
+        std::uint32_t even = 0, odd = 0;
+        for (int i = 0; i < n_fine; ++i) {
+            const std::uint32_t* const pixels = pixels_.data() + static_cast<std::size_t>(y + i) * width_ + x;
+            for (int k = 0; k < n_fine; ++k) even += pixels[k] & every_second, odd += pixels[k] >> 8 & every_second;
+        }
+        const auto part = [](std::uint32_t sums, int shift) { return ((sums >> shift & 0xffff) + n / 2) / n << shift; };
+        return part(even, 0) | part(even, 16) | (part(odd, 0) | part(odd, 16)) << 8;
+    }
+    int width_, height_;
+    std::vector<std::uint32_t> pixels_;
+};
+
 cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
     static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), n);
     return CAIRO_STATUS_SUCCESS;
@@ -236,34 +299,22 @@ void Canvas::marker(Marker marker, const Vec2& at, const Colour& colour) {
 }
 
 void Canvas::triangles(const std::vector<Vec2>& corners, const std::vector<Colour>& colours, const Area& area) {
-    constexpr int n_fine = 3;  // fine pixels per pixel, in each direction
     const double scale = pixels_per_unit_;
     // [pixel] from the upper left of the page
     const int left = static_cast<int>(std::floor(area.left * scale)),
               top = static_cast<int>(std::floor((height_ - area.top()) * scale)),
               width = static_cast<int>(std::ceil(area.right() * scale)) - left,
               height = static_cast<int>(std::ceil((height_ - area.bottom) * scale)) - top;
-    const Image fine(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, n_fine * width, n_fine * height),
-                     cairo_surface_destroy);
-    cairo_t* cairo = cairo_create(fine.get());
-    cairo_set_antialias(cairo, CAIRO_ANTIALIAS_NONE);
-    cairo_scale(cairo, n_fine * scale, -n_fine * scale);
-    cairo_translate(cairo, -left / scale, top / scale - height_);
+    Pixels fine(n_fine * width, n_fine * height);
     for (std::size_t t = 0; t < colours.size(); ++t) {
-        cairo_new_path(cairo);
-        for (std::size_t i = 3 * t; i < 3 * t + 3; ++i) cairo_line_to(cairo, corners[i].x(), corners[i].y());
-        set_colour(cairo, colours[t]);
-        cairo_fill(cairo);
+        const auto in_pixels = [&](const Vec2& x) {
+            return Vec2(n_fine * (x.x() * scale - left), n_fine * ((height_ - x.y()) * scale - top));
+        };
+        fine.fill({in_pixels(corners[3 * t]), in_pixels(corners[3 * t + 1]), in_pixels(corners[3 * t + 2])},
+                  pixel_of(colours[t]));
     }
-    cairo_destroy(cairo);
-    const Image averaged(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height), cairo_surface_destroy);
-    cairo = cairo_create(averaged.get());
-    cairo_scale(cairo, 1. / n_fine, 1. / n_fine);
-    cairo_set_source_surface(cairo, fine.get(), 0, 0);
-    cairo_pattern_set_filter(cairo_get_source(cairo), CAIRO_FILTER_GOOD);
-    cairo_paint(cairo);
-    cairo_destroy(cairo);
-    image(averaged, {left / scale, height_ - (top + height) / scale, width / scale, height / scale});
+    image(fine.averaged(width, height),
+          {left / scale, height_ - (top + height) / scale, width / scale, height / scale});
 }
 
 void Canvas::image(const Image& image, const Area& area) {

@@ -98,9 +98,9 @@ public:
     void segments(const std::vector<Vec2>& points, const Colour& colour, double width);
     void fill(const std::vector<Vec2>& outline, const Colour& colour);
     void marker(Marker marker, const Vec2& at, const Colour& colour);
-    /// Fills the triangles corners[3t .. 3t+2] inside `area` as an image without seams: filled without antialiasing at
-    /// three times the resolution, then averaged. It is an image in vector files, too: viewers are slow with 37 000
-    /// paths.
+    /// Fills the triangles corners[3t .. 3t+2] inside `area` with opaque colours as an image without seams: filled
+    /// without antialiasing at three times the resolution, then averaged. It is an image in vector files, too: viewers
+    /// are slow with 37 000 paths.
     void triangles(const std::vector<Vec2>& corners, const std::vector<Colour>& colours, const Area& area);
     /// Stretches an image to `area`.
     void image(const Image& image, const Area& area);

@@ -25,7 +25,8 @@ struct DisplayUnit {
     std::string unit;
 };
 
-/// The unit with the prefix that brings `largest` into 1 .. 1000. There are no km/s and no ks; "" stays "".
+/// The unit with the prefix that brings `largest` into 1 .. 1000. There are no km/s and no ks; units that take no
+/// prefix, as m2 or kg, and values too small for any stay as they are.
 DisplayUnit display_unit(double largest, const std::string& unit);
 
 /// "crack length [mm]"; a pure number has no brackets.

@@ -72,6 +72,11 @@ struct Frame {
 /// `all`: with the interfaces between bonded fans, too, which are neither written nor drawn.
 Frame make_frame(const Model& model, const State& state, bool all = true);
 
+/// Of the same triangle, counterclockwise.
+constexpr Index next_corner(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+/// The edges that belong to one triangle only, each by its first corner.
+std::vector<Index> single_edges(const Frame& frame);
+
 /// Diagonal [m] of the bounding box of points; 0 of none.
 double diagonal(const std::vector<Vec2>& points);
 

@@ -177,6 +177,11 @@ std::string value_text(double value, std::string_view unit, int digits) {
     return formatted("%.*g", digits, value + 0.0) + (unit.empty() ? "" : " " + std::string(unit));
 }
 
+std::string shown_text(double value, std::string_view unit, int digits) {
+    const DisplayUnit shown = display_unit(std::abs(value), std::string(unit));
+    return value_text(value * shown.factor, shown.unit, digits);
+}
+
 std::string outputs_markdown() {
     const auto escaped = [](std::string_view text) {
         std::string out;

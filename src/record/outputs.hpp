@@ -31,8 +31,10 @@ std::string_view unit_of_slope(std::string_view column);
 std::vector<std::string> header_of(const std::string& table, const std::vector<std::string>& columns,
                                    bool celsius = false);
 
-/// "12.5 mm/s"; "none" for NaN; never "-0".
+/// "0.0125 m/s"; "none" for NaN; never "-0".
 std::string value_text(double value, std::string_view unit, int digits = 6);
+/// The same with the prefix that suits the value: "12.5 mm/s".
+std::string shown_text(double value, std::string_view unit, int digits = 6);
 
 /// The list as Markdown: scenarios/OUTPUTS.md.
 std::string outputs_markdown();

@@ -3,9 +3,11 @@
 #include "analysis/fragments.hpp"
 #include "analysis/strength.hpp"
 #include "base/formatted.hpp"
+#include "figures/ticks.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace knap {
@@ -350,12 +352,23 @@ std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& exp
     std::vector<ExpectResult> results;
     for (const Expectation& expected : expectations) {
         const double unit = expected.unit == "cR" ? rayleigh_speed : 1, value = summary[expected.key];
-        const std::string name(expected.unit.empty() ? unit_of("summary", expected.key) : expected.unit),
-            tail = name.empty() ? "" : " " + name;
-        const auto bound = [&](const std::optional<double>& limit, const char* word, auto holds) {
+        const std::string_view si = unit_of("summary", expected.key);
+        using Text = std::function<std::string(double)>;
+        /// `limit_with` writes the bound by a text of its numbers.
+        const auto add = [&](double bound, const std::function<std::string(const Text&)>& limit_with, bool pass) {
+            const DisplayUnit as_given{1, std::string(expected.unit.empty() ? si : expected.unit)},
+                read = expected.unit.empty() ? display_unit(std::abs(bound == 0 ? value : bound), std::string(si))
+                                             : as_given;
+            const auto text_in = [](const DisplayUnit& in) -> Text {
+                return [in](double number) { return value_text(number * in.factor, in.unit); };
+            };
+            results.push_back({expected.key, limit_with(text_in(as_given)), value,
+                               value_text(value / unit * read.factor, read.unit), limit_with(text_in(read)), pass});
+        };
+        const auto bound = [&](const std::optional<double>& limit, const std::string& word, auto holds) {
             if (limit)
-                results.push_back(
-                    {expected.key, formatted("%s %.6g", word, *limit) + tail, value, holds(value, *limit * unit)});
+                add(
+                    *limit, [&](const Text& text) { return word + " " + text(*limit); }, holds(value, *limit * unit));
         };
         bound(expected.below, "below", std::less());
         bound(expected.above, "above", std::greater());
@@ -364,10 +377,11 @@ std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& exp
         if (!expected.value) continue;
         const double target = *expected.value * unit;
         const double allowed = expected.relative ? expected.within * std::abs(target) : expected.within * unit;
-        const std::string within =
-            expected.relative ? formatted("%.6g %%", 100 * expected.within) : formatted("%.6g", expected.within) + tail;
-        results.push_back({expected.key, formatted("%.6g", *expected.value) + tail + " within " + within, value,
-                           std::abs(value - target) <= allowed});
+        const auto limit = [&](const Text& text) {
+            return text(*expected.value) + " within " +
+                   (expected.relative ? formatted("%.6g %%", 100 * expected.within) : text(expected.within));
+        };
+        add(*expected.value == 0 ? expected.within : *expected.value, limit, std::abs(value - target) <= allowed);
     }
     return results;
 }

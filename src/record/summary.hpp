@@ -34,8 +34,9 @@ struct Expectation {
 };
 
 struct ExpectResult {
-    std::string name, limit;  // "max_tip_speed", "below 0.65 cR"
-    double value;             // SI; NaN: never happened, which fails every bound
+    std::string name, limit;               // "first_growth_time", "below 1.8e-05 s"
+    double value;                          // SI; NaN: never happened, which fails every bound
+    std::string shown_value, shown_limit;  // in the unit in which the bound reads well: "15.4 µs", "below 18 µs"
     bool pass;
 };
 std::vector<ExpectResult> judge_expectations(const std::vector<Expectation>& expectations, const Summary& summary,

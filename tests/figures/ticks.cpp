@@ -47,7 +47,7 @@ TEST_CASE("ticks: numbers of any size have a label") {
     CHECK(round_ticks(-2e80, 2e80, 5).labels == std::vector<std::string>{"−2e+80", "−1e+80", "0", "1e+80", "2e+80"});
     CHECK(round_ticks(0, 3e15, 4).labels == std::vector<std::string>{"0", "1e+15", "2e+15", "3e+15"});
     CHECK(time_text(1e80) == "1e+80 s");
-    CHECK(time_text(1e-80) == "1e-68 ps");
+    CHECK(time_text(1e-80) == "1e-80 s");
 }
 
 TEST_CASE("ticks: prefixes") {
@@ -59,6 +59,10 @@ TEST_CASE("ticks: prefixes") {
     CHECK(display_unit(2125, "m/s").unit == "m/s");
     CHECK(display_unit(0, "J").unit == "J");
     CHECK(display_unit(0.5, "").unit == "");
+    CHECK(display_unit(1e-3, "m2").unit == "m2");  // not mm2, which are 1e-6 m2
+    CHECK(display_unit(1e-3, "kg m/s").unit == "kg m/s");
+    CHECK(display_unit(3e6, "Pa m^0.5").unit == "MPa m^0.5");
+    CHECK(display_unit(1e-20, "m").unit == "m");
     CHECK(with_unit("time", "µs") == "time [µs]");
     CHECK(with_unit("cohesion", "") == "cohesion");
 }

@@ -109,6 +109,13 @@ void add_keys(const Texts& set, std::vector<SweepKey>& keys) {
 
 std::string last_part(const std::string& key) { return key.substr(key.rfind('.') + 1); }
 
+/// free, 80 um of ["free", "80 um"]: a value for readers.
+std::string without_quotes(std::string value) {
+    std::erase_if(value, [](char c) { return c == '"' || c == '\''; });
+    if (value.starts_with('[') && value.find(']') + 1 == value.size()) value = value.substr(1, value.size() - 2);
+    return value;
+}
+
 /// All combinations of the values; the last key varies fastest.
 std::vector<Variant> combinations(const std::vector<SweepKey>& keys, std::size_t n_seeds) {
     double n_runs = static_cast<double>(std::max<std::size_t>(n_seeds, 1));
@@ -158,7 +165,7 @@ std::vector<std::size_t> Ensemble::variants_of(std::size_t line) const {
 std::string Ensemble::caption(const EnsembleRun& run) const {
     Texts parts;
     for (std::size_t k = 0; k < keys.size(); ++k)
-        parts.push_back(last_part(keys[k]) + " " + variants[run.variant].values[k]);
+        parts.push_back(last_part(keys[k]) + " " + without_quotes(variants[run.variant].values[k]));
     if (n_seeds > 0 || parts.empty()) parts.push_back("seed " + std::to_string(run.seed));
     return joined(parts);
 }

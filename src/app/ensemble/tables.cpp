@@ -38,7 +38,7 @@ std::string shown(double value, const DisplayUnit& unit, int digits) {
     return std::isfinite(value) ? value_text(value * unit.factor, unit.unit, digits) : "-";
 }
 std::string shown(double value, std::string_view unit) {
-    return shown(value, display_unit(std::abs(value), std::string(unit)), 4);
+    return std::isfinite(value) ? shown_text(value, unit, 4) : "-";
 }
 
 std::string csv_number(double value) { return std::isfinite(value) ? shortest(value + 0.0) : ""; }  // + 0: no "-0.0"
@@ -81,7 +81,7 @@ public:
             for (const std::string& text : column) width = std::max(width, n_characters(text));
             lines[1] += std::string(width + 2, '-') + "|";
             for (std::size_t i = 0; i <= n_rows_; ++i)
-                lines[i == 0 ? 0 : i + 1] += " " + column[i] + std::string(width - n_characters(column[i]), ' ') + " |";
+                lines[i == 0 ? 0 : i + 1] += " " + padded(column[i], width) + " |";
         }
         return joined(lines, "\n") + "\n";
     }

@@ -24,17 +24,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t min_pictures = 3, max_pictures = 24;
-constexpr double share = 0.03;              // of the processor time of the run, for more than the fewest pictures
+constexpr double share = 0.04;              // of the processor time of the run, for more than the fewest pictures
 constexpr std::size_t max_bytes = 700'000;  // of all pictures
 constexpr int picture_width = 640;          // [pixel]
 
-/// "0.3 mm"; other units, and values that are small for any prefix, in SI.
-std::string with_prefix(double value, std::string_view unit) {
-    const bool plain = unit != "m" && unit != "s" && unit != "Pa" && unit != "J" && unit != "N";
-    if (plain || std::abs(value) < 1e-12) return value_text(value, unit, 5);
-    const DisplayUnit shown = display_unit(std::abs(value), std::string(unit));
-    return value_text(value * shown.factor, shown.unit, 5);
-}
+/// "0.3 mm"
+std::string with_prefix(double value, std::string_view unit) { return shown_text(value, unit, 5); }
 
 // ---- parts of the page
 
@@ -48,9 +43,7 @@ std::string warnings_of(const RunRecord& record) {
                           value_text(gate.value, gate.unit, 4) + ", limit " + value_text(gate.limit, gate.unit, 4) +
                           ". " + std::string(gate.cure));
     for (const ExpectResult& result : record.expect)
-        if (!result.pass)
-            bad.push_back(result.name + " = " + value_text(result.value, unit_of("summary", result.name)) +
-                          ", expected " + result.limit);
+        if (!result.pass) bad.push_back(result.name + " = " + result.shown_value + ", expected " + result.shown_limit);
     return html_section("Warnings", html_list(bad, "bad") + html_list(warnings, "warn"));
 }
 
@@ -107,8 +100,7 @@ std::string gates(const RunRecord& record) {
 std::string expectations(const RunRecord& record) {
     std::vector<HtmlRow> rows;
     for (const ExpectResult& result : record.expect)
-        rows.push_back({result.name, value_text(result.value, unit_of("summary", result.name)), result.limit,
-                        result.pass ? "ok" : "FAILED"});
+        rows.push_back({result.name, result.shown_value, result.shown_limit, result.pass ? "ok" : "FAILED"});
     return html_table({"number", "value", "expected", ""}, rows);
 }
 
@@ -136,8 +128,10 @@ std::vector<std::size_t> from_coarse_to_fine(std::size_t n) {
     return order;
 }
 
-/// What the first figure of the body shows, else cracks. The colours are those of the last frame.
-std::string frames(const RunRecord& record, const Recorder& recorder, const fs::path& directory) {
+/// What the first figure of the body shows, else cracks. The colours are those of the last frame. `watch`: runs since
+/// the report began.
+std::string frames(const RunRecord& record, const Recorder& recorder, const fs::path& directory,
+                   const Stopwatch& watch) {
     std::error_code none;
     if (!fs::exists(directory / "run.pvd", none)) return "";
     const std::vector<double> times = frame_times(directory);
@@ -149,7 +143,6 @@ std::string frames(const RunRecord& record, const Recorder& recorder, const fs::
     options.width = picture_width, options.panel = false, options.curves.clear(), options.file = "frames.webp";
     const FigureContext& context = recorder.options().context;
     const Histories& histories = recorder.histories();
-    const Stopwatch watch;
     std::map<std::size_t, std::pair<std::string, std::string>> pictures;
     std::optional<FigureScale> scale;
     std::size_t size = 0;
@@ -190,11 +183,11 @@ std::string command_line(const std::vector<std::string>& words) {
 
 void write_report(const Scenario& scenario, const RunRecord& record, const Recorder& recorder,
                   const fs::path& directory) {
-    const std::string text = read_whole_file(directory / "scenario.toml");
+    const Stopwatch watch;
+    const std::string text = read_whole_file(directory / "scenario.toml"), figures = html_figures(record.figures);
     const std::string body =
-        warnings_of(record) + html_section("Frames", frames(record, recorder, directory)) +
-        html_section("Figures", html_figures(record.figures)) +
-        html_section("What was computed", computed(scenario, record)) +
+        warnings_of(record) + html_section("Frames", frames(record, recorder, directory, watch)) +
+        html_section("Figures", figures) + html_section("What was computed", computed(scenario, record)) +
         html_section("Expected results", expectations(record)) + html_section("Results", number_rows(record)) +
         html_section("Is the run valid?", gates(record)) + html_section("How to repeat it", origin(record)) +
         "<details><summary>Scenario</summary><pre>" + html_text(text) + "</pre></details>\n";

@@ -1,6 +1,7 @@
 #include "app/run/run_text.hpp"
 
 #include "base/formatted.hpp"
+#include "base/text.hpp"
 #include "figures/ticks.hpp"
 #include "record/outputs.hpp"
 
@@ -211,9 +212,8 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
                               gate.pass() ? name_of(gate.level).data() : "VIOLATED",
                               gate.level == GateLevel::ok ? "" : at_place(gate.place).c_str());
     for (const ExpectResult& result : record.expect)
-        text += formatted("  expect %-*s %-16s %-24s %s\n", n, result.name.c_str(),
-                          value_text(result.value, unit_of("summary", result.name)).c_str(), result.limit.c_str(),
-                          result.pass ? "ok" : "FAILED");
+        text += "  expect " + padded(result.name, n) + " " + padded(result.shown_value, 16) + " " +
+                padded(result.shown_limit, 24) + " " + (result.pass ? "ok" : "FAILED") + "\n";
     if (record.n_not_judged > 0)
         text += formatted("  expect: %zu number%s not judged, because the run failed\n", record.n_not_judged,
                           record.n_not_judged == 1 ? "" : "s");
