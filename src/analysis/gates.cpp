@@ -93,8 +93,9 @@ const GateRule rules[] = {
      [](const GateView& run) { return GateValue{run.ledger.worst().largest_beta_growth}; }},
     {{"interface_residual", "", "largest violation of the interface laws, scaled",
       "The solver of the interfaces found no motion that satisfies all interface laws. Usual cause: a body driven "
-      "against an obstacle or support that cannot give way, very large friction, or slivers. Try a smaller time.step, "
-      "less friction, a better mesh, and check the prescribed motions."},
+      "against an obstacle or support that cannot give way, very large friction, slivers, or more than ten thousand "
+      "triangles round one vertex of which some came apart and others cannot (rounding). Try a smaller time.step, less "
+      "friction, a better mesh, and check the prescribed motions."},
      {infinity, max_residual, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().residual}; }},
     {{"largest_speed", "m/s",

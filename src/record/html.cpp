@@ -36,6 +36,8 @@ figcaption { color: #555; font-size: .85em }
 pre { white-space: pre-wrap; overflow-wrap: anywhere; background: #f6f6f6; padding: .6em; font-size: .85em }
 input[type=range] { width: 100% }
 .figures { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1em }
+.figures > :only-child { grid-column: 1 / -1 }
+.short { white-space: nowrap }
 @page { size: A4; margin: 15mm }
 @media print {
   body { margin: 0; max-width: none; font-size: 10pt }
@@ -89,8 +91,11 @@ std::string json_text(const std::string& text) {
 }
 
 std::string cells(const HtmlRow& row, const char* kind) {
+    constexpr std::size_t short_cell = 12;  // [character] as "161.3 ns", which must not go over two lines
     std::string text = "<tr>";
-    for (const std::string& cell : row) text += std::string("<") + kind + ">" + html_text(cell) + "</" + kind + ">";
+    for (const std::string& cell : row)
+        text += std::string("<") + kind + (n_characters(cell) <= short_cell ? " class=\"short\">" : ">") +
+                html_text(cell) + "</" + kind + ">";
     return text + "</tr>\n";
 }
 
