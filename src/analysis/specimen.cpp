@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace knap {
@@ -25,6 +26,12 @@ std::size_t driver_of(const Reactions& reactions, const GaugeEnd& end) {
 }
 
 }  // namespace
+
+double strength_by_law(SpecimenOptions::Test test, const CohesiveLaw& law) {
+    if (test == SpecimenOptions::Test::bending) return std::numeric_limits<double>::quiet_NaN();
+    if (test != SpecimenOptions::Test::compression) return law.sigma_c;
+    return 2 * (law.gamma + law.friction) * law.sigma_c / (std::hypot(1, law.friction) - law.friction);
+}
 
 Gauge::Gauge(const Model& model, const Reactions& reactions, const GaugeEnds& ends, int axis, double size)
     : axis_(axis) {

@@ -37,6 +37,10 @@ struct SpecimenOptions {
     std::array<double, 2> modulus_between{0.4, 0.6};  // parts of the peak
 };
 
+/// [Pa] The stress at which interfaces of one law in all directions break in this test: sigma_c, under (uniaxial)
+/// compression Coulomb's law with the cohesion (gamma + mu) sigma_c. NaN in bending, where the size decides.
+double strength_by_law(SpecimenOptions::Test test, const CohesiveLaw& law);
+
 /// The distance of two places. An end at a driver moves with it.
 class Gauge {
 public:

@@ -89,6 +89,11 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
             "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness write toughness = \"as "
             "measured\" (above all tables)\n");
+    if (const double strength = law_strength(scenario); strength > 0)
+        std::printf(
+            "  specimen: %.4g MPa by the law; strength_ratio of the summary is the peak over it (BENCHMARKS.md, "
+            "Rock, has what adds to it)\n",
+            1e-6 * strength);
     const SchemeOptions& scheme = scenario.time.scheme;
     if (scheme.cohesion == CohesionScheme::explicit_beta) return;  // Assumption 1 is one of the implicit cohesion
     for (const Resolution& r : found) {

@@ -34,6 +34,7 @@ struct RecorderOptions {
     std::vector<ProbeOptions> probes;
     bool breaks = false;  // record every interface that breaks; a specimen implies it
     std::optional<SpecimenOptions> specimen;
+    double law_strength = 0;  // [Pa] strength_by_law of the first law within a material; 0: there is none
     struct Toughness {
         double measured = 0, of_interfaces = 0;  // [J/m2] of the first law with toughness = "as measured"; 0: none
     } toughness;

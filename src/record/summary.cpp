@@ -129,6 +129,7 @@ bool delays(F f) { return f.recorder.options().works.delay; }
 bool incubates(F f) { return f.recorder.options().works.incubation; }
 bool may_rest(F f) { return f.recorder.rest() != nullptr; }
 bool of_specimen(F f) { return f.specimen.has_value(); }
+bool with_law_strength(F f) { return of_specimen(f) && f.recorder.options().law_strength > 0; }
 bool with_gauge(F f) { return f.specimen && f.specimen->lateral; }
 bool in_compression(F f) { return with_gauge(f) && f.specimen->test == SpecimenOptions::Test::compression; }
 
@@ -271,6 +272,12 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.recorder.at_rest() ? f.recorder.rest()->since() : not_a_number; }, may_rest},
     {"peak_stress", "Pa", "largest stress of the specimen: its strength", [](F f) { return f.strength.peak_stress; },
      of_specimen},
+    {"law_strength", "Pa",
+     "stress at which interfaces in all directions would break, by the first law within a material: sigma_c; in a test "
+     "of compression, without confinement, 2 (gamma + mu) sigma_c/(sqrt(1 + mu^2) - mu)",
+     [](F f) { return f.recorder.options().law_strength; }, with_law_strength},
+    {"strength_ratio", "", "peak_stress over law_strength: what the specimen, its size and the mesh add",
+     [](F f) { return f.strength.peak_stress / f.recorder.options().law_strength; }, with_law_strength},
     {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},
     {"tangent_modulus", "Pa",
      "slope of stress over axial strain of a specimen, in the plane; only for loading that is slow against the wave "

@@ -202,4 +202,14 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     CHECK(std::isnan(strength_of(History{rising.columns, {}}, {0.4, 0.6}).peak_stress));
 }
 
+TEST_CASE("the strength of a specimen by the law is that of interfaces in all directions") {
+    using Test = SpecimenOptions::Test;
+    const CohesiveLaw law{.sigma_c = 5e6, .G_c = 4, .gamma = 1, .friction = 0.75};
+    CHECK(strength_by_law(Test::tension, law) == 5e6);
+    CHECK(strength_by_law(Test::brazilian, law) == 5e6);
+    // Coulomb: 2 c cos(phi)/(1 - sin(phi)) with c = 1.75 sigma_c, sin(phi) = 0.6
+    CHECK(strength_by_law(Test::compression, law) == relative(2 * 1.75 * 5e6 * 0.8 / 0.4, 1e-14));
+    CHECK(std::isnan(strength_by_law(Test::bending, law)));
+}
+
 }  // namespace strength_test

@@ -95,6 +95,13 @@ ModelInput model_input(const Scenario& scenario) {
     return input;
 }
 
+double law_strength(const Scenario& scenario) {
+    for (std::size_t m = 0; scenario.specimen && m < scenario.materials.size(); ++m)
+        if (const CohesiveLaw& law = scenario.laws[scenario.law_of_pair[m][m]].law; law.breakable() && law.sigma_c > 0)
+            return strength_by_law(scenario.specimen->test, law);
+    return 0;
+}
+
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
                                  const std::filesystem::path& directory, bool resumes, bool continues_other_run) {
     double process_zone = 0, fastest = 0, critical_opening = 0;
@@ -125,6 +132,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .probes = scenario.probes,
             .breaks = scenario.output.breaks,
             .specimen = scenario.specimen,
+            .law_strength = law_strength(scenario),
             .toughness = toughness,
             .rest = scenario.time.rest,
             .resumes = resumes,
