@@ -7,7 +7,7 @@
 namespace knap {
 namespace {
 
-constexpr double inner_overlap = 0.005;  // [-] of an edge
+constexpr double inner_overlap = 0.002;  // [-] of an edge
 constexpr double same_direction = 1e-9;  // sine of an angle between edges that is rounding
 constexpr double parting_slip = 0.02;    // [-] of the edge
 constexpr double parting_turn = 0.2;     // [rad] no corner of a usual triangle is sharper
@@ -92,7 +92,9 @@ double retirement_limit(const Model& model, const State& state, Index rank) {
         return n > 1;
     };
     if (!separates(retirement_slip)) return infinity;
-    if (!fan.closed || strangers_overlap(model, state, fan)) return retirement_slip;
+    const auto has_retired = [&](const FanPoint& at) { return state.retired[at.point] == 1; };
+    const bool is_apart = std::ranges::count_if(points, has_retired) > 1;
+    if (!fan.closed || is_apart || strangers_overlap(model, state, fan)) return retirement_slip;
     return separates(inner_retirement_slip) ? inner_retirement_slip : infinity;
 }
 

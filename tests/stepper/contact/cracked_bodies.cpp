@@ -110,11 +110,26 @@ TEST_CASE("broken points inside the body retire early where corners that are no 
         scene.retire();
         return n_retired_at_centre(scene);
     };
-    static_assert(1.5 * retirement_slip < 0.004 && 0.006 < 0.5 * inner_retirement_slip);
-    CHECK(closed_by(0.004, true) == 0);   // less than the overlap of 0.005
-    CHECK(closed_by(0.006, true) == 4);   // those of 0 and 3; 1 and 2, 4 and 5 have not moved apart
-    CHECK(closed_by(0.006, false) == 0);  // the same slips, without an overlap of strangers: 3 goes away from 0
+    const double d = 1.25 * retirement_slip;  // beyond the overlap of 0.002 only where both go towards each other
+    static_assert(2.5 * retirement_slip < inner_retirement_slip);
+    CHECK(closed_by(0.8 * retirement_slip, true) == 0);
+    CHECK(closed_by(d, true) == 4);   // those of 0 and 3; 1 and 2, 4 and 5 have not moved apart
+    CHECK(closed_by(d, false) == 0);  // the same slips: 3 goes away from 0, which overlaps by d/2 with 2 and 4
+    CHECK(closed_by(2.5 * retirement_slip, false) == 4);
     CHECK(closed_by(1.1 * inner_retirement_slip, false) == 4);
+}
+
+TEST_CASE("what slips inside a body whose vertex has come apart retires as on the surface") {
+    // triangles 0 and 1 lie against the other four; 1 goes outwards and retires with both of its points, or with none
+    const auto retired_with = [&](double slip_of_1) {
+        Pieces scene = hexagon({0, 1, 2, 3, 3, 3});
+        scene.put(1, slip_of_1 * Vec2(0, 1));
+        scene.put(3, 1.2 * retirement_slip * turned({1, 0}, -std::numbers::pi / 2));
+        scene.retire();
+        return n_retired_at_centre(scene);
+    };
+    CHECK(retired_with(0.8 * inner_retirement_slip) == 0);
+    CHECK(retired_with(1.2 * inner_retirement_slip) == 4);
 }
 
 TEST_CASE("a broken point that is alone in its slip retires on the surface and not inside the body") {
