@@ -28,6 +28,8 @@ TEST_CASE("formulas follow the usual order of operations") {
     CHECK(value("cos(pi)") == -1);
     CHECK(Expression("3*t").depends_on_time());
     CHECK(!Expression("tan(x)").depends_on_time());
+    CHECK(Expression("1 - y").depends_on_place());
+    CHECK(!Expression("3*t").depends_on_place());
 }
 
 TEST_CASE("what is no formula is refused with its place") {
