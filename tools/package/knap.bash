@@ -6,7 +6,7 @@ _knap() {
         files=""
     else
         help="$("$knap" "$command" --help 2>/dev/null)"
-        option="$(grep -m 1 -E -- "^  (-[^ ]*,)?$before(,[^ ]*)? (TEXT|INT|UINT|FLOAT|PATH)" <<<"$help")"  # of what has a value
+        option="$(grep -m 1 -E -- "^  (-[^ ]*,)?$before(,[^ ]*)? (TEXT|INT|UINT|FLOAT|PATH)" <<<"$help" || true)"  # of what has a value
         if [[ "$word" == -* ]]; then
             words="$(sed -n 's/^  \(-[^ ]*\).*/\1/p' <<<"$help" | tr ',' '\n' | sed 's/[:=].*//')"
             files=""
