@@ -231,7 +231,10 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
     std::printf("%s%-9s%s\n", text.c_str(), (kind + ":").c_str(), directory.c_str());
     const std::vector<fs::path> figures = draw_ensemble(ensemble, directory);
     for (const fs::path& figure : figures) std::printf("figure:  %s\n", figure.c_str());
-    if (ensemble.report) write_report(ensemble, figures, text, options.command, directory);
+    if (ensemble.report) {
+        write_report(ensemble, figures, text, options.command, directory);
+        std::printf("report:  %s\n", (directory / "report.html").c_str());
+    }
     const auto successful = [](const EnsembleRun& run) { return run.result.trouble().empty(); };
     return std::ranges::all_of(ensemble.runs, successful) ? exit_done : exit_failed;
 }

@@ -358,7 +358,9 @@ void Run::finish() {
     if (record_.status == "failed") checkpoints_.remove();
     else if (complete) checkpoints_.keep_for_later_end();
     std::fputs(end.c_str(), stdout);
-    if (setup_.scenario.output.report) write_report(setup_.scenario, record_, recorder_, setup_.directory);
+    if (!setup_.scenario.output.report) return;
+    write_report(setup_.scenario, record_, recorder_, setup_.directory);
+    std::printf("report:  %s\n", (setup_.directory / "report.html").c_str());
 }
 
 ExitCode exit_code(const RunRecord& record) {
