@@ -28,7 +28,6 @@ h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid #ccc }
 .bad li, .warn li { list-style: "\26A0  "; margin: .2em 0 }
 table { border-collapse: collapse; font-size: .9em }
 th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid #e4e4e4 }
-th { white-space: nowrap }
 td { font-variant-numeric: tabular-nums; overflow-wrap: break-word }
 figure { margin: 0 0 1em; break-inside: avoid }
 img { max-width: 100%; height: auto }
@@ -41,7 +40,6 @@ input[type=range] { width: 100% }
 @page { size: A4; margin: 15mm }
 @media print {
   body { margin: 0; max-width: none; font-size: 10pt }
-  th { white-space: normal }
   .screen, details { display: none }
   tr { break-inside: avoid }
   h2 { break-after: avoid }
@@ -91,7 +89,7 @@ std::string json_text(const std::string& text) {
 }
 
 std::string cells(const HtmlRow& row, const char* kind) {
-    constexpr std::size_t short_cell = 12;  // [character] as "161.3 ns", which must not go over two lines
+    constexpr std::size_t short_cell = 8;  // [character] as "161.3 ns", which must not go over two lines
     std::string text = "<tr>";
     for (const std::string& cell : row)
         text += std::string("<") + kind + (n_characters(cell) <= short_cell ? " class=\"short\">" : ">") +

@@ -36,7 +36,7 @@ ends = interfaces["status"][interfaces.cells] if interfaces.cells.size else np.z
 place = 1e3 * (interfaces.points + options.deform * interfaces["displacement"][:, :2])
 for status, colour in (3, "grey"), (2, "crimson"):
     body.add_collection(LineCollection(place[interfaces.cells[(ends == status).all(axis=1)]], colors=colour, linewidths=1))
-body.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]", title=f"{run.info['title']}, {1e6 * frame.time:.4g} µs")
+body.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]", title=f"{run.info['title'] or run.info['name']}, {1e6 * frame.time:.4g} µs")
 
 energy = run.table("energy")
 for name in "kinetic", "strain", "dissipated", "external_work":
