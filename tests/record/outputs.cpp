@@ -66,6 +66,9 @@ TEST_CASE("outputs: units by name also where the scenario gave a part of it") {
 TEST_CASE("outputs: texts of values have a unit and there is no minus zero") {
     CHECK(value_text(12.5, "mm") == "12.5 mm");
     CHECK(value_text(-0.0, "J") == "0 J");
+    CHECK(shown_text(15.4395e-6, "s") == "15.4395 µs");
+    CHECK(shown_text(0.00035, "m2") == "0.00035 m2");  // a prefix would be wrong: mm2 are 1e-6 m2
+    CHECK(shown_text(NAN, "s") == "none");
     CHECK(value_text(std::nan(""), "J") == "none");
     CHECK(value_text(1.0 / 3, "", 3) == "0.333");
 }
