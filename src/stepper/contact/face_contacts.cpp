@@ -8,11 +8,12 @@
 namespace knap {
 namespace {
 
-constexpr double touching = 1e-3;  // [-] of an edge: gaps and penetrations that count as rounding of the geometry
-constexpr double reach_in_steps = 4, deep_in_steps = 2;  // distances of a step at its first speeds; without a history
-constexpr double beyond_end = 0.25;                      // [-] of an edge
-constexpr double reflex_turn = -0.02;                    // sine of a turn to the right that still counts as flat
-constexpr double flat_turn = 0.2;                        // sine of a turn of a flat vertex
+constexpr double touching = 1e-3;      // [-] of an edge: gaps and penetrations that count as rounding of the geometry
+constexpr double reach_in_steps = 4;   // distances covered in a step at the speeds of its start
+constexpr double deep_in_steps = 2;    // likewise, for a penetration without a history
+constexpr double beyond_end = 0.25;    // [-] of an edge
+constexpr double reflex_turn = -0.02;  // sine of a turn to the right that still counts as flat
+constexpr double flat_turn = 0.2;      // sine of a turn of a flat vertex
 constexpr double cone = NearbyEdges::cone;
 constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
 constexpr double parallel = 0.97;        // likewise for two edges that are one face
@@ -247,7 +248,6 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                            .gap_at_end = gap_at_end,
                            .overhang = at.overhang(n),
                            .flat = at.flat,
-                           .known = known(at.before, pair.edge) != nullptr,
                            .kept = true});
 }
 
@@ -431,8 +431,7 @@ void FaceContacts::prune_corners(Found& at) {
             if (at.contact.normal.dot(other.contact.normal) < opposite) {
                 const double share = j == edge.piece_start ? at.contact.share : 1 - at.contact.share;
                 if (std::abs(share) > beside_end) continue;
-                const bool at_stays = at.gap_of_duplicate() <= other.gap_of_duplicate();
-                Found &stays = at_stays ? at : other, &goes = at_stays ? other : at;
+                Found &stays = at.contact.gap <= other.contact.gap ? at : other, &goes = &stays == &at ? other : at;
                 goes.kept = false;
                 stays.contact.contact += goes.contact.contact;
                 stays.contact.tangential += goes.contact.tangential;

@@ -60,11 +60,10 @@ struct ContactRefusal {
 /// rounding error (1e-3 L) deep, passes the seam.
 ///
 /// Redundant contacts are pruned, since solvers cycle on them. Duplicate pairs: of (i on an edge that ends at j) and (j
-/// on an edge that ends at i), side by side and with opposite normals, the one with the smaller gap stays, or the one
-/// that was a contact before where the other is less than 1e-4 L deeper: taken by turns both would sink, as points that
-/// hold at i or j open and close. With other normals they are planes that may separate two corners, and the one
-/// with the larger gap stays, as in 4. In between: a flat vertex i on a-b is dropped where a and b are in contact with
-/// the two edges at i, as near: the four have one constraint too many.
+/// on an edge that ends at i), side by side and with opposite normals, the one with the smaller gap stays; with other
+/// normals they are planes that may separate two corners, and the one with the larger gap stays, as in 4. In between: a
+/// flat vertex i on a-b is dropped where a and b are in contact with the two edges at i, as near: the four have one
+/// constraint too many.
 class FaceContacts {
 public:
     explicit FaceContacts(const Model& model);
@@ -85,11 +84,7 @@ private:
         double gap_at_end;   // [m] predicted with the present velocities
         double overhang;     // [m] of the vertex against the normal
         bool flat;           // the boundary hardly turns at the vertex
-        bool known;          // it was a contact in the step before
         bool kept;
-
-        /// [m] By which duplicates compare: the known one stays.
-        double gap_of_duplicate() const { return contact.gap - (known ? 1e-4 * contact.length : 0); }
     };
     struct Block {
         std::vector<Found> found;
