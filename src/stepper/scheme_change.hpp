@@ -49,6 +49,9 @@ class SchemeChange {
 public:
     explicit SchemeChange(const SchemeChangeOptions& options) : options_(options) {}
 
+    /// With the energies of another run at its end.
+    void start_from(const SchemeChange& earlier) { surface_ = earlier.surface_, strain_ = earlier.strain_; }
+
     /// Whether an implicit step resolves what happened in it.
     StepFault fault(const StepReport& report) const;
 

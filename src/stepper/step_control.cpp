@@ -39,6 +39,7 @@ std::string_view name_of(CutbackReason reason) { return reason_texts[static_cast
 std::string_view describe(CutbackReason reason) { return reason_texts[static_cast<std::size_t>(reason)].second; }
 
 void StepControl::start_from(const StepControl& earlier, const State& start) {
+    change_.start_from(earlier.change_);
     if (limits_.changes()) {
         if (!has_end_velocities(start)) begin_stage(limits_.change.explicit_step, limits_.change.explicit_step);
         return;
@@ -113,7 +114,7 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);
         step_ = std::min(step_, largest_);
-        if (limits_.changes()) change_.after_step(begin, h, report);
+        change_.after_step(begin, h, report);  // a run with bulk = "auto" may start from this one
         if (is_large) {
             if (change_.is_beyond_rejected(begin.time + h)) step_ = std::min(growth_implicit * step_, largest_);
             return std::nullopt;

@@ -241,6 +241,16 @@ TEST_CASE("scheme change: what an implicit step does not resolve") {
     CHECK(change.fault(report) == StepFault::cohesive_work);
 }
 
+TEST_CASE("scheme change: damage of the run that it starts from is no work of the first step") {
+    StepReport damaged;
+    damaged.strain = 1, damaged.dissipated = 0.5, damaged.recoverable = 0.1;
+    SchemeChange earlier({}), next({.explicit_step = 1, .quiet_below = 1e-4, .quiet_for = 10});
+    earlier.after_step({}, 1, damaged);
+    CHECK(next.fault(damaged) == StepFault::cohesive_work);
+    next.start_from(earlier);
+    CHECK(next.fault(damaged) == StepFault::none);
+}
+
 TEST_CASE("scheme change: short implicit stages make the explicit ones longer") {
     SchemeChange change({.explicit_step = 1, .quiet_below = 1e-4, .quiet_for = 10});
     StepReport quiet;
