@@ -3,6 +3,8 @@
 #include "interface/point_law.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"
 
+#include <cmath>
+
 namespace knap {
 
 struct ActivePoint {
@@ -22,6 +24,13 @@ struct ActivePoint {
     Vec2 across(const std::vector<Vec2>& of_node) const { return in_frame(sides.jump(of_node)); }
     Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - support_rate; }
     Vec2 impulse() const { return out_of_frame({response.normal(law), response.tangential}); }  // [N s] q
+    /// Its multipliers on springs as soft as the body.
+    Multipliers softened() const {
+        Multipliers at = multipliers;
+        at.rho_N = mass;
+        if (!std::isinf(at.rho_T)) at.rho_T = mass;
+        return at;
+    }
     /// Its sides move as one.
     bool is_stationary() const {
         return response.closed && response.sticks && law.contact.rate == 0 && response.kink == 0;

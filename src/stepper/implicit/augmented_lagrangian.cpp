@@ -11,11 +11,8 @@ namespace knap {
 namespace {
 
 constexpr int max_newton_steps = 400, max_outer_steps = 100, max_cycling_steps = 30, max_friction_rounds = 60;
-constexpr double law_goal = 1e-13;       // of the scale: natural residual of the laws
-constexpr double law_tolerance = 5e-11;  // likewise, where rounding prevents more: after max_near rounds below it
 constexpr int max_near = 5;
-constexpr double balance_tolerance = 1e-12;  // of the scale
-constexpr double full_augmentation = 1e3;    // of the point's mass: each round of multipliers gains three digits
+constexpr double full_augmentation = 1e3;  // of the point's mass: each round of multipliers gains three digits
 // With friction, and where contacts round a vertex contradict each other, a few fans may cycle through their pieces.
 // Which fans do depends on the augmentation, so others are tried, each from the first guess.
 constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
@@ -38,8 +35,8 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
     : bulk_(bulk), matrix_(matrix), x_(iterate) {
     reserve_capacity(model.mesh.n_corners(), bulk_impulse_, residual_, right_side_, direction_, before_.rate,
                      first_.rate);
-    reserve_capacity(model.fan_points.size() + 1, factored_states_, tangents_, turn_, move_, last_move_, before_.points,
-                     first_.points);
+    reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, last_move_,
+                     before_.points, first_.points);
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {
@@ -57,10 +54,22 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     };
     first_ = x_;
     final_augmentation_ = full_augmentation;
+    // On ramps of secant unloading it found other solutions with friction than the method of multipliers.
+    const bool by_pieces = std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
+    if (by_pieces) {
+        const bool found = find_pieces();
+        if (found && find_multipliers(law_goal, max_cycling_steps)) return true;
+        // Where it cycles, the energy of the springs may lead on; within Assumption 1 the solution is the same one.
+        if (!found && !friction && !indefinite_ && find_multipliers(law_goal, max_newton_steps) && !indefinite_)
+            return true;
+    }
+    x_ = first_;
+    unit_ = scale > 0 ? scale : 1;
     // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.
     const int n_attempts = !friction ? 1 : effort == Effort::little ? 3 : 4;
     for (int i = 1; i <= n_attempts; ++i) {
-        if (attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
+        const bool cycles = by_pieces && friction && i == 1;
+        if (!cycles && attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
         if (friction && i < n_attempts) iterate_friction();
     }
     if (effort == Effort::little) return false;
@@ -85,8 +94,7 @@ bool AugmentedLagrangian::find_multipliers(double goal, int max_steps) {
     set_augmentation(final_augmentation_);
     for (int outer = 0, n_near = 0; outer < max_outer_steps; ++outer) {
         const int solves = counts_.linear_solves;
-        const double tolerance =
-            std::max(balance_tolerance * unit_, 4e-18 * final_augmentation_ * bulk_.largest_impulse());
+        const double tolerance = balance_goal(unit_);
         const bool first = outer == 0 && has_potential;
         if (!(first ? continue_penalties(tolerance) : find_rates(tolerance, max_steps))) return false;
         if (!first) max_steps -= counts_.linear_solves - solves;
@@ -125,11 +133,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         const bool near = norm <= 1e3 * tolerance;
         if (stalled >= 3 && near) return true;  // rounding; ImplicitScheme::check_residual decides
         best = std::min(best, norm);
-        if (!prepare_matrix()) return false;
-        right_side_ = residual_;
-        for (Vec2& r : right_side_) r = -r;
-        if (!matrix_.solve(right_side_, direction_)) return false;
-        ++counts_.linear_solves;
+        if (!find_direction()) return false;
         const double a = stalled > 0 && near ? 1 : step_length();  // near the solution rounding hides the slope
         for (std::size_t n = 0; n < x_.rate.size(); ++n) x_.rate[n] += a * direction_[n];
     }
@@ -157,10 +161,14 @@ void AugmentedLagrangian::iterate_friction() {
     forget_factor();
 }
 
-void AugmentedLagrangian::evaluate() {
+void AugmentedLagrangian::evaluate_bulk() {
     bulk_.impulse(x_.rate, corner_impulse_);
     bulk_.sum_to_nodes(corner_impulse_, bulk_impulse_);
     residual_ = bulk_impulse_;
+}
+
+void AugmentedLagrangian::evaluate() {
+    evaluate_bulk();
     for (ActivePoint& point : x_.points) {
         point.rate = point.rate_at(x_.rate);
         point.response = respond(point.law, point.multipliers, point.rate.x(), point.rate.y());
@@ -228,38 +236,60 @@ bool AugmentedLagrangian::violates_assumption_1() {
     return !matrix_.factorise(tangents_);
 }
 
-/// Zero of the slope along the step d,   d . (r(w) + a M_hat d - H' q(w + a d)):   monotone and piecewise linear in a
-/// where the problem is convex.
-double AugmentedLagrangian::step_length() {
-    double at_start = 0, bulk_slope = 0;
+/// Newton's step from residual_.
+bool AugmentedLagrangian::find_direction() {
+    if (!prepare_matrix()) return false;
+    right_side_ = residual_;
+    for (Vec2& r : right_side_) r = -r;
+    if (!matrix_.solve(right_side_, direction_)) return false;
+    ++counts_.linear_solves;
+    return true;
+}
+
+void AugmentedLagrangian::begin_slope() {
+    slope_at_start_ = bulk_slope_ = 0;
     for (std::size_t i = 0; i < direction_.size(); ++i)
-        at_start += direction_[i].dot(bulk_impulse_[i]), bulk_slope += direction_[i].dot(right_side_[i]);
+        slope_at_start_ += direction_[i].dot(bulk_impulse_[i]), bulk_slope_ += direction_[i].dot(right_side_[i]);
     for (const PointTangent& point : tangents_) {  // d solves (M_hat + H' D H) d = right_side_
         const Vec2 jump = point.sides.jump(direction_);
-        bulk_slope -= jump.dot(point.block * jump);
+        bulk_slope_ -= jump.dot(point.block * jump);
     }
     turn_.resize(x_.points.size());
     for (std::size_t j = 0; j < turn_.size(); ++j) turn_[j] = x_.points[j].across(direction_);
-    const auto slope = [&](double a) {
-        double sum = at_start + a * bulk_slope;
-        for (std::size_t j = 0; j < turn_.size(); ++j) {
-            if (turn_[j].isZero(0)) continue;
-            const ActivePoint& point = x_.points[j];
-            const Vec2 rate = point.rate + a * turn_[j];
-            const PointResponse r = respond(point.law, point.multipliers, rate.x(), rate.y());
-            sum -= r.normal(point.law) * turn_[j].x() + r.tangential * turn_[j].y();
+}
+
+/// Slope along the step d,   d . (r(w) + a M_hat d - H' q(w + a d)):   monotone and piecewise linear in a where the
+/// problem is convex. With multipliers that move by a move_, on soft springs.
+double AugmentedLagrangian::slope(double a, bool multipliers_move) const {
+    double sum = slope_at_start_ + a * bulk_slope_;
+    for (std::size_t j = 0; j < turn_.size(); ++j) {
+        if (turn_[j].isZero(0)) continue;
+        const ActivePoint& point = x_.points[j];
+        const Vec2 rate = point.rate + a * turn_[j];
+        Multipliers at = point.multipliers;
+        if (multipliers_move) {
+            at = point.softened();
+            at.contact += a * move_[j].x(), at.tangential += a * move_[j].y();
         }
-        return sum;
-    };
-    const double slope_at_start = slope(0);
-    double low = 0, slope_low = slope_at_start, high = 1, slope_high = slope(1);
+        const PointResponse r = respond(point.law, at, rate.x(), rate.y());
+        sum -= r.normal(point.law) * turn_[j].x() + r.tangential * turn_[j].y();
+    }
+    return sum;
+}
+
+/// Zero of the slope.
+double AugmentedLagrangian::step_length() {
+    begin_slope();
+    const auto at = [&](double a) { return slope(a, false); };
+    const double slope_at_start = at(0);
+    double low = 0, slope_low = slope_at_start, high = 1, slope_high = at(1);
     if (slope_low >= 0 || std::abs(slope_high) <= 0.1 * std::abs(slope_low)) return 1;
     for (int i = 0; slope_high < 0; ++i) {  // still downhill: a majorised step was too short
         if (i == 10) return high;
         low = high, slope_low = slope_high;
-        high *= 2, slope_high = slope(high);
+        high *= 2, slope_high = at(high);
     }
-    return zero_between(low, slope_low, high, slope_high, 1e-3 * std::abs(slope_at_start), 30, slope);
+    return zero_between(low, slope_low, high, slope_high, 1e-3 * std::abs(slope_at_start), 30, at);
 }
 
 double AugmentedLagrangian::update_multipliers() {

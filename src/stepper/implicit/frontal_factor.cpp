@@ -96,17 +96,39 @@ bool FrontalFactor::eliminate(Front& front) const {
            kernel_.eliminate(front.L.first(), front.schur.first(), front.size(), front.n_eliminated);
 }
 
-void FrontalFactor::solve(std::vector<double>& x) {
-    const auto in_front = [&](const Front& front, const auto& substitute, Index n_changed) {
-        if (front.n_eliminated == 0) return;
-        const Index* unknown = front.unknown.first();
-        for (Index i = 0; i < front.size(); ++i) local_[i] = x[unknown[i]];
-        substitute(front.L.first(), front.size(), front.n_eliminated, local_.data());
-        for (Index i = 0; i < n_changed; ++i) x[unknown[i]] = local_[i];
-    };
-    for (const Front& front : fronts_) in_front(front, kernel_.substitute, front.size());
-    for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front)
-        in_front(*front, kernel_.substitute_back, front->n_eliminated);
+void FrontalFactor::load(const Front& front, const std::vector<double>& x) {
+    const Index* unknown = front.unknown.first();
+    for (Index i = 0; i < front.size(); ++i) local_[i] = x[unknown[i]];
+}
+
+void FrontalFactor::substitute_in_front(const Front& front, std::vector<double>& x) {
+    if (front.n_eliminated == 0) return;
+    load(front, x);
+    kernel_.substitute(front.L.first(), front.size(), front.n_eliminated, local_.data());
+    for (Index i = 0; i < front.size(); ++i) x[front.unknown.first()[i]] = local_[i];
+}
+
+void FrontalFactor::substitute_back_in_front(const Front& front, std::vector<double>& x) {
+    if (front.n_eliminated == 0) return;
+    load(front, x);
+    kernel_.substitute_back(front.L.first(), front.size(), front.n_eliminated, local_.data());
+    for (Index i = 0; i < front.n_eliminated; ++i) x[front.unknown.first()[i]] = local_[i];
+}
+
+void FrontalFactor::substitute(std::vector<double>& x) {
+    for (const Front& front : fronts_) substitute_in_front(front, x);
+}
+
+void FrontalFactor::substitute_back(std::vector<double>& x) {
+    for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) substitute_back_in_front(*front, x);
+}
+
+void FrontalFactor::substitute_in(std::span<const Index> parts, std::vector<double>& x) {
+    for (const Index part : parts) substitute_in_front(fronts_[part], x);
+}
+
+void FrontalFactor::substitute_back_in(std::span<const Index> parts, std::vector<double>& x) {
+    for (auto part = parts.rbegin(); part != parts.rend(); ++part) substitute_back_in_front(fronts_[*part], x);
 }
 
 FactorSize FrontalFactor::size() const {

@@ -28,6 +28,7 @@
 #include "stepper/implicit/front_kernel.hpp"
 
 #include <functional>
+#include <span>
 
 namespace knap {
 
@@ -52,7 +53,17 @@ public:
     /// the matrix is not positive definite.
     bool update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of);
     /// Replaces x by A^-1 x; entries of numbers that are no unknowns stay.
-    void solve(std::vector<double>& x);
+    void solve(std::vector<double>& x) {
+        substitute(x);
+        substitute_back(x);
+    }
+    /// Its two parts, L^-1 x and L^-T x.
+    void substitute(std::vector<double>& x);
+    void substitute_back(std::vector<double>& x);
+    /// The same in `parts` alone, which ascend and come with their parents: L^-1 x of an x that is zero in the unknowns
+    /// of all others, L^-T x in those of `parts`.
+    void substitute_in(std::span<const Index> parts, std::vector<double>& x);
+    void substitute_back_in(std::span<const Index> parts, std::vector<double>& x);
     FactorSize size() const;
 
 private:
@@ -73,6 +84,9 @@ private:
     void find_unknowns(Index part, const std::vector<Index>& eliminated_in);
     void assemble(Index part);
     bool eliminate(Front& front) const;
+    void substitute_in_front(const Front& front, std::vector<double>& x);
+    void substitute_back_in_front(const Front& front, std::vector<double>& x);
+    void load(const Front& front, const std::vector<double>& x);
 
     const FrontKernel kernel_;
     const Dissection& dissection_;

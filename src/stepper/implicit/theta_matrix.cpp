@@ -20,8 +20,10 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
       eliminated_in_(2 * model.mesh.n_corners(), -1),
       block_(model.fan_points.size(), Eigen::Matrix2d::Zero()),
       kept_(model.fan_points.size(), 0),
+      is_part_of_friction_(dissection_.parts.size(), 0),
       x_(2 * model.mesh.n_corners(), 0) {
     reserve_capacity(model.fan_points.size(), with_block_, friction_);
+    parts_of_friction_.reserve(dissection_.parts.size());
 }
 
 Index ThetaMatrix::leaf_of_point(Index fan_point) const {
@@ -143,9 +145,23 @@ bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& 
     return true;
 }
 
+void ThetaMatrix::find_parts_of_friction() {
+    std::ranges::fill(is_part_of_friction_, 0);
+    for (const PointTangent& point : friction_)
+        point.sides.for_each_node(
+            [&](Index node, double) { is_part_of_friction_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
+    parts_of_friction_.clear();
+    for (Index part = 0; part < static_cast<Index>(dissection_.parts.size()); ++part) {  // parents come later
+        if (!is_part_of_friction_[part]) continue;
+        parts_of_friction_.push_back(part);
+        if (const Index above = dissection_.parts[part].parent; above >= 0) is_part_of_friction_[above] = 1;
+    }
+}
+
 bool ThetaMatrix::solve_with_friction() {
     // A = S + G E G' with the factor of S known and E the friction that follows the contact impulses:
     //     x = S^-1 (b - G y),     y + E G' S^-1 G y = E G' S^-1 b
+    // Only the last substitution leaves the parts of the dissection that know G.
     const Eigen::Index n = 2 * static_cast<Eigen::Index>(friction_.size());
     const auto each_unknown = [&](Eigen::Index j, const auto& visit) {  // (unknown, component, weight)
         for (int k = 0; k < 2; ++k)
@@ -164,20 +180,26 @@ bool ThetaMatrix::solve_with_friction() {
         for (Eigen::Index j = 0; j < n / 2; ++j)
             each_unknown(j, [&](Index u, int k, double weight) { x[u] -= weight * y[2 * j + k]; });
     };
+    find_parts_of_friction();
     const auto product = [&](const Eigen::Ref<const Eigen::VectorXd>& y, Eigen::Ref<Eigen::VectorXd> A_y) {
         y_.assign(x_.size(), 0);
         subtract(y, y_);
-        factor_.solve(y_);
+        factor_.substitute_in(parts_of_friction_, y_);
+        factor_.substitute_back_in(parts_of_friction_, y_);
         friction_of(y_, A_y);
         A_y = y - A_y;
     };
+    factor_.substitute(x_);
     y_ = x_;
-    factor_.solve(y_);
+    factor_.substitute_back_in(parts_of_friction_, y_);
     if (friction_part_.size() < n) friction_part_.resize(2 * n);
     friction_of(y_, friction_part_.head(n));
     if (!gmres_.solve(std::cref(product), friction_part_.head(n), 60, 1e-8)) return false;  // cref: no copy
-    subtract(gmres_.solution(), x_);
-    factor_.solve(x_);
+    y_.assign(x_.size(), 0);
+    subtract(gmres_.solution(), y_);
+    factor_.substitute_in(parts_of_friction_, y_);
+    for (std::size_t u = 0; u < x_.size(); ++u) x_[u] += y_[u];
+    factor_.substitute_back(x_);
     return true;
 }
 

@@ -48,6 +48,7 @@ private:
     void set_contacts(std::span<const PointTangent> points);
     void add_elements(Index leaf, std::vector<Element>& elements) const;
     void add_point(const PointSides& sides, const Eigen::Matrix2d& block, std::vector<Element>& elements) const;
+    void find_parts_of_friction();
     bool solve_with_friction();
 
     const Model& model_;
@@ -58,14 +59,16 @@ private:
     Grouped<Index> points_of_leaf_;  // fan points
 
     // in the factor
-    std::vector<std::uint8_t> active_;    // per fan
-    double stiffness_factor_ = 0;         // [s2]
-    std::vector<Index> eliminated_in_;    // per unknown: part of the dissection
-    std::vector<Eigen::Matrix2d> block_;  // [kg] per fan point
-    std::vector<Index> with_block_;       // fan points whose block is not zero
-    std::vector<std::uint8_t> kept_;      // [0/1] per fan point of with_block_: its block stays
-    std::vector<PointTangent> contacts_;  // with obstacles
-    std::vector<PointTangent> friction_;  // points whose blocks are not symmetric
+    std::vector<std::uint8_t> active_;               // per fan
+    double stiffness_factor_ = 0;                    // [s2]
+    std::vector<Index> eliminated_in_;               // per unknown: part of the dissection
+    std::vector<Eigen::Matrix2d> block_;             // [kg] per fan point
+    std::vector<Index> with_block_;                  // fan points whose block is not zero
+    std::vector<std::uint8_t> kept_;                 // [0/1] per fan point of with_block_: its block stays
+    std::vector<PointTangent> contacts_;             // with obstacles
+    std::vector<PointTangent> friction_;             // points whose blocks are not symmetric
+    std::vector<Index> parts_of_friction_;           // with unknowns of these points, and all parts above
+    std::vector<std::uint8_t> is_part_of_friction_;  // [0/1] per part
 
     std::vector<PointTangent> new_contacts_;
     std::vector<double> x_, y_;  // per unknown
