@@ -7,7 +7,7 @@
 namespace knap {
 namespace {
 
-constexpr double inner_overlap = 0.002;  // [-] of an edge
+constexpr double inner_overlap = 0.005;  // [-] of an edge
 constexpr double same_direction = 1e-9;  // sine of an angle between edges that is rounding
 constexpr double parting_slip = 0.02;    // [-] of the edge
 constexpr double parting_turn = 0.2;     // [rad] no corner of a usual triangle is sharper

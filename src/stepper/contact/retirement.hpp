@@ -13,7 +13,7 @@ constexpr double inner_retirement_slip = 0.015;
 /// Marks in end.retired the points that retire: nothing holds them any more (beta = 0), their sides become vertices of
 /// their own, and these have moved apart or along each other by more than a part of the edge, or have turned by as many
 /// radians. In a fan on the surface this part is 0.002. Inside the body it is 0.015, or 0.002 as soon as corners of the
-/// fan that are no neighbours overlap by more than 0.002 of an edge, since its points keep only neighbours apart, or as
+/// fan that are no neighbours overlap by more than 0.005 of an edge, since its points keep only neighbours apart, or as
 /// soon as two of its points have retired: a part between them is a vertex at the mean of its corners for others, so
 /// that half of what its own points slip would be overlap once they retire too.
 ///

@@ -110,12 +110,10 @@ TEST_CASE("broken points inside the body retire early where corners that are no 
         scene.retire();
         return n_retired_at_centre(scene);
     };
-    const double d = 1.25 * retirement_slip;  // beyond the overlap of 0.002 only where both go towards each other
-    static_assert(2.5 * retirement_slip < inner_retirement_slip);
-    CHECK(closed_by(0.8 * retirement_slip, true) == 0);
-    CHECK(closed_by(d, true) == 4);   // those of 0 and 3; 1 and 2, 4 and 5 have not moved apart
-    CHECK(closed_by(d, false) == 0);  // the same slips: 3 goes away from 0, which overlaps by d/2 with 2 and 4
-    CHECK(closed_by(2.5 * retirement_slip, false) == 4);
+    static_assert(1.5 * retirement_slip < 0.004 && 0.006 < 0.5 * inner_retirement_slip);
+    CHECK(closed_by(0.004, true) == 0);   // less than the overlap of 0.005
+    CHECK(closed_by(0.006, true) == 4);   // those of 0 and 3; 1 and 2, 4 and 5 have not moved apart
+    CHECK(closed_by(0.006, false) == 0);  // the same slips, without an overlap of strangers: 3 goes away from 0
     CHECK(closed_by(1.1 * inner_retirement_slip, false) == 4);
 }
 
