@@ -19,6 +19,7 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
+constexpr std::size_t min_points = 16;  // of a problem for the active set
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 
 // extrapolation of multipliers
@@ -54,8 +55,10 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     };
     first_ = x_;
     final_augmentation_ = full_augmentation;
-    // On ramps of secant unloading it found other solutions with friction than the method of multipliers.
-    const bool by_pieces = std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
+    // On ramps of secant unloading the active set found other solutions with friction than the method of multipliers,
+    // which also ends nearer to rounding and is no slower for a few points.
+    const bool by_pieces = x_.points.size() >= min_points &&
+                           std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
     if (by_pieces) {
         const bool found = find_pieces();
         if (found && find_multipliers(law_goal, max_cycling_steps)) return true;
