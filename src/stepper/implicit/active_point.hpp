@@ -31,6 +31,16 @@ struct ActivePoint {
         if (!std::isinf(at.rho_T)) at.rho_T = mass;
         return at;
     }
+    /// (p, q_T) [N s] at a rate by the equations of the piece of its response.
+    Vec2 impulse_of_piece(const Vec2& at_rate) const {
+        const double contact =
+            response.closed ? multipliers.contact - multipliers.rho_N * (at_rate.x() - law.contact.rate) : 0;
+        if (response.sticks && !std::isinf(multipliers.rho_T))
+            return {contact, multipliers.tangential - multipliers.rho_T * (at_rate.y() - response.kink)};
+        const double rubs =
+            multipliers.friction_follows ? law.friction * response.friction_sign * (contact - response.contact) : 0;
+        return {contact, response.tangential - rubs};
+    }
     /// Its sides move as one.
     bool is_stationary() const {
         return response.closed && response.sticks && law.contact.rate == 0 && response.kink == 0;

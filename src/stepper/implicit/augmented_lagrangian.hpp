@@ -69,7 +69,6 @@ private:
         return std::max(1e-12 * unit, 4e-18 * final_augmentation_ * bulk_.largest_impulse());
     }
     bool find_pieces();
-    Vec2 impulse_of_piece(const ActivePoint& point, const Vec2& rate) const;
     bool find_multipliers(double goal, int max_steps);
     bool continue_penalties(double tolerance);
     bool find_rates(double tolerance, int max_steps);
