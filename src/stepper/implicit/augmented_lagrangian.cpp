@@ -312,7 +312,6 @@ bool AugmentedLagrangian::violates_assumption_1() {
     return !matrix_.factorise(tangents_);
 }
 
-/// Newton's step from residual_.
 bool AugmentedLagrangian::find_direction() {
     if (!prepare_matrix()) return false;
     right_side_ = residual_;
@@ -353,7 +352,6 @@ double AugmentedLagrangian::slope(double a, bool multipliers_move) const {
     return sum;
 }
 
-/// Zero of the slope.
 double AugmentedLagrangian::step_length() {
     begin_slope();
     const auto at = [&](double a) { return slope(a, false); };
