@@ -110,7 +110,7 @@ public:
     void fill(std::array<Vec2, 3> corners, std::uint32_t colour) {
         if (!(corners[0] + corners[1] + corners[2]).allFinite()) return;
         std::ranges::sort(corners, {}, [](const Vec2& x) { return x.y(); });
-        const auto& [a, b, c] = corners;
+        const Vec2 &a = corners[0], &b = corners[1], &c = corners[2];
         const auto first_from = [](double x, int end) {
             return static_cast<int>(std::clamp(x + 0.5, 0., static_cast<double>(end)));
         };
