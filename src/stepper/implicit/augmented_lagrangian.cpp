@@ -30,7 +30,6 @@ constexpr double no_force = 1e-3;      // of the move: a smaller nodal force lea
 constexpr double min_ratio = 0.1;      // of a series worth extrapolating
 constexpr double max_deviation = 0.1;  // of a move from q times the previous one
 constexpr double max_series = 20;      // moves: q is uncertain near 1
-constexpr double endless = infinity;
 
 }  // namespace
 
@@ -211,6 +210,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         best = std::min(best, norm);
         if (!find_direction()) return false;
         const double a = stalled > 0 && near ? 1 : step_length();  // near the solution rounding hides the slope
+        if (!std::isfinite(a)) return false;                       // it diverges; no tolerance would find a NaN
         for (std::size_t n = 0; n < x_.rate.size(); ++n) x_.rate[n] += a * direction_[n];
     }
     return false;
@@ -402,7 +402,7 @@ void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
     for (std::size_t first = 0, end; first < points.size(); first = end) {
         double longest = 0, strongest = 0;
         double square = 0, product = 0, length = 0;  // of the previous move and this one
-        double to_bound = endless;                   // moves until a contact, or a sticking point, is at its bound
+        double to_bound = infinity;                  // moves until a contact, or a sticking point, is at its bound
         for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
             const ActivePoint& point = points[end];
             const Vec2& d = move_[end];
@@ -423,11 +423,11 @@ void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
         if (longest <= min_move || points[first].fan < 0) continue;
         double series = 0;  // moves
         const double q = product / square, deviation2 = length - product * product / square;
-        if (strongest <= no_force * longest) series = endless;
+        if (strongest <= no_force * longest) series = infinity;
         else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
             series = std::min(q / (1 - q), max_series);
         const double multiple = std::min(series, to_bound);
-        const bool extrapolates = multiple > 0 && multiple < endless;
+        const bool extrapolates = multiple > 0 && multiple < infinity;
         for (std::size_t j = first; j < end; ++j) {
             last_move_[j] = extrapolates ? Vec2::Zero() : move_[j];
             if (!extrapolates) continue;

@@ -4,6 +4,7 @@
 #include "stepper/implicit/implicit_bulk.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace knap {
 
@@ -142,7 +143,7 @@ bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& 
     else if (!solve_with_friction()) return false;
     solution.assign(right_side.size(), Vec2::Zero());
     each_unknown([&](Index u, Index node, int k) { solution[node][k] = x_[u]; });
-    return true;
+    return std::ranges::all_of(x_, [](double x) { return std::isfinite(x); });  // no tolerance would find a NaN
 }
 
 void ThetaMatrix::find_parts_of_friction() {
