@@ -210,7 +210,6 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         best = std::min(best, norm);
         if (!find_direction()) return false;
         const double a = stalled > 0 && near ? 1 : step_length();  // near the solution rounding hides the slope
-        if (!std::isfinite(a)) return false;                       // it diverges; no tolerance would find a NaN
         for (std::size_t n = 0; n < x_.rate.size(); ++n) x_.rate[n] += a * direction_[n];
     }
     return false;
@@ -255,7 +254,8 @@ void AugmentedLagrangian::evaluate() {
 double AugmentedLagrangian::residual(Index node) const {
     double largest = 0;
     for (int k = 0; k < 2; ++k)
-        if (matrix_.is_free(node, k)) largest = std::max(largest, std::abs(residual_[node][k]));
+        if (const double r = std::abs(residual_[node][k]); matrix_.is_free(node, k))
+            largest = r < infinity ? std::max(largest, r) : infinity;  // a NaN meets no tolerance
     return largest;
 }
 
