@@ -119,6 +119,17 @@ void print_absorbing(const Model& model, const SchemeOptions& scheme) {
     }
 }
 
+/// A line for each pair of materials whose free faces meet.
+void print_contact(const Scenario& scenario) {
+    const std::vector<std::string> materials = scenario.material_names();
+    for (std::size_t a = 0; a < scenario.contact_of_pair.size(); ++a)
+        for (std::size_t b = a; b < materials.size(); ++b) {
+            const ContactLaw& law = scenario.contact_of_pair[a][b];
+            std::printf("  contact of free faces, %s on %s: friction %.3g, restitution %.3g\n", materials[a].c_str(),
+                        materials[b].c_str(), law.friction, law.restitution);
+        }
+}
+
 void print_methods(const Scenario& scenario, const Model& model) {
     bool friction = false, restitution = false, breakable = false, shear = false;
     for (const Interface& i : model.interfaces) {
@@ -130,10 +141,12 @@ void print_methods(const Scenario& scenario, const Model& model) {
         shear = shear || law.gamma > 0;
     }
     std::printf(
-        "physics\n  cohesion %s, tangential cohesion %s, friction %s, impact %s, supports %s, driven boundaries %s\n",
+        "physics\n  interfaces: cohesion %s, tangential cohesion %s, friction %s, impact %s; supports %s, driven "
+        "boundaries %s\n",
         breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
         restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
         model.prescribed.empty() ? "no" : "yes");
+    print_contact(scenario);
     std::printf("  scheme: %s\n", scheme_text(scenario.time, scenario.works().viscosity).c_str());
     if (!scenario.time.start_run.empty())
         std::printf("  starts from the state `%s` of another run; the time counts from 0 again\n",

@@ -119,7 +119,7 @@ Outlines read_wall(const Table& table, double mesh_size) {
     options.rows = static_cast<int>(table.get<std::int64_t>("rows").value_or(0));
     const double step = options.block.x() + options.gap;
     const double shorter = std::min(options.bond, 1 - options.bond) * step - options.gap;
-    if (options.bond > 0 && shorter < 0.5 * mesh_size)
+    if (options.rows > 1 && options.bond > 0 && shorter < 0.5 * mesh_size)
         table.error("out-of-range", "bond",
                     formatted("leaves blocks of %.3g m at the ends of every second row", shorter),
                     "at least half of mesh_size: another bond, a smaller gap, or bond = 0");

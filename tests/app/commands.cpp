@@ -40,6 +40,8 @@ TEST_CASE("check says what would happen") {
     CHECK(command("check edge_cracked_block -s 'mesh.size=4 mm'").has(surplus));
     CHECK_FALSE(command("check bar_pulled_apart").has(surplus));  // it breaks along one line only
     CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("now (measured)"));
+    const Answer contact = command("check block_toppling -s 'contact.friction=0.7'");
+    CHECK_MESSAGE(contact.has("contact of free faces, rock on rock: friction 0.7, restitution 0"), contact.text);
 }
 
 TEST_CASE("check says what the implicit path would do") {

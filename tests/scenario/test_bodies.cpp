@@ -146,6 +146,8 @@ TEST_CASE("bodies: patterns that cannot be") {
     };
     CHECK(mistakes(wall("")).empty());
     reports(wall("bond = 0.02\n"), "out-of-range", "leaves blocks of 0.0004 m", 7);
+    CHECK(mistakes(scene("[[bodies]]\npattern = \"wall\"\ncolumns = 3\nrows = 1\nblock = [0.02, 0.01]\ngap = 0.03\n"))
+              .empty());  // a single row has no bond
     reports(wall("fraction = 0.2\n"), "exclusive-keys", "belongs to pattern = \"heap\"");
     reports(wall("[[body]]\nname = \"wall3\"\nshape = \"disc\"\nradius = 0.01\ncentre = [1, 1]\n"), "duplicate-name",
             "`wall3` is the name of another body");
