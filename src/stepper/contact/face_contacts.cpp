@@ -162,8 +162,7 @@ bool FaceContacts::place_corners(const State& begin, double h, bool boundary_cha
     return true;
 }
 
-/// Edges whose direction the narrow phase reads: those of a pair and of its vertex, their neighbours, and those at the
-/// vertices at the ends of the edge.
+/// Edges whose direction the narrow phase reads: of pairs and their vertices, neighbours, and those at the ends.
 void FaceContacts::use_edges_of(std::size_t block) {
     const auto edges = boundary_.edges();
     const auto use = [&](Index e) {
@@ -183,9 +182,9 @@ bool FaceContacts::may_touch(const NearbyEdge& pair) const {
     const auto [i, e] = pair;
     const FreeEdge& edge = boundary_.edges()[e];
     const auto& [t, length] = sides_[e];
-    const Vec2 from_a = 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x) - start_of(e).x;
+    const Vec2 x = 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x), from_a = x - start_of(e).x;
     const double gap = cross(from_a, t), along = t.dot(from_a),
-                 beyond = largest_overrun(gap, reach_, overrun(e, gap, along / length), length, edge.depth);
+                 beyond = largest_overrun(gap, reach_, overrun(e, x, gap, along / length), length, edge.depth);
     return gap <= reach_ && gap >= -edge.depth && along >= -beyond && along <= length + beyond;
 }
 
@@ -214,10 +213,10 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const CornerMotion &a = start_of(pair.edge), &b = end_of(pair.edge);
     const auto& [t, length] = sides_[pair.edge];
     const Vec2 n = outward(t), from_a = at.x - a.x;
-    const double gap = n.dot(from_a), share = t.dot(from_a) / length;
+    const double gap = n.dot(from_a), share = t.dot(from_a) / length, most = overrun(pair.edge, at.x, gap, share);
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
     const double travel = h * v.norm(), reach = touching * length + reach_in_steps * travel;
-    const double beyond = largest_overrun(gap, reach, overrun(pair.edge, gap, share), length, edge.depth) / length;
+    const double beyond = largest_overrun(gap, reach, most, length, edge.depth) / length;
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
     if (!at.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
@@ -260,12 +259,16 @@ FaceContacts::Corner FaceContacts::corner(Index e, bool at_end) const {
     return {is_outer ? edges[e].entering : edges[e].prev, e, is_outer};
 }
 
-/// [m] How far beyond the end of an edge a point may be and beside no edge: in half the mouth of a crack that live
-/// points close, or deep in a reflex corner (-gap where it is a right angle, and more in a sharper one).
-double FaceContacts::overrun(Index e, double gap, double share) const {
+/// [m] How far beyond the end of an edge a point x may be and beside no edge: in half the mouth of a crack that live
+/// points close, or deep in a reflex corner (-gap where it is a right angle, and more in a sharper one). Behind both of
+/// its faces it belongs to the deeper one at any distance: ends that an open crack has parted are not where faces meet.
+double FaceContacts::overrun(Index e, const Vec2& x, double gap, double share) const {
     if (share >= 0 && share <= 1) return 0;
     const Corner at = corner(e, share > 1);
     const Vec2 &t_1 = sides_[at.first].tangent, &t_2 = sides_[at.second].tangent;
+    const double other_gap =
+        share > 1 ? outward(t_2).dot(x - start_of(at.second).x) : outward(t_1).dot(x - end_of(at.first).x);
+    if (cross(t_1, t_2) < reflex_turn && gap <= other_gap && other_gap < 0) return infinity;
     const double mouth = 0.5 * sides_[e].tangent.dot(start_of(at.second).x - end_of(at.first).x);
     return std::max(mouth, -gap * std::max(1., -cross(t_1, t_2) / (1 + t_1.dot(t_2))));
 }
@@ -328,8 +331,7 @@ double FaceContacts::overlap(const FreeEdge& edge, const Vertex& at, double gap,
 /// have no seams. Else the edge with the larger gap is nearer.
 bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at, double h) const {
     const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
-    const Vec2 n_1 = outward(t_1), n_2 = outward(t_2);
-    const Vec2 across = across_corner(t_1, t_2);
+    const Vec2 n_1 = outward(t_1), n_2 = outward(t_2), across = across_corner(t_1, t_2);
     const CornerMotion &a = end_of(first), &b = start_of(second);
     const Vec2 from_corner = at.x - 0.5 * (a.x + b.x), v = at.v - 0.5 * (a.v + b.v);
     const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
@@ -396,8 +398,7 @@ bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const 
 
 /// The contacts of a vertex in found_: first_found_ holds numbers of any earlier step where there is none.
 std::span<FaceContacts::Found> FaceContacts::of_vertex(Index i) {
-    const std::size_t first = first_found_[i];
-    std::size_t end = first;
+    std::size_t first = first_found_[i], end = first;
     while (end < found_.size() && found_[end].vertex == i) ++end;
     return end == first ? std::span<Found>() : std::span(found_.data() + first, end - first);
 }

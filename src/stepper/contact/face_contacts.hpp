@@ -138,7 +138,7 @@ private:
         bool is_outer;
     };
     Corner corner(Index e, bool at_end) const;
-    double overrun(Index e, double gap, double share) const;
+    double overrun(Index e, const Vec2& x, double gap, double share) const;
     bool belongs_to(Index e, const Vertex& at, double gap, double share, const State& begin, double h) const;
     double overlap(const FreeEdge& edge, const Vertex& at, double gap, const State& begin) const;
     bool second_is_nearer(Index first, Index second, const Vertex& at, double h) const;

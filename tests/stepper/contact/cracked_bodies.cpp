@@ -231,6 +231,31 @@ TEST_CASE("pieces of a triple junction touch their neighbours and the live point
     }
 }
 
+TEST_CASE("a tip behind both faces of a notch touches the one in which it is deeper") {
+    // six triangles round a vertex; part 0 is a wedge in the notch of 60 degrees between the parts 1 and 2, whose crack
+    // has opened by less than points retire at: the faces of the notch meet deeper inside than at the ends of both
+    std::vector<Vec2> outline;
+    for (int i = 0; i < 6; ++i) outline.push_back(turned({1, 0}, i * std::numbers::pi / 3));
+    Pieces scene({star_mesh(outline)});
+    crack(scene, {0, 1, 1, 1, 2, 2});
+    const double opening = 0.0015;
+    scene.put(2, {0, -opening});
+    scene.put(0, {0.1, 0.05});
+    scene.retire();
+    CHECK(std::ranges::count(scene.state.retired, 1) == 4);  // between 1 and 2 the points are live
+    const Vec2 tip(-0.0016, -opening - 0.0003);
+    scene.put(0, tip);
+    Index n_of_tip = 0;
+    for (const FaceContact& contact : scene.contacts(h)) {
+        if (scene.body_of(contact.vertex[0]) != 0 || scene.model.mesh.corner(contact.vertex[0]).norm() > 1e-12)
+            continue;
+        ++n_of_tip;
+        CHECK(scene.body_of(contact.edge[0]) == 1);
+        CHECK(contact.gap == doctest::Approx(tip.dot(turned({1, 0}, -std::numbers::pi / 6))));
+    }
+    CHECK(n_of_tip == 1);
+}
+
 TEST_CASE("a live crack end inside the body is no contact vertex and its two sides touch behind it") {
     // the crack between triangles 0 and 5 opens at the rim only
     std::vector<Vec2> outline;
