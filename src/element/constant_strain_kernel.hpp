@@ -99,60 +99,89 @@ template <int lanes, class In>
     return {s, before};
 }
 
-/// As ConstantStrainForces, of `lanes` triangles from t on; in(i) is the i-th of them: where fewer are left, the last
-/// one fills the lanes. Adds the energy of the first n.
-template <int lanes, StrainMeasure measure, bool is_viscous, class In>
-[[gnu::always_inline]] inline void add_forces(std::int64_t t, int n, const In& in, const ConstantStrainBody& body,
-                                              const double* displacement, const std::int32_t* node_of_corner,
-                                              double* force, double& energy, std::uint8_t* fan_is_candidate,
-                                              ViscousTriangles* viscous) {
-    const ConstantStrainTriangle* triangle = body.triangles + t;
-    const std::int32_t* node = node_of_corner + 3 * t;
-    const auto of_node = [&](const double* field, int k) __attribute__((always_inline)) {
-        return vectors<lanes>([&](int i) { return field + 2 * static_cast<std::int64_t>(node[3 * in(i) + k]); });
+/// `lanes` triangles from t on; in(i) is the i-th of them: where fewer are left, the last one fills the lanes.
+template <class In>
+struct Triangles {
+    std::int64_t t;
+    int n;  // those that count
+    In in;
+    const ConstantStrainBody& body;
+    const std::int32_t* node_of_corner;
+
+    const ConstantStrainTriangle& operator()(int i) const { return body.triangles[t + in(i)]; }
+};
+
+/// A field at corners 1 and 2 less that at corner 0.
+template <int lanes>
+struct Differences {
+    Vectors<lanes> a, b;
+};
+
+template <int lanes, class In>
+[[gnu::always_inline]] inline Differences<lanes> differences(const Triangles<In>& of, const double* field) {
+    const std::int32_t* node = of.node_of_corner + 3 * of.t;
+    const auto at = [&](int k) __attribute__((always_inline)) {
+        return vectors<lanes>([&](int i) { return field + 2 * static_cast<std::int64_t>(node[3 * of.in(i) + k]); });
     };
-    const Vectors<lanes> u0 = of_node(displacement, 0), u1 = of_node(displacement, 1), u2 = of_node(displacement, 2),
-                         a{u1.x - u0.x, u1.y - u0.y}, b{u2.x - u0.x, u2.y - u0.y};
-    const auto g1 = vectors<lanes>([&](int i) { return triangle[in(i)].gradient1; }),
-               g2 = vectors<lanes>([&](int i) { return triangle[in(i)].gradient2; });
-    const auto volume = numbers<lanes>([&](int i) { return triangle[in(i)].volume; });
-    const auto elastic = [&](int i) -> const LameConstants& { return body.stiffness[triangle[in(i)].material]; };
+    const Vectors<lanes> u0 = at(0), u1 = at(1), u2 = at(2);
+    return {{u1.x - u0.x, u1.y - u0.y}, {u2.x - u0.x, u2.y - u0.y}};
+}
+
+/// Of the triangles in the lanes.
+template <int lanes>
+struct Stage {
+    Vectors<lanes> g1, g2;            // gradients of l_1 and l_2
+    Numbers<lanes> xx, yx, xy, yy;    // u_x,x, u_y,x and so on, then P; small: strains, then stresses, xy for both
+    Numbers<lanes> volume, energies;  // energies: V/2 S:E
+};
+
+template <int lanes, StrainMeasure measure, class In>
+[[gnu::always_inline]] inline void find_strain(const Triangles<In>& of, const double* displacement,
+                                               Stage<lanes>& stage) {
+    const auto [a, b] = differences<lanes>(of, displacement);
+    const auto g1 = vectors<lanes>([&](int i) { return of(i).gradient1; }),
+               g2 = vectors<lanes>([&](int i) { return of(i).gradient2; });
+    // one by one: GCC 12 would copy a whole structure in other pieces than it was written, and wait
+    stage.g1.x = g1.x, stage.g1.y = g1.y, stage.g2.x = g2.x, stage.g2.y = g2.y;
+    stage.volume = numbers<lanes>([&](int i) { return of(i).volume; });
+    stage.xx = g1.x * a.x + g2.x * b.x, stage.yy = g1.y * a.y + g2.y * b.y;
+    if constexpr (measure == StrainMeasure::small) stage.xy = 0.5 * (g1.y * a.x + g1.x * a.y + g2.y * b.x + g2.x * b.y);
+    else stage.yx = g1.x * a.y + g2.x * b.y, stage.xy = g1.y * a.x + g2.y * b.x;
+}
+
+template <int lanes, StrainMeasure measure, bool is_viscous, class In>
+[[gnu::always_inline]] inline void find_stress(const Triangles<In>& of, ViscousTriangles* viscous,
+                                               Stage<lanes>& stage) {
+    const auto volume = stage.volume;
+    const auto elastic = [&](int i) -> const LameConstants& { return of.body.stiffness[of(i).material]; };
     const auto lambda = numbers<lanes>([&](int i) { return elastic(i).lambda; }),
                twice_shear = numbers<lanes>([&](int i) { return elastic(i).twice_shear; });
-    Vectors<lanes> f1, f2;
-    Numbers<lanes> norm2;
-    Vectors<lanes> c{}, d{};  // rates of a and b
+    const Vectors<lanes> g1 = stage.g1, g2 = stage.g2;
+    Vectors<lanes> c{}, d{};
     if constexpr (is_viscous) {
-        const Vectors<lanes> v0 = of_node(viscous->velocity, 0), v1 = of_node(viscous->velocity, 1),
-                             v2 = of_node(viscous->velocity, 2);
-        c = {v1.x - v0.x, v1.y - v0.y}, d = {v2.x - v0.x, v2.y - v0.y};
+        const auto rates = differences<lanes>(of, viscous->velocity);
+        c = rates.a, d = rates.b;
     }
     if constexpr (measure == StrainMeasure::small) {
-        const auto xx = g1.x * a.x + g2.x * b.x, yy = g1.y * a.y + g2.y * b.y,
-                   xy = 0.5 * (g1.y * a.x + g1.x * a.y + g2.y * b.x + g2.x * b.y);
+        const auto xx = stage.xx, yy = stage.yy, xy = stage.xy;
         auto trace = lambda * (xx + yy);
         if constexpr (is_viscous) {
             const auto rate = g1.x * c.x + g2.x * d.x + g1.y * c.y + g2.y * d.y;
-            const auto [s, before] = viscous_stress<lanes>(t, n, in, rate, *viscous);
+            const auto [s, before] = viscous_stress<lanes>(of.t, of.n, of.in, rate, *viscous);
             trace += s;
             const auto work = -0.5 * viscous->last_step * volume * (before + s) * rate,
                        unmoved = -volume * s * (xx + yy);
-            for (int i = 0; i < n; ++i)
+            for (int i = 0; i < of.n; ++i)
                 viscous->work += work[lane_of<lanes>(i)], viscous->unmoved += unmoved[lane_of<lanes>(i)];
         }
-        const auto s_xx = trace + twice_shear * xx, s_yy = trace + twice_shear * yy, s_xy = twice_shear * xy;
-        f1 = {-volume * (s_xx * g1.x + s_xy * g1.y), -volume * (s_yy * g1.y + s_xy * g1.x)};
-        f2 = {-volume * (s_xx * g2.x + s_xy * g2.y), -volume * (s_yy * g2.y + s_xy * g2.x)};
-        norm2 = s_xx * s_xx + s_yy * s_yy + 2 * s_xy * s_xy;
+        stage.xx = trace + twice_shear * xx, stage.yy = trace + twice_shear * yy, stage.xy = twice_shear * xy;
     } else {
-        const auto H_xx = g1.x * a.x + g2.x * b.x, H_yx = g1.x * a.y + g2.x * b.y,  // u_x,x and u_y,x
-            H_xy = g1.y * a.x + g2.y * b.x, H_yy = g1.y * a.y + g2.y * b.y;
+        const auto H_xx = stage.xx, H_yx = stage.yx, H_xy = stage.xy, H_yy = stage.yy;
         const auto xx = H_xx + 0.5 * (H_xx * H_xx + H_yx * H_yx), yy = H_yy + 0.5 * (H_xy * H_xy + H_yy * H_yy),
                    twice_xy = H_xy + H_yx + (H_xx * H_xy + H_yx * H_yy);  // of E
         const auto trace = lambda * (xx + yy), s_xx = trace + twice_shear * xx, s_yy = trace + twice_shear * yy,
                    s_xy = 0.5 * twice_shear * twice_xy;
-        const auto energies = 0.5 * volume * (s_xx * xx + s_yy * yy + s_xy * twice_xy);  // V/2 S:E
-        for (int i = 0; i < n; ++i) energy += energies[lane_of<lanes>(i)];
+        stage.energies = 0.5 * volume * (s_xx * xx + s_yy * yy + s_xy * twice_xy);
         const auto F_xx = H_xx + 1.0, F_yy = H_yy + 1.0;
         auto P_xx = s_xx * F_xx + s_xy * H_xy, P_yx = s_xx * H_yx + s_xy * F_yy, P_xy = s_xy * F_xx + s_yy * H_xy,
              P_yy = s_xy * H_yx + s_yy * F_yy;
@@ -162,42 +191,70 @@ template <int lanes, StrainMeasure measure, bool is_viscous, class In>
             // cof F : R, with F at the end of the last step, in its middle and at its start
             const auto at_end = F_yy * R_xx - H_yx * R_xy - H_xy * R_yx + F_xx * R_yy,
                        half = viscous->last_step * (R_xx * R_yy - R_xy * R_yx);
-            const auto [s, before] = viscous_stress<lanes>(t, n, in, at_end - half, *viscous);
+            const auto [s, before] = viscous_stress<lanes>(of.t, of.n, of.in, at_end - half, *viscous);
             P_xx += s * F_yy, P_yx -= s * H_xy, P_xy -= s * H_yx, P_yy += s * F_xx;
             const auto work = -0.5 * viscous->last_step * volume * (before * (at_end - 2.0 * half) + s * at_end);
-            for (int i = 0; i < n; ++i) viscous->work += work[lane_of<lanes>(i)];
+            for (int i = 0; i < of.n; ++i) viscous->work += work[lane_of<lanes>(i)];
         }
-        f1 = {-volume * (g1.x * P_xx + g1.y * P_xy), -volume * (g1.x * P_yx + g1.y * P_yy)};
-        f2 = {-volume * (g2.x * P_xx + g2.y * P_xy), -volume * (g2.x * P_yx + g2.y * P_yy)};
-        norm2 = (P_xx * P_xx + P_xy * P_xy) + (P_yx * P_yx + P_yy * P_yy);
+        stage.xx = P_xx, stage.yx = P_yx, stage.xy = P_xy, stage.yy = P_yy;
     }
+}
+
+/// Adds the energy of the triangles that count.
+template <int lanes, StrainMeasure measure, class In>
+[[gnu::always_inline]] inline void store_forces(const Triangles<In>& of, const Stage<lanes>& stage, double* force,
+                                                double& energy, std::uint8_t* fan_is_candidate) {
+    constexpr bool small = measure == StrainMeasure::small;
+    const auto volume = stage.volume;
+    const Vectors<lanes> g1 = stage.g1, g2 = stage.g2;
+    const auto xx = stage.xx, xy = stage.xy, yx = small ? xy : stage.yx, yy = stage.yy;
+    const Vectors<lanes> f1{-volume * (g1.x * xx + g1.y * xy), -volume * (g1.x * yx + g1.y * yy)},
+        f2{-volume * (g2.x * xx + g2.y * xy), -volume * (g2.x * yx + g2.y * yy)};
     store(Vectors<lanes>{-(f1.x + f2.x), -(f1.y + f2.y)}, [force](int i) { return force + 6 * i; });
     store(f1, [force](int i) { return force + 6 * i + 2; });
     store(f2, [force](int i) { return force + 6 * i + 4; });
+    if constexpr (!small)
+        for (int i = 0; i < of.n; ++i) energy += stage.energies[lane_of<lanes>(i)];
 
-    const auto exceeds = norm2 > numbers<lanes>([&](int i) { return static_cast<double>(triangle[in(i)].threshold); });
+    const auto norm2 = small ? xx * xx + yy * yy + 2 * xy * xy : (xx * xx + xy * xy) + (yx * yx + yy * yy);
+    const auto exceeds = norm2 > numbers<lanes>([&](int i) { return static_cast<double>(of(i).threshold); });
     long long any = 0;
     for (int i = 0; i < lanes; ++i) any |= exceeds[i];
     if (any == 0) return;
-    for (int i = 0; i < n; ++i) mark_candidates(body, t + i, norm2[lane_of<lanes>(i)], fan_is_candidate);
+    for (int i = 0; i < of.n; ++i) mark_candidates(of.body, of.t + i, norm2[lane_of<lanes>(i)], fan_is_candidate);
 }
 
+/// Strains, stresses and forces are three loops over a few registers of triangles. In one loop each triangle is a chain
+/// of more instructions than a processor looks ahead, and most of its time is waiting.
 template <int lanes, StrainMeasure measure, bool is_viscous>
 double constant_strain_forces(std::int32_t first, std::int32_t last, const ConstantStrainBody& body,
                               const double* displacement, const std::int32_t* node_of_corner, double* force,
                               std::uint8_t* fan_is_candidate, ViscousTriangles* viscous) {
+    constexpr int few = 8;
+    Stage<lanes> stages[few];
     double energy = 0;
     std::int64_t t = first;
-    for (; t + lanes <= last; t += lanes, force += 6 * lanes)
-        add_forces<lanes, measure, is_viscous>(
-            t, lanes, [](int i) { return i; }, body, displacement, node_of_corner, force, energy, fan_is_candidate,
-            viscous);
+    const auto whole = [&](int k) __attribute__((always_inline)) {
+        const auto in = [](int i) { return i; };
+        return Triangles<decltype(in)>{t + k * lanes, lanes, in, body, node_of_corner};
+    };
+    while (t + lanes <= last) {
+        const std::int64_t n_left = (last - t) / lanes;
+        const int n = n_left < few ? static_cast<int>(n_left) : few;
+        for (int k = 0; k < n; ++k) find_strain<lanes, measure>(whole(k), displacement, stages[k]);
+        for (int k = 0; k < n; ++k) find_stress<lanes, measure, is_viscous>(whole(k), viscous, stages[k]);
+        for (int k = 0; k < n; ++k, force += 6 * lanes)
+            store_forces<lanes, measure>(whole(k), stages[k], force, energy, fan_is_candidate);
+        t += n * lanes;
+    }
     if (t == last) return energy;
     double spare[6 * lanes];
     const int n = static_cast<int>(last - t);
-    add_forces<lanes, measure, is_viscous>(
-        t, n, [n](int i) { return i < n ? i : n - 1; }, body, displacement, node_of_corner, spare, energy,
-        fan_is_candidate, viscous);
+    const auto in = [n](int i) { return i < n ? i : n - 1; };
+    const Triangles<decltype(in)> rest{t, n, in, body, node_of_corner};
+    find_strain<lanes, measure>(rest, displacement, stages[0]);
+    find_stress<lanes, measure, is_viscous>(rest, viscous, stages[0]);
+    store_forces<lanes, measure>(rest, stages[0], spare, energy, fan_is_candidate);
     __builtin_memcpy(force, spare, 6 * n * sizeof(double));
     return energy;
 }
