@@ -226,7 +226,8 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
         for (const MeshBlock::Corner c : block.kept) kept[c] = work.force[c];
         for (Index i = block.first_load; i < block.last_load; ++i) {
             const CornerLoad& load = model_.corner_loads[i];
-            corner_force_[load.corner] += amplitude_[load.history] * force_of(model_, load, step.begin);
+            Vec2& force = corner_force_[load.corner];
+            store(knap::load(force) + amplitude_[load.history] * force_at_once(model_, load, step.begin), force);
         }
         NodeMotion nodes(step);
         move_fans<MeshBlock::Corner>({.block = block.inner,
@@ -408,32 +409,32 @@ StepReport ExplicitScheme::advance_remaining_split_fans(const ExplicitStep& step
 /// these corners, since a load on a long boundary has many.
 StepReport ExplicitScheme::account_loads(const ExplicitStep& step) {
     StepReport of_cracks;
-    for (const CornerLoad& load : crack_forces_.found()) account_load(load, load.force, step, of_cracks);
+    account_loads(crack_forces_.found(), step, of_cracks);
     if (model_.corner_loads.empty()) return of_cracks;
     return of_cracks +=
            sum_over_blocks(blocks_.size(), 1, partial_, [&](std::size_t b, std::size_t, StepReport& report) {
-               for (Index i = blocks_[b].first_load; i < blocks_[b].last_load; ++i) {
-                   const CornerLoad& load = model_.corner_loads[i];
-                   account_load(load, force_of(model_, load, step.begin), step, report);
-               }
+               const Index first = blocks_[b].first_load, last = blocks_[b].last_load;
+               account_loads(std::span(model_.corner_loads).subspan(first, last - first), step, report);
            });
 }
 
-/// `of_one` [N]: the force for amplitude 1.
-void ExplicitScheme::account_load(const CornerLoad& load, const Vec2& of_one, const ExplicitStep& step,
-                                  StepReport& report) const {
+/// Adds to a report without works of loads; the sums stay in registers.
+void ExplicitScheme::account_loads(std::span<const CornerLoad> loads, const ExplicitStep& step,
+                                   StepReport& report) const {
     const State &begin = step.begin, &end = step.end;
-    const Vec2 force = amplitude_[load.history] * of_one;
-    const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
-    double& work = model_.is_release(load) ? report.excavation_work : report.external_work;
-    work += step.kick_time * force.dot(0.5 * (begin.velocity[from] + end.velocity[to]));
-    if (model_.large_rotation) {
-        report.strain += 0.5 * step.drift_time * force.dot(end.velocity[to]);
-        report.rotation_work -= 0.5 * begin.last_step * force.dot(begin.velocity[from]);
-    } else {
-        report.strain += 0.5 * force.dot(end.displacement[to]);
+    const double half_drift = 0.5 * step.drift_time, half_last = 0.5 * begin.last_step, change = step.change_time();
+    double external = 0, excavation = 0, strain = 0, rotation = 0, step_change = 0;
+    for (const CornerLoad& load : loads) {
+        const Pair force = amplitude_[load.history] * force_at_once(model_, load, begin);
+        const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
+        const Pair before = knap::load(begin.velocity[from]), after = knap::load(end.velocity[to]);
+        (model_.is_release(load) ? excavation : external) += step.kick_time * dot(force, 0.5 * (before + after));
+        if (model_.large_rotation) strain += half_drift * dot(force, after), rotation -= half_last * dot(force, before);
+        else strain += 0.5 * dot(force, knap::load(end.displacement[to]));
+        if (change != 0) step_change += change * dot(force, after - before);
     }
-    report.step_change_work += step.change_time() * force.dot(end.velocity[to] - begin.velocity[from]);
+    report.external_work += external, report.excavation_work += excavation;
+    report.strain += strain, report.rotation_work += rotation, report.step_change_work += step_change;
 }
 
 /// U_n and the terms of the step before complete the energies of NodeMotion. The first step has none before.

@@ -45,7 +45,7 @@ private:
     void release(const ExplicitStep& step, StepReport& report);
     StepReport advance_remaining_split_fans(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
-    void account_load(const CornerLoad& load, const Vec2& of_one, const ExplicitStep& step, StepReport& report) const;
+    void account_loads(std::span<const CornerLoad> loads, const ExplicitStep& step, StepReport& report) const;
     ViscousStep viscous_step(const ExplicitStep& step);
     void account_viscosity(const ViscousStep& viscous, StepReport& report) const;
     void account_rotation(const ExplicitStep& step, StepReport& report) const;

@@ -39,6 +39,11 @@ inline Index place_among(std::span<const Index> corners, Index corner) {
     return static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
 }
 
+/// force_of without a call where the force does not follow a face: a weight acts on every corner of the body.
+inline Pair force_at_once(const Model& model, const CornerLoad& corner_load, const State& state) {
+    return corner_load.face_stress < 0 ? load(corner_load.force) : load(force_of(model, corner_load, state));
+}
+
 /// [N s] That takes a mass [kg] from `before` to `after` [m/s], against the damping d [-].
 inline Vec2 damped_impulse(double mass, const Vec2& before, const Vec2& after, double damping) {
     return mass * ((1 + damping) * after - (1 - damping) * before);
@@ -92,21 +97,21 @@ public:
 
     /// From node `from` to node `to` with the end velocity v+ [m/s]; `force` [N] F - K u.
     void move(Index from, Index to, double mass, const Vec2& force, const Vec2& velocity) {
-        with_options([&]<bool large_rotation, bool damped>() {
-            move_to<large_rotation, damped>(from, to, mass, load(force), load(velocity), sums_);
+        with_options([&]<bool large_rotation, bool damped, bool steady>() {
+            move_to<large_rotation, damped, steady>(from, to, mass, load(force), load(velocity), sums_);
         });
     }
     /// Nodes that nothing but a force [N] acts on; a Fan has its mass and its node `fan`.
     template <class Fan>
     void move_freely(std::span<const Fan> fans, const Vec2* force) {
-        with_options([&]<bool large_rotation, bool damped>() {
+        with_options([&]<bool large_rotation, bool damped, bool steady>() {
             Sums sums = sums_;
             const double response = step_.mobility * step_.kick_time, decay = step_.decay;  // [s], [-]
             const Vec2* velocity = step_.begin.velocity.data();
             for (const Fan& fan : fans) {
                 const Pair f = load(*force++), v = load(velocity[fan.fan]);
-                move_to<large_rotation, damped>(fan.fan, fan.fan, fan.mass, f,
-                                                (damped ? decay * v : v) + response / fan.mass * f, sums);
+                move_to<large_rotation, damped, steady>(fan.fan, fan.fan, fan.mass, f,
+                                                        (damped ? decay * v : v) + response / fan.mass * f, sums);
             }
             sums_ = sums;
         });
@@ -124,14 +129,19 @@ private:
     struct Sums {
         double kinetic = 0, strain = 0, step_change_work = 0, damping_work = 0, rotation_work = 0, largest_speed2 = 0;
     };
+    /// Calls body<large_rotation, damped, steady>(); steady: the step has not changed.
     template <class Body>
     void with_options(const Body& body) {
+        const auto with_change = [&]<bool large_rotation, bool damped>() {
+            step_.change_time() == 0 ? body.template operator()<large_rotation, damped, true>()
+                                     : body.template operator()<large_rotation, damped, false>();
+        };
         const bool damped = step_.damping != 0;
         if (step_.large_rotation)
-            damped ? body.template operator()<true, true>() : body.template operator()<true, false>();
-        else damped ? body.template operator()<false, true>() : body.template operator()<false, false>();
+            damped ? with_change.template operator()<true, true>() : with_change.template operator()<true, false>();
+        else damped ? with_change.template operator()<false, true>() : with_change.template operator()<false, false>();
     }
-    template <bool large_rotation, bool damped>
+    template <bool large_rotation, bool damped, bool steady>
     [[gnu::always_inline]] void move_to(Index from, Index to, double mass, const Pair& force, const Pair& velocity,
                                         Sums& sums) const {
         const double h = step_.drift_time;
@@ -144,7 +154,7 @@ private:
         } else {
             sums.strain -= 0.5 * dot(force, u);
         }
-        sums.step_change_work -= step_.change_time() * dot(force, velocity - before);
+        if constexpr (!steady) sums.step_change_work -= step_.change_time() * dot(force, velocity - before);
         if constexpr (damped)
             sums.damping_work -= 0.5 * step_.damping * mass * dot(before + velocity, before + velocity);
         sums.largest_speed2 = std::max(sums.largest_speed2, speed2);
