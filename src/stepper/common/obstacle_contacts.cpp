@@ -8,6 +8,7 @@ constexpr double obstacle_reach_in_steps = 4;  // distances covered in a step at
 constexpr double touching_corner = 1e-3;       // [-] of the size of a corner: as a rounding error of the geometry
 constexpr double end_of_edge = 1e-3;           // [-] of an edge: there its end is in contact instead
 constexpr double almost_as_near = 0.05;        // [-] of an edge: likewise where an end is about as near to the obstacle
+constexpr double rounded_up = 1 + 1e-12;       // more than the rounding of a bound
 constexpr double gap_rounding = 1e-12;         // [-] of the coordinates whose difference is a gap
 
 /// The gap at x, or zero where it is rounding.
@@ -59,6 +60,12 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
     surfaces_.clear();
     for (std::size_t o = 0; o < model_.obstacles.size(); ++o)
         surfaces_.emplace_back(model_.obstacles[o].outline, begin.obstacles[o].pose);
+    at_most_.clear();
+    for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
+        const Vec3 &start = begin.obstacles[o].velocity, &end = end_velocity[o];
+        at_most_.push_back({.speed = start.head<2>().lpNorm<1>() + end.head<2>().lpNorm<1>(),
+                            .spin = std::abs(start.z()) + std::abs(end.z())});
+    }
     candidates_ = boundary_;
     for (const Index f : begin.split_fans) add_pieces(f, begin);
     if (candidates_.size() > boundary_.size())
@@ -80,11 +87,18 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
                                       const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force) {
     const Index c = at.corner, node = begin.node_of_corner[c];
     const Vec2 x = model_.mesh.corner(c) + begin.displacement[node];
-    const double speed =
-        begin.velocity[node].norm() + (corner_force.empty() ? 0 : h / model_.corner_mass[c] * corner_force[c].norm());
+    const Vec2& v = begin.velocity[node];
+    const double kick = corner_force.empty() ? 0 : h / model_.corner_mass[c];
+    const Vec2 force = corner_force.empty() ? Vec2::Zero() : corner_force[c];
+    const double nearest = near * corner_size_[c], in_steps = obstacle_reach_in_steps * h,
+                 most = v.lpNorm<1>() + kick * force.lpNorm<1>();  // [m/s] at least its speed
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
         const ObstacleSurface& surface = surfaces_[o];
         const Vec2 arm = x - surface.position();
+        // nearly all corners are far, so at first without roots
+        const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>();
+        if (!surface.may_reach(x, rounded_up * (nearest + in_steps * (most + most_of_obstacle)))) continue;
+        const double speed = v.norm() + kick * force.norm();
         const double obstacle_speed =
             velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
         const double reach = near * corner_size_[c] + obstacle_reach_in_steps * h * (speed + obstacle_speed);

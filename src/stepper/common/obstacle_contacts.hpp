@@ -80,6 +80,10 @@ private:
         Index fan, corner;
         Index place;  // in the order of the candidates of its fan
     };
+    /// Bounds of the motion of an obstacle, start and end of the step together.
+    struct AtMost {
+        double speed, spin;  // [m/s], [rad/s]
+    };
     void add_pieces(Index fan, const State& begin);
     void find_at_corner(const Candidate& at, const State& begin, double h, const std::vector<Vec3>& end_velocity,
                         const std::vector<Vec2>& corner_force);
@@ -90,6 +94,7 @@ private:
     std::vector<double> corner_size_;  // [m] per corner: distance to the nearest other corner of its triangle
     std::vector<Candidate> candidates_;
     std::vector<ObstacleSurface> surfaces_;  // in their places at the start of the step
+    std::vector<AtMost> at_most_;            // likewise
     std::vector<ObstacleContact> contacts_;
     std::size_t n_at_corners_ = 0;
 };

@@ -25,8 +25,8 @@ void VertexObstacles::begin(const ExplicitStep& step) {
 }
 
 bool VertexObstacles::couple(Index fan) const {
-    return std::ranges::any_of(now_.contacts.of_fan(fan),
-                               [&](const ObstacleContact& c) { return model_.obstacles[c.obstacle].is_free(); }) ||
+    const auto is_free = [&](const ObstacleContact& c) { return model_.obstacles[c.obstacle].is_free(); };
+    return (any_is_free_ && std::ranges::any_of(now_.contacts.of_fan(fan), is_free)) ||
            std::ranges::any_of(now_.contacts.on_edges(),
                                [&](const ObstacleContact& c) { return c.fan == fan || c.second_fan == fan; });
 }

@@ -3,6 +3,7 @@
 // that it touches by its three velocities; a contact on an edge couples the two fans at its ends by its impulse.
 #include "stepper/explicit/vertex_solver.hpp"
 
+#include <algorithm>
 #include <functional>
 
 namespace knap {
@@ -10,7 +11,10 @@ namespace knap {
 class VertexObstacles {
 public:
     VertexObstacles(const Model& model, const VertexSolver& solver, ObstacleStep& obstacles)
-        : model_(model), solver_(solver), now_(obstacles) {}
+        : model_(model),
+          solver_(solver),
+          now_(obstacles),
+          any_is_free_(std::ranges::any_of(model.obstacles, [](const Obstacle& o) { return o.is_free(); })) {}
 
     /// Motion of the obstacles without the body, and the contacts that may close.
     void begin(const ExplicitStep& step);
@@ -42,6 +46,7 @@ private:
     const Model& model_;
     const VertexSolver& solver_;
     ObstacleStep& now_;
+    bool any_is_free_;
     std::vector<EdgeContact> edges_;
     SolvedFan edge_;                     // one of them as a fan of two bodies
     std::vector<std::uint8_t> touched_;  // per obstacle: it is free, and something may touch it
