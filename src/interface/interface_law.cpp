@@ -41,34 +41,4 @@ void add_friction_theta(double friction, Staircase& staircase) {
     staircase.add({.rate = 0, .cohesive = 0, .friction = friction}, 0);
 }
 
-StaircasePiece Staircase::piece(int state) const {
-    const bool stick = state % 2 == 1;
-    const int here = state / 2;  // the kink, or the number of kinks below
-    StaircasePiece piece;
-    piece.stick = stick;
-    piece.kink = stick ? kinks_[here].rate : 0;
-    piece.low = here > 0 ? kinks_[here - 1].rate : -infinity;
-    piece.high = here < n_kinks_ ? kinks_[here].rate : infinity;
-    for (int i = 0; i < n_kinks_; ++i) {
-        if (stick && i == here) {
-            piece.jump = kinks_[i].cohesive;
-            piece.contact_jump = kinks_[i].friction;
-            continue;
-        }
-        const double sign = i < here ? 1 : -1;
-        piece.offset += sign * kinks_[i].cohesive;
-        piece.contact_offset += sign * kinks_[i].friction;
-    }
-    return piece;
-}
-
-int Staircase::state_of(double rate, double tolerance) const {
-    int state = 0;
-    for (int i = 0; i < n_kinks_; ++i) {
-        if (std::abs(rate - kinks_[i].rate) <= tolerance) return 2 * i + 1;
-        if (rate > kinks_[i].rate) state = 2 * i + 2;
-    }
-    return state;
-}
-
 }  // namespace knap

@@ -10,6 +10,7 @@
 #include "base/vec.hpp"
 
 #include <array>
+#include <cmath>
 #include <span>
 
 namespace knap {
@@ -62,6 +63,38 @@ private:
     std::array<Kink, 3> kinks_;
     int n_kinks_ = 0;
 };
+
+// Clusters of contacts read them in every sweep.
+
+inline StaircasePiece Staircase::piece(int state) const {
+    const bool stick = state % 2 == 1;
+    const int here = state / 2;  // the kink, or the number of kinks below
+    StaircasePiece piece;
+    piece.stick = stick;
+    piece.kink = stick ? kinks_[here].rate : 0;
+    piece.low = here > 0 ? kinks_[here - 1].rate : -infinity;
+    piece.high = here < n_kinks_ ? kinks_[here].rate : infinity;
+    for (int i = 0; i < n_kinks_; ++i) {
+        if (stick && i == here) {
+            piece.jump = kinks_[i].cohesive;
+            piece.contact_jump = kinks_[i].friction;
+            continue;
+        }
+        const double sign = i < here ? 1 : -1;
+        piece.offset += sign * kinks_[i].cohesive;
+        piece.contact_offset += sign * kinks_[i].friction;
+    }
+    return piece;
+}
+
+inline int Staircase::state_of(double rate, double tolerance) const {
+    int state = 0;
+    for (int i = 0; i < n_kinks_; ++i) {
+        if (std::abs(rate - kinks_[i].rate) <= tolerance) return 2 * i + 1;
+        if (rate > kinks_[i].rate) state = 2 * i + 2;
+    }
+    return state;
+}
 
 /// Friction of the explicit bulk under the contact impulse p, after the rate V_T [m/s] before the step: mu p
 /// 1/2 [sgn(V_T+) + sgn(V_T+ + V_T)]. The signs of the end velocity and of the mean velocity together never do positive

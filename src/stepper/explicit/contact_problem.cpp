@@ -107,12 +107,14 @@ void ContactProblem::assemble() {
         const Index b = body_of(term);
         const Vec2 free = bodies_[b].free + corners_[term.corner].offset;
         cluster_.contacts[term.row].free += Vec2(term.along_N.dot(free), term.along_T.dot(free));
-        Eigen::Matrix2d of, on;
-        of << bodies_[b].inverse_mass.cwiseProduct(term.along_N), bodies_[b].inverse_mass.cwiseProduct(term.along_T);
+        const Vec2 by_N = bodies_[b].inverse_mass.cwiseProduct(term.along_N),
+                   by_T = bodies_[b].inverse_mass.cwiseProduct(term.along_T);
         for (std::size_t k = b == 0 ? 0 : end[b - 1]; k < end[b]; ++k) {
             const Term& other = terms_[of_body_[k]];
-            on << other.along_N, other.along_T;
-            cluster_.couple(term.row, other.row, on.transpose() * of);
+            Eigen::Matrix2d W;  // one by one: Eigen's initialisation by commas is slow
+            W(0, 0) = other.along_N.dot(by_N), W(0, 1) = other.along_N.dot(by_T);
+            W(1, 0) = other.along_T.dot(by_N), W(1, 1) = other.along_T.dot(by_T);
+            cluster_.couple(term.row, other.row, W);
         }
     }
     std::vector<double> mobility(cluster_.contacts.size(), 0);  // [1/kg] of the corners of each row

@@ -95,13 +95,17 @@ void VertexContacts::find_clusters() {
     UnionFind joined(fans_.size());
     for (std::size_t i = 0; i < n; ++i)
         for (const Term& term : terms_of(i)) joined.join(terms_of(i)[0].slot, term.slot);
-    clusters_.clear();
+    n_clusters_ = 0;
     std::vector<Index>& cluster_of = cluster_of_slot_;  // of the representatives
     cluster_of.assign(fans_.size(), -1);
     const auto cluster = [&](Index slot) {
         Index& found = cluster_of[joined.find(slot)];
-        if (found < 0) found = static_cast<Index>(clusters_.size()), clusters_.emplace_back();
-        return found;
+        if (found >= 0) return found;
+        if (clusters_.size() == n_clusters_) clusters_.emplace_back();
+        Cluster& added = clusters_[n_clusters_];
+        added.contacts.clear(), added.slots.clear();
+        added.is_aside = false, added.residual = 0;
+        return found = static_cast<Index>(n_clusters_++);
     };
     for (std::size_t i = 0; i < n; ++i)
         clusters_[cluster(terms_of(i)[0].slot)].contacts.push_back(static_cast<Index>(i));
@@ -339,7 +343,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
 double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,
                              std::vector<ThreadWorkspace>& workspaces, StepReport& report) {
     last_impulse_ = impulse_;
-    report += sum_over_blocks(clusters_.size(), 1, partial_, [&](std::size_t k, std::size_t, StepReport& own) {
+    report += sum_over_blocks(n_clusters_, 1, partial_, [&](std::size_t k, std::size_t, StepReport& own) {
         if (clusters_[k].is_aside == aside)
             solve_cluster(clusters_[k], step, splits, workspaces[omp_get_thread_num()], own);
     });
@@ -385,7 +389,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
                          place_of(static_cast<Index>(i), step.begin));
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
     }
-    for (const Cluster& cluster : clusters_)
+    for (const Cluster& cluster : clusters())
         report.add_contact_residual(cluster.residual, place_of(cluster.contacts.front(), step.begin));
     report.face_contacts = static_cast<std::int64_t>(contacts.size());
     retire_points(model_, step.begin.retired, step.end);

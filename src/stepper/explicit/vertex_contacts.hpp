@@ -34,7 +34,7 @@ public:
     /// Sets aside the clusters with a fan that others couple: is_coupled(fan).
     template <class IsCoupled>
     void set_aside(const IsCoupled& is_coupled) {
-        for (Cluster& cluster : clusters_)
+        for (Cluster& cluster : clusters())
             cluster.is_aside = std::ranges::any_of(cluster.slots, [&](Index s) { return is_coupled(fans_[s]); });
     }
     /// Finds the impulses of the contacts, in the clusters that are set aside or in the others, and adds them to
@@ -71,6 +71,7 @@ private:
         double residual = 0;  // [-] of the last solution, over the speeds
     };
 
+    std::span<Cluster> clusters() { return {clusters_.data(), n_clusters_}; }
     Index slot_of(Index fan);
     void add_terms(Index contact);
     void find_clusters();
@@ -102,7 +103,8 @@ private:
     std::vector<Index> cluster_of_slot_;  // of representatives
     std::vector<Term> terms_;
     std::vector<std::size_t> first_term_;  // per contact, and the end
-    std::vector<Cluster> clusters_;
+    std::vector<Cluster> clusters_;        // memory of more
+    std::size_t n_clusters_ = 0;
     std::vector<Vec2> impulse_, before_;  // [N s], [m/s] per contact: (N, T)
     std::vector<Vec2> last_impulse_;
     std::vector<double> residual_;  // [m/s] per contact: of its cluster
