@@ -84,9 +84,10 @@ void FaceContacts::find(const State& begin, double h) {
         const auto pairs = nearby_.of_block(b);
         for (std::size_t k = 0; k < pairs.size();) {
             const Index i = pairs[k].vertex;
+            const Vec2 x = 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x);
             std::optional<Vertex> at;
             for (; k < pairs.size() && pairs[k].vertex == i; ++k) {
-                if (!may_touch(pairs[k])) continue;
+                if (!may_touch(x, pairs[k].edge)) continue;
                 if (!at) at = vertex(i, begin);
                 if (!at->reflex) examine(pairs[k], *at, begin, h, block);
             }
@@ -177,15 +178,15 @@ void FaceContacts::use_edges_of(std::size_t block) {
     }
 }
 
-/// Rule 1 with the reach of the fastest corner.
-bool FaceContacts::may_touch(const NearbyEdge& pair) const {
-    const auto [i, e] = pair;
+/// Rule 1 with the reach of the fastest corner, of a vertex at x. Nearly all pairs end at their gap.
+bool FaceContacts::may_touch(const Vec2& x, Index e) const {
     const FreeEdge& edge = boundary_.edges()[e];
     const auto& [t, length] = sides_[e];
-    const Vec2 x = 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x), from_a = x - start_of(e).x;
-    const double gap = cross(from_a, t), along = t.dot(from_a),
-                 beyond = largest_overrun(gap, reach_, overrun(e, x, gap, along / length), length, edge.depth);
-    return gap <= reach_ && gap >= -edge.depth && along >= -beyond && along <= length + beyond;
+    const Vec2 from_a = x - start_of(e).x;
+    const double gap = cross(from_a, t), along = t.dot(from_a);
+    if (!(gap <= reach_ && gap >= -edge.depth)) return false;
+    const double beyond = largest_overrun(gap, reach_, overrun(e, x, gap, along / length), length, edge.depth);
+    return along >= -beyond && along <= length + beyond;
 }
 
 FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {

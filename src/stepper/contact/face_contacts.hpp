@@ -130,7 +130,7 @@ private:
     void use_edges_of(std::size_t block);
     const CornerMotion& start_of(Index edge) const { return corners_[boundary_.edges()[edge].start_place]; }
     const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }
-    bool may_touch(const NearbyEdge& pair) const;
+    bool may_touch(const Vec2& x, Index edge) const;
     Vertex vertex(Index i, const State& begin) const;
     void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
     struct Corner {

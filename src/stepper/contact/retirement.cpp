@@ -7,11 +7,12 @@
 namespace knap {
 namespace {
 
-constexpr double inner_overlap = 0.005;  // [-] of an edge
-constexpr double same_direction = 1e-9;  // sine of an angle between edges that is rounding
-constexpr double parting_slip = 0.02;    // [-] of the edge
-constexpr double parting_turn = 0.2;     // [rad] no corner of a usual triangle is sharper
-constexpr std::ptrdiff_t block = 256;    // fans
+constexpr double inner_overlap = 0.005;    // [-] of an edge
+constexpr double same_direction = 1e-9;    // sine of an angle between edges that is rounding
+constexpr double rounded_down = 1 - 1e-6;  // less than the rounding of a bound takes away
+constexpr double parting_slip = 0.02;      // [-] of the edge
+constexpr double parting_turn = 0.2;       // [rad] no corner of a usual triangle is sharper
+constexpr std::ptrdiff_t block = 256;      // fans
 
 Index next_in_triangle(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }
 Index previous_in_triangle(Index c) { return c % 3 == 0 ? c + 2 : c - 1; }
@@ -27,17 +28,30 @@ struct Sides {
     /// The edge leaves the corner `after` and enters the corner `before`, each in its own triangle; a support does not
     /// turn.
     bool turned(double angle) const {
-        const auto place = [&](Index c) -> Vec2 { return model.mesh.corner(c) + state.displacement_of(c); };
-        const auto along = [&](Index c, Index other) -> Vec2 { return place(other) - place(c); };
-        const auto at_rest = [&](Index c, Index other) -> Vec2 {
-            return model.mesh.corner(other) - model.mesh.corner(c);
+        if (surely_turned_less(angle)) return false;
+        const auto undeformed = [&](Index c) -> const Vec2& {  // order 1, with less than Mesh::corner
+            return model.mesh.vertices[model.mesh.triangles[c / 3][c % 3]];
         };
+        const auto place = [&](Index c) -> Vec2 { return undeformed(c) + state.displacement_of(c); };
+        const auto along = [&](Index c, Index other) -> Vec2 { return place(other) - place(c); };
+        const auto at_rest = [&](Index c, Index other) -> Vec2 { return undeformed(other) - undeformed(c); };
         const Index before = point.before, after = point.after;
         const Vec2 along_after = after == rigid_support ? at_rest(before, previous_in_triangle(before))
                                                         : along(after, next_in_triangle(after)),
                    along_before = before == rigid_support ? at_rest(after, next_in_triangle(after))
                                                           : along(before, previous_in_triangle(before));
         return std::abs(cross(along_after, along_before)) > angle * along_after.dot(along_before);
+    }
+
+    /// From the displacements alone. With A the edge of the side `after` and J the change of the opening along it,
+    /// |A x (A + J)| <= |A||J| and A.(A + J) >= |A|(|A| - |J|); |A| is the length at rest less what the ends move apart.
+    bool surely_turned_less(double angle) const {
+        const Index before = point.before, after = point.after;
+        if (before == rigid_support || after == rigid_support) return false;
+        const Vec2 change = state.displacement_of(next_in_triangle(after)) - state.displacement_of(after),
+                   other = state.displacement_of(previous_in_triangle(before)) - state.displacement_of(before);
+        const double J = (other - change).lpNorm<1>(), A = 2 * point.area / model.thickness - change.lpNorm<1>();
+        return (1 + angle) * J < rounded_down * angle * A;
     }
 
     bool moved(double limit) const { return slipped(limit) || turned(limit); }
