@@ -81,8 +81,9 @@ Rotation frame_of(const Model& model, const State& state, std::span<const Index>
     const Mesh& mesh = model.mesh;
     double cosine = 0, sine = 0;
     for (const Index corner : corners) {
-        const Index t = mesh.triangle_of(corner), first = 3 * t;
-        const Vec2 e1 = mesh.side_vector(t, 0), e2 = -mesh.side_vector(t, 2),
+        const Index t = corner / 3, first = 3 * t;  // order 1
+        const auto& [k0, k1, k2] = mesh.triangles[t];
+        const Vec2 &x = mesh.vertices[k0], e1 = mesh.vertices[k1] - x, e2 = mesh.vertices[k2] - x,
                    &u = state.displacement[state.node_of_corner[first]],
                    a = state.displacement[state.node_of_corner[first + 1]] - u,
                    b = state.displacement[state.node_of_corner[first + 2]] - u;
