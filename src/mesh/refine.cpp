@@ -22,6 +22,7 @@ using Delaunay = delaunay::Triangulation;
 constexpr double too_large = 1.25;          // [-] circumradius over the Poisson radius, where sizes may still fall
 constexpr double too_large_finest = 1.1;    // [-] likewise at the smallest requested size: no later patch refines them
 constexpr double cell = 0.36;               // [-] area of one dart over the square of the Poisson radius
+constexpr double spread = 0.15;             // [-] of the factors of discs
 constexpr int n_rounds = 12, n_misses = 8;  // of darts; and misses in succession after which a triangle is full
 constexpr double min_distance = 0.6;        // [-] of a circumcentre from other vertices, over the Poisson radius
 constexpr double min_angle = 20;            // [degree] that the refinement asks for
@@ -210,20 +211,30 @@ Vertex Patch::insert(const Vec2& p, double factor, Face near) {
 
 void Patch::throw_darts() {
     std::vector<int> misses(triangles_.size(), 0);
+    std::vector<std::vector<Vec2>> within(triangles_.size());  // points of each triangle
     Face near;
     for (int round = 0; round < n_rounds; ++round)
         for (std::size_t i = 0; i < triangles_.size(); ++i) {
             const Index t = triangles_[i];
+            const auto is_crowded = [&](const Vec2& p, double distance) {
+                return std::ranges::any_of(within[i],
+                                           [&](const Vec2& q) { return (q - p).squaredNorm() < distance * distance; });
+            };
             const double radius = radius_of(t), n_darts = mesh_.area(t) / (cell * radius * radius);
             for (auto n = static_cast<int>(n_darts + random_.uniform()); n > 0 && misses[i] < n_misses; --n) {
                 double u = random_.uniform(), v = random_.uniform();
                 if (u + v > 1) u = 1 - u, v = 1 - v;
-                const double factor = random_.uniform(0.85, 1.15);
+                const double factor = random_.uniform(1 - spread, 1 + spread);
                 const Vec2 a = mesh_.corner(t, 0), p = a + u * (mesh_.corner(t, 1) - a) + v * (mesh_.corner(t, 2) - a);
+                const double at = radius_at({t, {1 - u - v, u, v}});
+                ++misses[i];
+                // nearer to one of them than has_room allows for any: no need to look for the others
+                if (is_crowded(p, 0.999 * at * factor * std::min(1.0, 0.5 * (factor + 1 - spread)))) continue;
                 near = fine_.locate(delaunay::point(p), near);
-                const bool hits = has_room(p, radius_at({t, {1 - u - v, u, v}}), factor, near);
-                misses[i] = hits ? 0 : misses[i] + 1;
-                if (hits) near = insert(p, factor, near)->face();
+                if (!has_room(p, at, factor, near)) continue;
+                near = insert(p, factor, near)->face();
+                within[i].push_back(p);
+                misses[i] = 0;
             }
         }
 }
@@ -305,13 +316,16 @@ Mesh Patch::inside() {
 void Patch::relax(Mesh& part) {
     const double smallest = std::ranges::min(requested_.size);
     relax_worst(part, on_line_, smallest, QualityTarget(min_angle + 2));
+    const auto is_at_home = [&](std::size_t i, const Vec2& x) {
+        return i < old_vertices_.size() && mesh_.vertices[old_vertices_[i]] == x;
+    };
     for (std::size_t i = 0; i < points_.size(); ++i) {
         if (on_line_[i]) continue;
-        const bool is_old = i < old_vertices_.size();
-        places_[i] = is_old && part.vertices[i] == points_[i] ? Place{} : old_->place_of(part.vertices[i]);
-        if (places_[i].triangle >= 0) continue;
-        part.vertices[i] = points_[i];
-        if (!is_old) places_[i] = old_->place_of(points_[i]);
+        for (const Vec2& x : {part.vertices[i], points_[i]}) {
+            part.vertices[i] = x;
+            places_[i] = is_at_home(i, x) ? Place{} : old_->place_of(x);
+            if (places_[i].triangle >= 0 || is_at_home(i, x)) break;
+        }
     }
 }
 
@@ -331,6 +345,7 @@ std::vector<Index> Patch::fill() {
             if (!(part_.area(t) > 0) || (requested_.allowed && !requested_.allowed(part_, t)))
                 leave_out[std::ranges::max(part_.triangles[t])] = 1;  // the newest
         if (std::ranges::count(leave_out, 1) == 0) return {};
+        points_ = part_.vertices;  // the next attempt starts from the better places
         std::size_t n = n_fixed_;
         std::vector<Index> now(n_fixed_);  // numbers of the points, or of neighbours of those that are left out
         std::iota(now.begin(), now.end(), 0);

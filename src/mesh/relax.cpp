@@ -44,9 +44,19 @@ void relax(Mesh& mesh, const std::vector<char>& fixed, const SizeOfTriangle& siz
         best = found;
         return true;
     };
+    // A search that moved nothing would do so again while no vertex of its star has moved.
+    std::vector<int> moved(mesh.vertices.size(), 0), in_vain(mesh.vertices.size(), -1);  // number of the last move
+    int n_moves = 0;
+    const auto is_in_vain = [&](Index v) {
+        return in_vain[v] >= 0 && std::ranges::all_of(stars[v], [&](Index t) {
+                   return std::ranges::all_of(mesh.triangles[t], [&](Index w) { return moved[w] <= in_vain[v]; });
+               });
+    };
     // Pattern search for the position of one vertex where the worst triangle of its star is best.
     const auto move = [&](Index v) {
+        if (is_in_vain(v)) return;
         Vec2& x = mesh.vertices[v];
+        const Vec2 first = x;
         TriangleQuality best = worst_of(stars[v], quality);
         double step = 0.1 * size_at(x);
         for (int n_halvings = 0; n_halvings < 4 && best.worse() < 1;) {
@@ -59,6 +69,8 @@ void relax(Mesh& mesh, const std::vector<char>& fixed, const SizeOfTriangle& siz
             x = place;
             if (place == start) step /= 2, ++n_halvings;
         }
+        if (x == first) in_vain[v] = n_moves;
+        else moved[v] = ++n_moves;
     };
     for (int sweep = 0; sweep < 4; ++sweep) {
         std::vector<std::pair<double, Index>> bad;
