@@ -1,13 +1,13 @@
 #include "stepper/adaptation.hpp"
 
 #include "base/parallel.hpp"
-#include "base/union_find.hpp"
 #include "element/elastic_forces.hpp"
 #include "element/triangle_matrices.hpp"
 #include "mesh/edge_graph.hpp"
 #include "mesh/relax.hpp"
 #include "model/successor.hpp"
 #include "stepper/common/elastic_energy.hpp"
+#include "stepper/refined_patches.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -49,52 +49,12 @@ Renumbering renumbering(const Model& before, const Model& after, const RefinedMe
     return numbers;
 }
 
-Vec2 momentum(const Model& model, const State& state, Index triangle) {
-    Vec2 sum = Vec2::Zero();
-    for (Index c = 3 * triangle; c < 3 * triangle + 3; ++c)
-        sum += model.corner_mass[c] * state.velocity[state.node_of_corner[c]];
-    return sum;
-}
-
 /// [kg m2/s] About the origin.
 double angular_momentum(const Model& model, const State& state) {
     double sum = 0;
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
         sum += model.corner_mass[c] * cross(model.mesh.corner(c), state.velocity[state.node_of_corner[c]]);
     return sum;
-}
-
-/// Gives each connected patch of new triangles the momentum of the triangles that it replaced.
-void restore_momentum(const Model& before, const State& old, const Model& after, const Renumbering& numbers,
-                      State& state) {
-    const Mesh& mesh = after.mesh;
-    const auto is_new = [&](Index t) { return numbers.triangle_before[t] < 0; };
-    UnionFind patches(mesh.vertices.size());
-    for (Index t = 0; t < mesh.n_triangles(); ++t)
-        for (int k = 1; k < 3 && is_new(t); ++k) patches.join(mesh.triangles[t][0], mesh.triangles[t][k]);
-    std::vector<std::uint8_t> stays(before.mesh.n_triangles(), 0);
-    for (const Index t : numbers.triangle_before)
-        if (t >= 0) stays[t] = 1;
-    std::vector<Vec2> missing(mesh.vertices.size(), Vec2::Zero());  // per patch
-    for (Index t = 0; t < before.mesh.n_triangles(); ++t)
-        if (!stays[t]) missing[patches.find(numbers.vertex[before.mesh.triangles[t][0]])] += momentum(before, old, t);
-    std::vector<Vec2> moved(after.fans.size(), Vec2::Zero());  // [kg] per component, of what is free to move
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        if (!is_new(t)) continue;
-        missing[patches.find(mesh.triangles[t][0])] -= momentum(after, state, t);
-        for (Index c = 3 * t; c < 3 * t + 3; ++c) {
-            const Index f = after.fan_of_corner[c];
-            const PrescribedMotion* motion = after.motion_of(c);
-            for (int k = 0; k < 2; ++k)
-                moved[f][k] = state.split_rank[f] < 0 && !(motion && motion->component[k]) ? after.fans[f].mass : 0;
-        }
-    }
-    std::vector<Vec2> mass(mesh.vertices.size(), Vec2::Zero());  // [kg] per patch
-    const auto patch_of = [&](std::size_t fan) { return patches.find(after.fans[fan].vertex); };
-    for (std::size_t f = 0; f < moved.size(); ++f) mass[patch_of(f)] += moved[f];
-    for (std::size_t f = 0; f < moved.size(); ++f)
-        for (int k = 0; k < 2; ++k)
-            if (moved[f][k] > 0) state.velocity[f][k] += missing[patch_of(f)][k] / mass[patch_of(f)][k];
 }
 
 struct EnergyParts {
@@ -241,7 +201,7 @@ std::optional<AdaptedModel> adapt(const Model& model, const State& state, const 
     next.model.too_coarse = coarse_fans(next.model, options.size);
     next.numbers = renumbering(model, next.model, *fine);
     next.state = carried_over(model, state, next.model, *fine);
-    restore_momentum(model, state, next.model, next.numbers, next.state);
+    restore_momentum_and_energy(model, state, next.model, *fine, next.state);
     next.energies = energies_of(next.model, next.state);
     next.angular_momentum_change = angular_momentum(next.model, next.state) - angular_momentum(model, state);
     return next;

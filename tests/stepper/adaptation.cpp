@@ -162,10 +162,31 @@ TEST_CASE("adaptation: momentum stays and the energy does not grow for any field
         const Vec2 defect = momentum_of(next->model, next->state) - momentum_of(model, state);
         CHECK(defect.norm() <= 1e-14 * 5 * 2500 * 0.03 * 0.02);
         const LeapfrogEnergies before = leapfrog_energies(model, state);
-        CHECK(next->energies.kinetic + next->energies.strain <= before.kinetic + before.strain);
+        CHECK(next->energies.kinetic + next->energies.strain <= (before.kinetic + before.strain) * (1 + 1e-14));
         for (const double step : stable_steps(next->model.mesh, model.materials, model.plane))
             CHECK(step >= options(model).smallest_step * (1 - 1e-12));
     }
+}
+
+TEST_CASE("adaptation: waves of a few edges keep their energy") {
+    // linear interpolation alone loses 14, 3.5 and 0.8 % at 5, 10 and 20 edges
+    for (const double edges : {4, 5, 10, 20})
+        for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+            CAPTURE(edges);
+            CAPTURE(seed);
+            const Model model = model_on(plate_mesh(seed));
+            const double k = 2 * M_PI / (edges * coarse);
+            const auto u = [&](const Vec2& x) -> Vec2 { return {0, 1e-6 * std::cos(k * x.x())}; };
+            const auto v = [&](const Vec2& x) -> Vec2 { return {3 * std::sin(k * x.y()), 5 * std::cos(k * x.x())}; };
+            const State state = state_of(model, 1e-8, u, v);
+            const std::vector<double> everywhere(model.mesh.vertices.size(), fine);
+            const auto next = adapt(model, state, options(model), everywhere, plate(), seed);
+            REQUIRE(next);
+            const LeapfrogEnergies before = leapfrog_energies(model, state);
+            const double all = before.kinetic + before.strain, now = next->energies.kinetic + next->energies.strain;
+            CHECK(now <= all * (1 + 1e-14));
+            CHECK(now >= all * (1 - 1e-12));
+        }
 }
 
 TEST_CASE("adaptation: what the split of a triangle loses") {
@@ -271,9 +292,7 @@ TEST_CASE("E33 the balance closes over a hundred refinements of a shaken body") 
         "A free plate with waves of some ten edges in it is refined at a random place every five steps, a hundred "
         "times "
         "(E = 70 GPa, nu = 0.2, 2500 kg/m3; edges of 2 mm, refined to 0.25 mm). Reference: with the work of the "
-        "refinements the energy closes to rounding and momentum stays. A refinement takes energy from short waves; "
-        "flipped "
-        "diagonals may add some, less than a millionth of it.");
+        "refinements the energy closes to rounding and momentum stays. No refinement adds energy.");
     on_path("explicit, explicit");
     Model model = model_on(plate_mesh(2));
     const double h = 0.8 * options(model).smallest_step;
@@ -312,8 +331,8 @@ TEST_CASE("E33 the balance closes over a hundred refinements of a shaken body") 
     const double scale = 5 * 2500 * 0.03 * 0.02;  // [kg m/s]
     verify_small("error of the balance of energy", ledger.largest_residual() / ledger.largest_energy(), {1e-13});
     verify_small("change of the momentum", (momentum_of(model, now) - momentum).norm() / scale, {1e-14});
-    verify_small("largest energy that a refinement adds", std::max(0.0, largest_gain), {1e-6});
-    CHECK(ledger.row().adaptation < -1e-3 * ledger.largest_energy());
+    verify_small("largest energy that a refinement adds", std::max(0.0, largest_gain), {1e-13});
+    CHECK(ledger.row().adaptation < 0);
 }
 
 TEST_CASE("adaptation: the load factor is the largest over all directions") {
