@@ -3,20 +3,25 @@
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
+#include "stepper/moreau_jean.hpp"
 
 #include <algorithm>
 
 namespace knap {
 namespace {
 
-constexpr double pays_from = 2;       // gain of the forecast
-constexpr double all_above = 0.5;     // of the area that is to be fine
-constexpr std::size_t max_looks = 8;  // at the mesh in one step
+constexpr double pays_from = 2;          // gain of the forecast
+constexpr double all_above = 0.5;        // of the area that is to be fine
+constexpr std::size_t max_looks = 8;     // at the mesh in one step
+constexpr int steps_of_rebuild = 400;    // of a body take as long as to refine all of it (measured)
+constexpr double rehearsal_size = 8000;  // triangles of the rehearsal at most
 
 /// A mesh that will have the sizes [m] given at its vertices.
 struct FutureMesh {
     double area = 0, fine = 0;  // [m2] of all, and of what has the smallest size
     double n = 0;               // triangles
+
+    bool is_mostly_fine() const { return fine > all_above * area; }
 };
 
 FutureMesh future_mesh(const Mesh& mesh, const std::vector<double>& sizes, double smallest) {
@@ -29,6 +34,36 @@ FutureMesh future_mesh(const Mesh& mesh, const std::vector<double>& sizes, doubl
         future.n += std::max(1.0, n_triangles_of(area, size));
     }
     return future;
+}
+
+/// Loads alone will ask for small triangles in more than half of the body before its large ones have saved as much as
+/// it costs to refine all of it: a coarse body that does not break carries the loads for that time.
+bool loads_need_all_of_it(const Scenario& scenario, double area) {
+    Scenario coarse = scenario;
+    for (MeshOptions* mesh : {&coarse.mesh, &coarse.bodies.front().mesh}) {
+        mesh->refine.clear();  // small triangles would need small steps
+        mesh->size = std::max(scenario.mesh.size, std::sqrt(n_triangles_of(area, 1) / rehearsal_size));
+    }
+    try {
+        Model model = build_model(coarse);
+        const Model breakable = model;
+        for (CohesiveLaw& law : model.laws)
+            if (law.breakable()) law.sigma_c *= 1e9, law.G_c *= 1e9;  // never reached
+        MoreauJean stepper(model, scenario.time.scheme);
+        State now = initial_state(model), next = now;
+        if (scenario.time.start_in_equilibrium) stepper.start_in_equilibrium(now);
+        const double end = steps_of_rebuild * guaranteed_step(scenario.adapt.size, model.materials, model.plane);
+        const double n_steps = std::ceil(end / (0.8 * stepper.stable_step()));
+        for (int step = 0; step < n_steps; ++step) {
+            const std::vector<double> sizes = requested_sizes(breakable, now, scenario.adapt);
+            if (future_mesh(model.mesh, sizes, scenario.adapt.size).is_mostly_fine()) return true;
+            if (stepper.step(now, end / n_steps, next).rejection != Rejection::none) return false;
+            std::swap(now, next);
+        }
+    } catch (const std::runtime_error&) {
+        // a load that selects nothing in large triangles, or a motion that ends: the run reports it
+    }
+    return false;
 }
 
 }  // namespace
@@ -47,7 +82,7 @@ AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh) {
                          2 * adapt.size / adapt.grading;
     const FutureMesh uniform = future_mesh(mesh, std::vector<double>(mesh.vertices.size(), adapt.size), adapt.size);
     const double across = bounding_box(mesh.vertices).extent().maxCoeff();
-    AdaptationForecast expected{.uniform = uniform.n};
+    AdaptationForecast expected{.area = uniform.area, .uniform = uniform.n};
     for (const Crack& crack : scenario.bodies.front().shape.cracks)
         if (crack.joint < 0) expected.crack += across - bounding_box(crack.points).extent().maxCoeff();
     if (expected.crack <= 0) expected.crack = across;
@@ -60,16 +95,19 @@ std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse
     AdaptOptions& adapt = scenario.adapt;
     if (!adapt.active()) return {};
     const AdaptationForecast expected = forecast(scenario, coarse);
-    if (expected.gain >= pays_from || expected.uniform > adapt.limit) return {};
+    if (expected.uniform > adapt.limit) return {};
+    const bool short_zone = expected.gain >= pays_from;
+    if (short_zone && !loads_need_all_of_it(scenario, expected.area)) return {};
     scenario.mesh.size = adapt.size;
     for (Body& body : scenario.bodies) body.mesh.size = adapt.size, body.mesh.refine = scenario.mesh.refine;
     adapt.size = 0;
+    const std::string why =
+        short_zone ? formatted("the loads bring most of the body near its strength within %d steps", steps_of_rebuild)
+                   : formatted("the process zone is long (gain %.2g, below %.2g)", expected.gain, pays_from);
     return formatted(
         "refinement during the run does not pay here: a uniform mesh of adapt.size has %.2g triangles, and most of "
-        "them would be needed (gain %.2g, below %.2g), because the process zone is long. This run has the uniform mesh "
-        "from "
-        "the start",
-        expected.uniform, expected.gain, pays_from);
+        "them would be needed, because %s. This run has the uniform mesh from the start",
+        expected.uniform, why.c_str());
 }
 
 void Adaptation::guard(Model& model) const {
@@ -127,11 +165,11 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
     const Mesh& mesh = model.mesh;
     if (!also) next_look_ = now.n_steps + static_cast<std::int64_t>(options_.every);
     std::vector<double> requested = requested_sizes(model, now, options_, also);
-    const auto [area, fine, n_requested] = future_mesh(mesh, requested, options_.size);
-    double n = n_requested;
-    if (fine > all_above * area && mesh_state_ == MeshState::follows) {
+    const FutureMesh future = future_mesh(mesh, requested, options_.size);
+    double n = future.n;
+    if (future.is_mostly_fine() && mesh_state_ == MeshState::follows) {
         std::ranges::fill(requested, options_.size);
-        n = n_triangles_of(area, options_.size);
+        n = n_triangles_of(future.area, options_.size);
         mesh_state_ = MeshState::is_fine;
         warning_ = formatted(
             "warning[adapt]: at t = %.6g s more than half of the body must be refined, so all of it is refined now, "

@@ -61,14 +61,15 @@ private:
 /// longer side. `gain` was within a factor of 2 of that of the run in five scenarios (scenarios/BENCHMARKS.md); it
 /// knows no loads.
 struct AdaptationForecast {
+    double area = 0;                 // [m2]
     double crack = 0;                // [m] advance of all cracks
     double at_end = 0, uniform = 0;  // triangles; of a uniform mesh of adapt.size
     double gain = 1;                 // [-] triangle-steps of the uniform mesh over those of the run
 };
 AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh);
 
-/// Replaces [adapt] by a uniform mesh of its size where the forecast on the coarse mesh finds no gain; the reason, or
-/// nothing.
+/// Replaces [adapt] by a uniform mesh of its size where the forecast on the coarse mesh finds no gain, or where loads
+/// need all of it soon; the reason, or nothing. Does not depend on the end of a run that is extended.
 std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse);
 
 /// [-] Triangles of a random mesh of mean edge length `size` [m] over an area [m2], measured.

@@ -229,6 +229,21 @@ TEST_CASE("adaptation: where the forecast finds no gain the mesh is uniform from
     CHECK(command("check " + folder.in_shell("scene.toml")).has(reason));
 }
 
+TEST_CASE("adaptation: where loads soon need most of the body the mesh is uniform from the start") {
+    const Folder folder("adaptation loads");
+    std::string loaded = scene("");
+    for (std::size_t at; (at = loaded.find("2.5 MPa")) != std::string::npos;) loaded.replace(at, 3, "5.0");
+    write_scene(folder, loaded);
+    const std::string reason = "the loads bring most of the body near its strength within 400 steps";
+    CHECK(command("check " + folder.in_shell("scene.toml")).has(reason));
+    for (const char* until : {"1us", "3us"})
+        REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("run") + " --until " + until).code == 0);
+    CHECK_FALSE(record_of(folder.path / "run").contains("adaptation"));
+    CHECK(text_of(folder.path / "run/log.txt").find(reason) != std::string::npos);
+    // waves of 5 MPa from both sides make 10 MPa, below 0.9 of 12.8 MPa
+    CHECK_FALSE(command("check " + folder.in_shell("scene.toml") + " -s adapt.load=0.9").has(reason));
+}
+
 TEST_CASE("adaptation: a mesh that may not grow and one that should be fine everywhere say so") {
     const Folder folder("adaptation limits");
     write_scene(folder, scene(near_the_crack + "limit = 3000\n"));
@@ -244,10 +259,11 @@ TEST_CASE("adaptation: a mesh that may not grow and one that should be fine ever
     check_same(folder.path / "bound", folder.path / "parts", 12);
     CHECK(record_of(folder.path / "parts")["adaptation"]["coarse_breaks"] == coarse["adaptation"]["coarse_breaks"]);
 
-    std::string loaded = scene("");
-    for (std::size_t at; (at = loaded.find("2.5 MPa")) != std::string::npos;) loaded.replace(at, 3, "5.0");
-    write_scene(folder, loaded);
-    REQUIRE(run_scene(folder, "-j 1 -s 'time.end=6 us' -o " + folder.in_shell("everywhere")).code == 0);
+    // later than any forecast looks
+    const std::string late = "table = [[0, 0], [\"9 us\", 0], [\"9.1 us\", 1]]\n";
+    write_scene(folder, plate("\"30 mm\", \"12 mm\"", crack("\"0 mm\", \"6 mm\"", "\"12 mm\", \"6 mm\""),
+                              pull("top", "0, \"5 MPa\"", late) + pull("bottom", "0, \"-5 MPa\"", late), "", "13 us"));
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("everywhere")).code == 0);
     const std::string log = text_of(folder.path / "everywhere/log.txt");
     CHECK(log.find("more than half of the body must be refined") != std::string::npos);
     CHECK(log.find("a uniform mesh") == log.rfind("a uniform mesh"));
