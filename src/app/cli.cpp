@@ -20,6 +20,7 @@
 #include <cstdio>
 #include <functional>
 #include <iostream>
+#include <map>
 #include <sstream>
 
 namespace knap {
@@ -178,12 +179,19 @@ private:
     }
 
     void add_calibrate() {
-        CLI::App* command = add("calibrate",
-                                "measure what a crack along the edges of this mesh costs, for "
-                                "toughness = \"as measured\"",
-                                [this] { return calibrate(scenario_, overrides_, calibrate_); });
+        CLI::App* command =
+            add("calibrate",
+                "measure what a crack along the edges of this mesh costs, or what a specimen bears, for "
+                "toughness or strength = \"as measured\"",
+                [this] { return calibrate(scenario_, overrides_, calibrate_); });
         add_scenario(command, set_key);
-        command->add_option("--table", calibrate_.table, "file of the table; default <name>_toughness.csv")
+        const std::map<std::string, CalibrateOptions::Of> of{{"toughness", CalibrateOptions::Of::toughness},
+                                                             {"strength", CalibrateOptions::Of::strength}};
+        command->add_option("--of", calibrate_.of, "toughness (strips, the default) or strength (specimens)")
+            ->transform(CLI::CheckedTransformer(of))
+            ->option_text("toughness|strength");
+        command
+            ->add_option("--table", calibrate_.table, "file of the table; default <name>_toughness.csv, _strength.csv")
             ->type_name(path);
         command
             ->add_option(
@@ -192,13 +200,14 @@ private:
                 "of five cracks run through counts")
             ->delimiter(',')
             ->check(CLI::Range(1.0, 100.0));
-        command->add_option("--seeds", calibrate_.seeds, "strips under each load")->check(CLI::Range(1, 1000));
-        command->add_option("-o,--output", calibrate_.batch.output, "directory of the strips; default calibrations")
+        command->add_option("--seeds", calibrate_.seeds, "strips under each load, or specimens")
+            ->check(CLI::Range(1, 1000));
+        command->add_option("-o,--output", calibrate_.batch.output, "directory of the runs; default calibrations")
             ->type_name(path);
-        command->add_option("-j,--jobs", calibrate_.batch.n_at_once, "strips at the same time")
+        command->add_option("-j,--jobs", calibrate_.batch.n_at_once, "runs at the same time")
             ->check(CLI::Range(1, 1024));
-        command->add_flag("--force", calibrate_.batch.force, "repeat finished strips, replace the table");
-        command->add_flag("-q,--quiet", calibrate_.batch.quiet, "no line for every strip");
+        command->add_flag("--force", calibrate_.batch.force, "repeat finished runs, replace the table");
+        command->add_flag("-q,--quiet", calibrate_.batch.quiet, "no line for every run");
     }
 
     void add_check() {

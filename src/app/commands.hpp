@@ -22,13 +22,15 @@ ExitCode write_new_scenario(const std::string& name, const std::string& from, bo
 ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figure, const std::filesystem::path& output);
 
 struct CalibrateOptions {
-    std::filesystem::path table;                  // empty: <name>_toughness.csv
+    enum class Of { toughness, strength };
+    Of of = Of::toughness;
+    std::filesystem::path table;                  // empty: <name>_toughness.csv or <name>_strength.csv
     std::vector<double> loads{1.4, 1.6, 2, 2.5};  // energy release rates of the strips over G_c
-    int seeds = 5;                                // strips under each load
+    int seeds = 5;                                // strips under each load, or specimens
     BatchOptions batch;                           // output: directory of the sweeps; empty: calibrations
 };
-/// Cracks in strips with each law of the scenario that acts within a material, on its mesh: a table of their surplus
-/// (scenario/toughness.hpp).
+/// Cracks in strips, or specimens, with each law of the scenario that acts within a material, on its mesh: a table of
+/// their surplus (scenario/toughness.hpp, scenario/specimen_strength.hpp).
 ExitCode calibrate(const std::string& scenario, std::vector<std::string> overrides, const CalibrateOptions& options);
 
 enum class RunFormat { text, json, csv };

@@ -89,11 +89,23 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
             "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness write toughness = \"as "
             "measured\" (above all tables)\n");
-    if (const double strength = law_strength(scenario); strength > 0)
+    for (const NamedLaw& law : scenario.laws)
+        if (law.measured_sigma_c > 0)
+            std::printf(
+                "  law %s: a specimen (%s, %.4g mm) with sigma_c %.4g MPa breaks at the strength that the law gives "
+                "for "
+                "%.4g MPa as measured; the surplus of this mesh is %.3f +- %.3f\n",
+                law.name.c_str(), test_word(scenario.strength.test), 1e3 * scenario.strength.size,
+                1e-6 * law.law.sigma_c, 1e-6 * law.measured_sigma_c, law.strength_surplus.mean,
+                law.strength_surplus.deviation);
+    if (const LawStrength strength = law_strength(scenario); strength.measured > 0)
+        std::printf("  specimen: %.4g MPa as measured, %.4g MPa by the law of its interfaces\n",
+                    1e-6 * strength.measured, 1e-6 * strength.of_interfaces);
+    else if (strength.of_interfaces > 0)
         std::printf(
-            "  specimen: %.4g MPa by the law; strength_ratio of the summary is the peak over it (BENCHMARKS.md, "
-            "Rock, has what adds to it)\n",
-            1e-6 * strength);
+            "  specimen: %.4g MPa by the law; strength_ratio of the summary is the peak over it. To meet a measured "
+            "strength write strength = \"as measured\" (above all tables)\n",
+            1e-6 * strength.of_interfaces);
     const SchemeOptions& scheme = scenario.time.scheme;
     if (scheme.cohesion == CohesionScheme::explicit_beta) return;  // Assumption 1 is one of the implicit cohesion
     for (const Resolution& r : found) {

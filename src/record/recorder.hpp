@@ -18,6 +18,12 @@
 
 namespace knap {
 
+/// [Pa] strength_by_law of the first law within a material, with the sigma_c of its interfaces, and with that as given
+/// if strength = "as measured"; 0: there is none.
+struct LawStrength {
+    double of_interfaces = 0, measured = 0;
+};
+
 struct RecorderOptions {
     std::filesystem::path directory;  // of the run; empty: nothing is written
     double end = 0;                   // [s]
@@ -34,10 +40,11 @@ struct RecorderOptions {
     std::vector<ProbeOptions> probes;
     bool breaks = false;  // record every interface that breaks; a specimen implies it
     std::optional<SpecimenOptions> specimen;
-    double law_strength = 0;  // [Pa] strength_by_law of the first law within a material; 0: there is none
-    struct Toughness {
-        double measured = 0, of_interfaces = 0;  // [J/m2] of the first law with toughness = "as measured"; 0: none
-    } toughness;
+    LawStrength law_strength;
+    struct Calibrated {
+        double measured = 0, of_interfaces = 0;  // of the first law with the property "as measured"; 0: none
+    };
+    Calibrated toughness, strength;  // [J/m2], [Pa] sigma_c
     RestOptions rest;
     bool resumes = false;  // files of an earlier part of the run exist: nothing is written before open_files()
     bool continues_other_run = false;  // energies and cracks of another run: nothing is written before begin()

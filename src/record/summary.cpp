@@ -75,7 +75,8 @@ struct Facts {
     const CrackPattern& pattern = cracks.pattern();
     double rayleigh_speed = recorder.options().context.rayleigh_speed;  // [m/s]
     const std::optional<SpecimenOptions>& specimen = recorder.options().specimen;
-    const RecorderOptions::Toughness& toughness = recorder.options().toughness;
+    const RecorderOptions::Calibrated& toughness = recorder.options().toughness;
+    const RecorderOptions::Calibrated& sigma_c = recorder.options().strength;
     Vec2 momentum = Vec2::Zero(), mean_displacement = Vec2::Zero();  // [kg m/s], [m]
     std::vector<Reaction> reactions;                                 // at the end
     std::optional<Driver> driver;  // the first load or obstacle that moves, or else the first one
@@ -122,6 +123,7 @@ using F = const Facts&;
 
 bool always(F) { return true; }
 bool as_measured(F f) { return f.toughness.measured > 0; }
+bool with_measured_strength(F f) { return f.sigma_c.measured > 0; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
 bool excavates(F f) { return f.recorder.options().works.excavation; }
 bool with_heat(F f) { return f.recorder.options().works.heat; }
@@ -129,7 +131,8 @@ bool delays(F f) { return f.recorder.options().works.delay; }
 bool incubates(F f) { return f.recorder.options().works.incubation; }
 bool may_rest(F f) { return f.recorder.rest() != nullptr; }
 bool of_specimen(F f) { return f.specimen.has_value(); }
-bool with_law_strength(F f) { return of_specimen(f) && f.recorder.options().law_strength > 0; }
+bool with_law_strength(F f) { return of_specimen(f) && f.recorder.options().law_strength.of_interfaces > 0; }
+bool with_measured_specimen(F f) { return of_specimen(f) && f.recorder.options().law_strength.measured > 0; }
 bool with_gauge(F f) { return f.specimen && f.specimen->lateral; }
 bool in_compression(F f) { return with_gauge(f) && f.specimen->test == SpecimenOptions::Test::compression; }
 
@@ -236,6 +239,10 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.toughness.measured; }, as_measured},
     {"interface_G_c", "J/m2", "G_c that its interfaces have: the same over the surplus of the mesh",
      [](F f) { return f.toughness.of_interfaces; }, as_measured},
+    {"measured_sigma_c", "Pa", "sigma_c of the first law with strength = \"as measured\", as given",
+     [](F f) { return f.sigma_c.measured; }, with_measured_strength},
+    {"interface_sigma_c", "Pa", "sigma_c that its interfaces have: the same over the surplus of a specimen",
+     [](F f) { return f.sigma_c.of_interfaces; }, with_measured_strength},
     {"unresolved_part", "",
      "part of the length of all cracks on edges longer than 1.5 process zones (of a crack at rest, of the law with the "
      "longest): there path and branches follow the mesh",
@@ -275,9 +282,12 @@ constexpr SummaryRow rows[]{
     {"law_strength", "Pa",
      "stress at which interfaces in all directions would break, by the first law within a material: sigma_c; in a test "
      "of compression, without confinement, 2 (gamma + mu) sigma_c/(sqrt(1 + mu^2) - mu)",
-     [](F f) { return f.recorder.options().law_strength; }, with_law_strength},
+     [](F f) { return f.recorder.options().law_strength.of_interfaces; }, with_law_strength},
     {"strength_ratio", "", "peak_stress over law_strength: what the specimen, its size and the mesh add",
-     [](F f) { return f.strength.peak_stress / f.recorder.options().law_strength; }, with_law_strength},
+     [](F f) { return f.strength.peak_stress / f.recorder.options().law_strength.of_interfaces; }, with_law_strength},
+    {"measured_strength", "Pa",
+     "strength by the law with measured_sigma_c, which peak_stress should meet; with strength = \"as measured\"",
+     [](F f) { return f.recorder.options().law_strength.measured; }, with_measured_specimen},
     {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},
     {"tangent_modulus", "Pa",
      "slope of stress over axial strain of a specimen, in the plane; only for loading that is slow against the wave "

@@ -440,7 +440,7 @@ std::span<const Key> keys() {
     static const std::vector<Key> rows = [] {
         KeyTable t;
         for (const auto add : {add_keys_of_body, add_keys_of_microstructure, add_keys_of_loads, add_keys_of_heat,
-                               add_keys_of_run, add_keys_of_toughness, add_keys_of_ensembles})
+                               add_keys_of_run, add_keys_of_calibration, add_keys_of_ensembles})
             add(t);
         return std::move(t.rows);
     }();

@@ -48,7 +48,7 @@ void add_history(KeyTable& t, std::string_view what);
 void add_thermal(KeyTable& t);
 void add_keys_of_heat(KeyTable& t);
 void add_keys_of_run(KeyTable& t);
-void add_keys_of_toughness(KeyTable& t);
+void add_keys_of_calibration(KeyTable& t);
 void add_keys_of_ensembles(KeyTable& t);
 
 }  // namespace knap

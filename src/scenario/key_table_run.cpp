@@ -202,7 +202,7 @@ void add_keys_of_run(KeyTable& t) {
         .at_least(0).or_multiple_of({"cR", "%"}).to(&Expectation::within);
 }
 
-void add_keys_of_toughness(KeyTable& t) {
+void add_keys_of_calibration(KeyTable& t) {
     t.table("toughness", "what G_c means where cracks run along the edges of a random mesh; as a text: toughness = "
         "\"as measured\", above all tables").or_text("meaning");
     t.word("meaning", {"of interfaces", "as measured"}, "of interfaces: G_c is what an interface dissipates, and an "
@@ -211,6 +211,22 @@ void add_keys_of_toughness(KeyTable& t) {
         .otherwise("of interfaces");
     t.text("table", "file of `knap calibrate` with the surplus, relative to the scenario file")
         .computed("a table of the program for glass and linear softening").only_with("meaning", {"as measured"});
+
+    t.table("strength", "what sigma_c means in bodies that break by compression; as a text: strength = \"as measured\", "
+        "above all tables").or_text("meaning");
+    t.word("meaning", {"of interfaces", "as measured"}, "of interfaces: sigma_c is that of an interface, and a specimen "
+        "with a random mesh has up to 1.3 times the strength that follows (strength_ratio); as measured: sigma_c of the "
+        "laws within materials is chosen so that the law gives the measured strength (law_strength), and the interfaces "
+        "get sigma_c over the surplus of such specimens; G_c stays")
+        .otherwise("of interfaces").to(&StrengthOptions::as_measured, {false, true});
+    t.word("test", {"compression", "brazilian"}, "test by which the strength was measured: a plate under uniaxial "
+        "compression, or a disc; also of the specimens of `knap calibrate --of strength`")
+        .computed("that of [specimen], else compression")
+        .to(&StrengthOptions::test, {SpecimenOptions::Test::compression, SpecimenOptions::Test::brazilian});
+    t.number("size", "m", "width of the tested plate, which is twice as high, or diameter of the disc; likewise")
+        .above(0).computed("that of [specimen]");
+    t.text("table", "file of `knap calibrate --of strength` with the surplus, relative to the scenario file")
+        .computed("a table of the program for linear softening").only_with("meaning", {"as measured"});
 }
 
 void add_keys_of_ensembles(KeyTable& t) {

@@ -199,7 +199,7 @@ void read_all(Reading& reading) {
         top.error("bad-name", "name", "= \"" + name + "\" cannot name a run directory", "letters, digits, - _ and .");
     for (const auto read : {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads,
                             read_run, check_softening, read_heat, read_contact, read_pressures, read_excavations,
-                            read_adapt, read_toughness, read_study, read_sweep, warn_of_implausible})
+                            read_adapt, read_strength, read_toughness, read_study, read_sweep, warn_of_implausible})
         read(reading);
 }
 

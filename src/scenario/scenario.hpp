@@ -18,8 +18,8 @@
 #include "model/obstacle.hpp"
 #include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
+#include "scenario/specimen_strength.hpp"
 #include "scenario/toml_tree.hpp"
-#include "scenario/toughness.hpp"
 #include "stepper/adaptation.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/scheme_change.hpp"
@@ -39,6 +39,8 @@ struct NamedLaw {
     Scatter scatter;
     double measured_G_c = 0;  // [J/m2] with toughness = "as measured" G_c of the law times the surplus; 0: likewise G_c
     Surplus surplus = {};     // of the mesh, by which measured_G_c was divided
+    double measured_sigma_c = 0;  // [Pa] likewise with strength = "as measured"
+    Surplus strength_surplus = {};
 };
 
 /// A body that is meshed by itself.
@@ -155,6 +157,7 @@ struct Scenario {
     OutputOptions output;
     std::vector<ProbeOptions> probes;
     std::optional<SpecimenOptions> specimen;
+    StrengthOptions strength;
     std::vector<FigureOptions> figures;
     std::vector<AllowedLimit> allowed_limits;  // of [limits]
     std::vector<Expectation> expect;

@@ -1,6 +1,5 @@
 #include "scenario/toughness.hpp"
 
-#include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
 #include "scenario/toml_tree.hpp"
@@ -8,39 +7,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <sstream>
 
 namespace knap {
 namespace {
 
-constexpr const char* toughness_columns =
-    "softening,unloading,order,gamma,edges,load,through,seeds,speed_over_cR,surplus,deviation";
+constexpr CalibrationFormat toughness_format{
+    "toughness", "softening,unloading,order,gamma,edges,load,through,seeds,speed_over_cR,surplus,deviation", 2};
 constexpr double beyond_edges = 2;  // of the table: from 3 to 30 edges the surplus changes by 0.06
 
-std::vector<std::string> fields_of(const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream in(line);
-    for (std::string field; std::getline(in, field, ',');) fields.emplace_back(trimmed(field));
-    return fields;
-}
-
-ToughnessRow toughness_row(const std::string& line, int number) {
-    const std::vector<std::string> fields = fields_of(line);
-    const auto refuse = [&](const std::string& what) {
-        return UserError("bad-csv", "line " + std::to_string(number) + " of the table of toughness " + what,
-                         std::string("each line: ") + toughness_columns + "; `knap calibrate` writes such a table");
-    };
-    if (fields.size() != 11) throw refuse("has " + std::to_string(fields.size()) + " fields instead of 11");
-    std::vector<double> numbers;
-    for (std::size_t i = 2; i < fields.size(); ++i) {
-        double& value = numbers.emplace_back(0);
-        const auto [end, fault] = std::from_chars(fields[i].data(), fields[i].data() + fields[i].size(), value);
-        if (fault != std::errc() || end != fields[i].data() + fields[i].size() || !(value >= 0 && value < 1e9))
-            throw refuse("has `" + fields[i] + "` in place of a number");
-    }
-    if (!(numbers[2] > 0)) throw refuse("has no edges");
-    if (numbers[4] > 0 && !(numbers[7] > 0)) throw refuse("has no surplus");
-    return {.law = {fields[0], fields[1], static_cast<Index>(numbers[0]), numbers[1], numbers[2]},
+ToughnessRow toughness_row(const CalibrationLine& line) {
+    const std::vector<double>& numbers = line.numbers;
+    if (!(numbers[2] > 0)) throw bad_calibration(toughness_format, line, "has no edges");
+    if (numbers[4] > 0 && !(numbers[7] > 0)) throw bad_calibration(toughness_format, line, "has no surplus");
+    return {.law = {line.words[0], line.words[1], static_cast<Index>(numbers[0]), numbers[1], numbers[2]},
             .load = numbers[3],
             .through = numbers[4],
             .seeds = static_cast<int>(numbers[5]),
@@ -51,21 +30,6 @@ ToughnessRow toughness_row(const std::string& line, int number) {
 
 bool same_kind(const MeshedLaw& a, const MeshedLaw& b) {
     return a.softening == b.softening && a.unloading == b.unloading && a.order == b.order;
-}
-
-using Points = std::map<double, Surplus>;  // over ln(edges) or gamma
-
-/// Linear between the points; none outside.
-std::optional<Surplus> between(const Points& points, double x) {
-    const double tolerance = 1e-9 * (1 + std::abs(x));
-    const auto above = points.lower_bound(x - tolerance);
-    if (above == points.end()) return {};
-    if (above->first <= x + tolerance) return above->second;
-    if (above == points.begin()) return {};
-    const auto below = std::prev(above);
-    const double part = (x - below->first) / (above->first - below->first);
-    return Surplus{std::lerp(below->second.mean, above->second.mean, part),
-                   std::lerp(below->second.deviation, above->second.deviation, part)};
 }
 
 }  // namespace
@@ -80,7 +44,7 @@ std::string softening_words(const Node& law) {
 }
 
 std::string toughness_csv(const std::vector<ToughnessRow>& rows) {
-    std::string text = std::string(toughness_columns) + "\n";
+    std::string text = std::string(toughness_format.columns) + "\n";
     for (const ToughnessRow& row : rows)
         text += row.law.softening + "," + row.law.unloading +
                 formatted(",%d,%.4g,%.4g,%.4g,%.3g,%d,%.3g,%.4f,%.4f\n", row.law.order, row.law.gamma, row.law.edges,
@@ -89,13 +53,8 @@ std::string toughness_csv(const std::vector<ToughnessRow>& rows) {
 }
 
 ToughnessTable::ToughnessTable(const std::string& csv) {
-    std::istringstream in(csv);
-    int number = 0;
-    for (std::string line; std::getline(in, line);) {
-        ++number;
-        const std::string content(trimmed(std::string_view(line).substr(0, line.find_first_of("#\r"))));
-        if (content.empty() || content == toughness_columns) continue;
-        const ToughnessRow row = toughness_row(content, number);
+    for (const CalibrationLine& line : calibration_lines(toughness_format, csv)) {
+        const ToughnessRow row = toughness_row(line);
         if (!row.breaks()) continue;
         const auto same = std::ranges::find_if(rows_, [&](const ToughnessRow& other) {
             return same_kind(row.law, other.law) && row.law.gamma == other.law.gamma &&
@@ -104,22 +63,14 @@ ToughnessTable::ToughnessTable(const std::string& csv) {
         if (same == rows_.end()) rows_.push_back(row);
         else if (row.load < same->load) *same = row;
     }
-    if (number == 0) throw UserError("bad-csv", "the table of toughness is empty", "`knap calibrate` writes one");
 }
 
 std::optional<Surplus> ToughnessTable::find(const MeshedLaw& law) const {
-    std::map<double, Points> by_gamma;  // then over ln(edges)
+    std::vector<SurplusPoint> points;
     for (const ToughnessRow& row : rows_)
         if (same_kind(row.law, law))
-            by_gamma[row.law.gamma][std::log(row.law.edges)] = Surplus{row.surplus, row.deviation};
-    Points over_gamma;
-    for (const auto& [gamma, over_edges] : by_gamma) {
-        const double fewest = over_edges.begin()->first, most = over_edges.rbegin()->first, x = std::log(law.edges);
-        const double margin = std::log(beyond_edges) + 1e-9;
-        if (x < fewest - margin || x > most + margin) continue;
-        over_gamma[gamma] = *between(over_edges, std::clamp(x, fewest, most));
-    }
-    return between(over_gamma, law.gamma);
+            points.push_back({{row.law.gamma, std::log(row.law.edges)}, {row.surplus, row.deviation}});
+    return interpolated(points, {law.gamma, std::log(law.edges)}, {0, std::log(beyond_edges)});
 }
 
 std::optional<Surplus> ToughnessTable::of_measured(MeshedLaw law) const {

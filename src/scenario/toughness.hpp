@@ -3,10 +3,7 @@
 // of these interfaces. `knap calibrate` measures it on strips and writes a table; with toughness = "as measured" a
 // scenario gives the fracture energy of a specimen, and its interfaces get that over the surplus.
 #include "base/vec.hpp"
-
-#include <optional>
-#include <string>
-#include <vector>
+#include "scenario/surplus.hpp"
 
 namespace knap {
 
@@ -42,15 +39,11 @@ struct ToughnessRow {
     double surplus = 0, deviation = 0;  // [-] mean and standard deviation over the strips
 
     /// Whether four of five cracks ran through.
-    bool breaks() const { return through >= 0.8; }
+    bool breaks() const { return through >= least_part_through; }
 };
 
 /// Lines of a table, with its header.
 std::string toughness_csv(const std::vector<ToughnessRow>& rows);
-
-struct Surplus {
-    double mean = 1, deviation = 0;
-};
 
 class ToughnessTable {
 public:

@@ -59,6 +59,11 @@ refine = [{ inside = ["0 mm", "1 mm", "10 mm", "41 mm"], size = "0.5 mm" },
 [toughness]
 meaning = "as measured"
 table = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/toughness.csv"
+[strength]
+meaning = "as measured"
+test = "brazilian"
+size = "80 mm"
+table = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/strength.csv"
 [material.steel]
 density = "8000 kg/m3"
 E = "190 GPa"
@@ -626,6 +631,10 @@ const Case cases[] = {
     {rectangle, "mesh.refine[1].size", "8e-04"},
     {rectangle, "toughness.meaning", "\"as measured\""},
     {rectangle, "toughness.table", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/toughness.csv\""},
+    {rectangle, "strength.meaning", "\"as measured\""},
+    {rectangle, "strength.test", "\"brazilian\""},
+    {rectangle, "strength.size", "0.08"},
+    {rectangle, "strength.table", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/strength.csv\""},
     {rectangle, "material.steel.density", "8000"},
     {rectangle, "material.glass.density", "2450"},
     {rectangle, "material.glass.E", "3.2e+10"},
@@ -1026,7 +1035,9 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.laws[1].law.friction == 0.3);
     CHECK(s.laws[2].measured_G_c == tests::relative(2, 1e-15));
     CHECK(s.laws[2].law.G_c == tests::relative(2 / 1.125, 1e-15));  // the surplus in data/toughness.csv
-    CHECK(s.laws[2].law.delta_c() == tests::relative(2e-6 / 1.125, 1e-15));
+    CHECK(s.laws[2].measured_sigma_c == 2e6);
+    CHECK(s.laws[2].law.sigma_c == tests::relative(2e6 / 1.25, 1e-15));  // likewise data/strength.csv
+    CHECK(s.laws[2].law.delta_c() == tests::relative(2e-6 / 1.125 * 1.25, 1e-15));
     REQUIRE(s.supports.size() == 2);
     CHECK(s.supports[0].law == 3);
     CHECK(s.supports[0].glued);

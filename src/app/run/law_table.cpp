@@ -63,12 +63,13 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
     const bool from_table = law.of_temperature && !law.of_temperature->friction.empty();
     const std::string friction = from_table ? "table" : formatted("%.4g", law.friction);
     if (law.sigma_c <= 0) return {name, places, "no cohesion", "", "", friction, "", beyond_linear(named)};
-    const std::string measured =
-        named.measured_G_c > 0 ? formatted(" (%.4g as measured)", named.measured_G_c) : std::string();
+    const auto measured = [](double value) {
+        return value > 0 ? formatted(" (%.4g as measured)", value) : std::string();
+    };
     return {name,
             places,
-            formatted("%.4g", 1e-6 * law.sigma_c),
-            formatted("%.4g", law.G_c) + measured + formatted(", %.4g", 1e6 * law.delta_c()),
+            formatted("%.4g", 1e-6 * law.sigma_c) + measured(1e-6 * named.measured_sigma_c),
+            formatted("%.4g", law.G_c) + measured(named.measured_G_c) + formatted(", %.4g", 1e6 * law.delta_c()),
             formatted("%.4g", law.gamma),
             friction,
             softening_words(*values.find("interface")->find(named.name)),

@@ -95,11 +95,17 @@ ModelInput model_input(const Scenario& scenario) {
     return input;
 }
 
-double law_strength(const Scenario& scenario) {
-    for (std::size_t m = 0; scenario.specimen && m < scenario.materials.size(); ++m)
-        if (const CohesiveLaw& law = scenario.laws[scenario.law_of_pair[m][m]].law; law.breakable() && law.sigma_c > 0)
-            return strength_by_law(scenario.specimen->test, law);
-    return 0;
+LawStrength law_strength(const Scenario& scenario) {
+    for (std::size_t m = 0; scenario.specimen && m < scenario.materials.size(); ++m) {
+        const NamedLaw& named = scenario.laws[scenario.law_of_pair[m][m]];
+        CohesiveLaw law = named.law;
+        if (!law.breakable() || law.sigma_c <= 0) continue;
+        LawStrength found{.of_interfaces = strength_by_law(scenario.specimen->test, law)};
+        law.sigma_c = named.measured_sigma_c;
+        if (law.sigma_c > 0) found.measured = strength_by_law(scenario.specimen->test, law);
+        return found;
+    }
+    return {};
 }
 
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
@@ -109,10 +115,11 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
         process_zone = std::max(process_zone, r.process_zone);
     for (const NamedMaterial& material : scenario.materials)
         fastest = std::max(fastest, material.elastic.dilatational_speed(scenario.plane));
-    RecorderOptions::Toughness toughness;
+    RecorderOptions::Calibrated toughness, strength;
     for (const NamedLaw& law : scenario.laws) {
         if (law.law.breakable()) critical_opening = std::max(critical_opening, law.law.delta_c());
         if (law.measured_G_c > 0 && toughness.measured == 0) toughness = {law.measured_G_c, law.law.G_c};
+        if (law.measured_sigma_c > 0 && strength.measured == 0) strength = {law.measured_sigma_c, law.law.sigma_c};
     }
     return {.directory = directory,
             .end = scenario.time.end,
@@ -134,6 +141,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .specimen = scenario.specimen,
             .law_strength = law_strength(scenario),
             .toughness = toughness,
+            .strength = strength,
             .rest = scenario.time.rest,
             .resumes = resumes,
             .continues_other_run = continues_other_run};

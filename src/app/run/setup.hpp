@@ -15,7 +15,7 @@ ModelInput model_input(const Scenario& scenario);
 Model build_model(const Scenario& scenario);
 
 /// [Pa] strength_by_law of the specimen and the first law that acts within a material and may break; 0: none.
-double law_strength(const Scenario& scenario);
+LawStrength law_strength(const Scenario& scenario);
 
 /// Of a run, with its works and those of the runs from which it starts.
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,

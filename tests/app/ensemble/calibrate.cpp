@@ -3,6 +3,7 @@
 
 #include "base/vec.hpp"
 #include "scenario/toughness.hpp"
+#include "support/relative.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -79,6 +80,53 @@ TEST_CASE("calibrate: other strips than those of the table dissipate the measure
     for (const double w : work) mean += w / 5;
     // two means of five: three times the standard error of their difference
     CHECK(std::abs(mean / 3 - 1) < 3 * surplus.deviation / surplus.mean * std::sqrt(2. / 5));
+}
+
+namespace {
+
+/// Five specimens of which the calibration knows none: mean of their strength over that of the user.
+double strength_of_others(const Folder& folder, const std::string& specimen) {
+    const Answer measured = command("calibrate " + specimen + "--of strength --seeds 5 -j 2 -q -o " +
+                                    folder.in_shell("specimens") + " --table " + folder.in_shell("t.csv"));
+    CAPTURE(measured.text);
+    REQUIRE(measured.code == 0);
+    const Answer others = command("sweep " + specimen +
+                                  "-s figure= -s expect= -s output.fields=false -s output.report=false "
+                                  "-s 'sweep={ quantities = [\"peak_stress\", \"measured_strength\"] }' --seeds 11..15 "
+                                  "-j 2 -q -o " +
+                                  folder.in_shell("sweep") + " -s 'strength={ meaning = \"as measured\", table = \"" +
+                                  (folder.path / "t.csv").string() + "\" }'");
+    CAPTURE(others.text);
+    REQUIRE(others.code == 0);
+    const fs::path csv = folder.path / "sweep" / "sweep.csv";
+    const std::vector<double> peak = column_of_sweep(csv, "peak_stress [MPa]"),
+                              wanted = column_of_sweep(csv, "measured_strength [MPa]");
+    REQUIRE(peak.size() == 5);
+    double mean = 0;
+    for (std::size_t i = 0; i < 5; ++i) mean += peak[i] / wanted[i] / 5;
+    return mean;
+}
+
+}  // namespace
+
+TEST_CASE("calibrate: other plates than those of the table have the measured compressive strength within 2 percent" *
+          doctest::test_suite("slow")) {
+    const Folder folder("calibrated_plate");
+    const double over = strength_of_others(
+        folder,
+        "uniaxial_compression -s 'mesh.size=2 mm' -s interface.default.gamma=0.5 -s interface.default.friction=0.3 "
+        "-s 'obstacle[0].velocity=[0, -0.035]' ");
+    CHECK(over == tests::relative(1, 0.02));
+}
+
+TEST_CASE("calibrate: other discs than those of the table have the measured tensile strength within 3 percent" *
+          doctest::test_suite("slow")) {
+    const Folder folder("calibrated_disc");
+    const double over = strength_of_others(
+        folder,
+        "brazilian_disc -s 'mesh.size=2.6 mm' -s 'mesh.refine[0].size=1.6 mm' -s interface.default.gamma=2 -s "
+        "'time.end=1.1 ms' ");
+    CHECK(over == tests::relative(1, 0.03));
 }
 
 }  // namespace calibrate_test

@@ -1,0 +1,99 @@
+// [strength]: whether sigma_c is that of the interfaces or that for which their law gives the strength of a specimen,
+// which specimens with a random mesh exceed.
+#include "scenario/built_in.hpp"
+#include "scenario/reading.hpp"
+#include "scenario/specimen_strength.hpp"
+
+#include "base/formatted.hpp"
+
+#include <algorithm>
+
+namespace knap {
+namespace {
+
+constexpr const char* strength_table_of_program = "mesh_strength.csv";
+
+/// [m] Extent of the only body along an axis; none of several bodies.
+std::optional<double> extent_of_body(const Scenario& scenario, int axis) {
+    Vec2 low = Vec2::Constant(infinity), high = -low;
+    if (scenario.given)
+        for (const Vec2& x : scenario.given->mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    else if (scenario.bodies.size() == 1)
+        for (const Vec2& x : scenario.bodies.front().shape.outer.points) low = low.cwiseMin(x), high = high.cwiseMax(x);
+    return high[axis] > low[axis] ? std::optional(high[axis] - low[axis]) : std::nullopt;
+}
+
+/// [m] Size of the [specimen], if it has this test: width in compression, diameter of a disc.
+std::optional<double> size_of_specimen(const Scenario& scenario, SpecimenOptions::Test test) {
+    if (!scenario.specimen || scenario.specimen->test != test) return {};
+    const SpecimenOptions& specimen = *scenario.specimen;
+    const bool disc = test == SpecimenOptions::Test::brazilian;
+    const double given = disc ? specimen.height : specimen.width;
+    return given > 0 ? given : extent_of_body(scenario, disc ? specimen.axis : 1 - specimen.axis);
+}
+
+void apply_strength(const Table& table, const LawWithin& within, const StrengthTable& strengths) {
+    NamedLaw& named = table.scenario().laws[within.law];
+    const TestedLaw law = tested_law(table.scenario(), within);
+    if (const std::string reason = not_tested(table.scenario(), within.law); !reason.empty()) {
+        table.error("no-calibration", "",
+                    "= \"as measured\" has no meaning for `interface." + named.name + "`: " + reason,
+                    "allowed: laws whose strength is one number");
+        return;
+    }
+    const std::optional<Surplus> surplus = strengths.of_measured(law);
+    if (!surplus) {
+        table.error(
+            "no-calibration", "",
+            formatted("= \"as measured\", but its table has no surplus for `interface.%s`: %s, order %d, "
+                      "softening %s, unloading %s, gamma %.4g, friction %.4g, size of %.3g process zones and "
+                      "%.3g edges",
+                      named.name.c_str(), law.test.c_str(), law.order, law.softening.c_str(), law.unloading.c_str(),
+                      law.gamma, law.friction, law.zones, law.edges),
+            "`knap calibrate --of strength` with this scenario measures it; the table has " + strengths.contents());
+        return;
+    }
+    named.measured_sigma_c = named.law.sigma_c;
+    named.strength_surplus = *surplus;
+    named.law.sigma_c /= surplus->mean;
+}
+
+}  // namespace
+
+void read_strength(Reading& reading) {
+    const Table table = reading.table("strength");
+    Scenario& scenario = reading.scenario;
+    using Test = SpecimenOptions::Test;
+    if (scenario.specimen)
+        table.compute("test", Node::of_text(scenario.specimen->test == Test::brazilian ? "brazilian" : "compression"));
+    StrengthOptions& options = scenario.strength;
+    table.fill(options);
+    if (const std::optional<double> size = size_of_specimen(scenario, options.test))
+        table.compute("size", Node::of_number(*size));
+    options.size = table.number("size").value_or(0);
+    if (!options.as_measured || reading.findings.has_errors()) return;
+    if (!(options.size > 0)) {
+        table.error("missing-key", "size", "is missing: the scenario has no [specimen] with this test",
+                    "width of the plate, twice as high, or diameter of the disc whose strength was measured");
+        return;
+    }
+    const bool own = table.given("table");
+    const std::optional<std::string> bytes =
+        own ? table.bytes_of("table")
+            : std::ranges::find(built_in_files(), strength_table_of_program, &BuiltIn::name)->text;
+    if (!bytes) return;
+    if (own) scenario.files.push_back({table.path("table"), "strength.csv", *bytes});
+    const std::vector<LawWithin> found = laws_within(scenario, reading.values);
+    try {
+        const StrengthTable strengths(*bytes);
+        for (const LawWithin& within : found) apply_strength(table, within, strengths);
+    } catch (const UserError& error) {
+        for (const Diagnostic& bad : error.diagnostics)
+            table.error(bad.code, own ? "table" : "", ": " + bad.message, bad.note);
+        return;
+    }
+    if (found.empty())
+        table.warning("no-effect", "", "= \"as measured\" has no effect: no law with cohesion acts within a material");
+}
+
+}  // namespace knap

@@ -1,0 +1,125 @@
+#include "scenario/specimen_strength.hpp"
+
+#include "base/formatted.hpp"
+#include "base/text.hpp"
+#include "scenario/scenario.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace knap {
+namespace {
+
+constexpr CalibrationFormat strength_format{
+    "strength", "test,softening,unloading,order,gamma,friction,zones,edges,through,seeds,surplus,deviation", 3};
+// of the table: four times the process zones change the surplus by 0.04, twice the edges by 0.01
+constexpr double beyond_zones = 1.5, beyond_specimen_edges = 2;
+
+bool same_kind(const TestedLaw& a, const TestedLaw& b) {
+    return a.test == b.test && a.softening == b.softening && a.unloading == b.unloading && a.order == b.order;
+}
+
+}  // namespace
+
+const char* test_word(SpecimenOptions::Test test) {
+    return test == SpecimenOptions::Test::brazilian ? "brazilian" : "compression";
+}
+
+TestedLaw tested_law(const Scenario& scenario, const LawWithin& within) {
+    const CohesiveLaw& law = scenario.laws[within.law].law;
+    const double modulus = scenario.materials[within.material].elastic.plane_modulus(scenario.plane),
+                 size = scenario.strength.size;
+    const double edge = law.steep_zone(modulus) / within.meshed.edges;
+    return {.test = test_word(scenario.strength.test),
+            .softening = within.meshed.softening,
+            .unloading = within.meshed.unloading,
+            .order = within.meshed.order,
+            .gamma = law.gamma,
+            .friction = law.friction,
+            .zones = size / law.process_zone(modulus),
+            .edges = size / edge};
+}
+
+std::string not_tested(const Scenario& scenario, Index law) {
+    const NamedLaw& named = scenario.laws[law];
+    if (named.scatter.any() && named.scatter.of_strength) return "its strength is random";
+    if (named.law.incubation_time > 0) return "its strength depends on the rate (incubation_time)";
+    if (named.law.of_temperature && !named.law.of_temperature->friction.empty())
+        return "its friction depends on the temperature";
+    return {};
+}
+
+std::string strength_csv(const std::vector<StrengthRow>& rows) {
+    std::string text = std::string(strength_format.columns) + "\n";
+    for (const StrengthRow& row : rows)
+        text += row.law.test + "," + row.law.softening + "," + row.law.unloading +
+                formatted(",%d,%.4g,%.4g,%.4g,%.4g,%.3g,%d,%.4f,%.4f\n", row.law.order, row.law.gamma, row.law.friction,
+                          row.law.zones, row.law.edges, row.through, row.seeds, row.surplus, row.deviation);
+    return text;
+}
+
+StrengthTable::StrengthTable(const std::string& csv) {
+    for (const CalibrationLine& line : calibration_lines(strength_format, csv)) {
+        const std::vector<double>& numbers = line.numbers;
+        if (!(numbers[3] > 0 && numbers[4] > 0)) throw bad_calibration(strength_format, line, "has no zones or edges");
+        if (!(numbers[5] >= least_part_through)) continue;
+        if (!(numbers[7] > 0)) throw bad_calibration(strength_format, line, "has no surplus");
+        rows_.push_back({.law = {line.words[0], line.words[1], line.words[2], static_cast<Index>(numbers[0]),
+                                 numbers[1], numbers[2], numbers[3], numbers[4]},
+                         .through = numbers[5],
+                         .seeds = static_cast<int>(numbers[6]),
+                         .surplus = numbers[7],
+                         .deviation = numbers[8]});
+    }
+}
+
+std::optional<Surplus> StrengthTable::find(const TestedLaw& law) const {
+    std::vector<SurplusPoint> points;
+    for (const StrengthRow& row : rows_)
+        if (same_kind(row.law, law))
+            points.push_back({{row.law.gamma, row.law.friction, std::log(row.law.zones), std::log(row.law.edges)},
+                              {row.surplus, row.deviation}});
+    return interpolated(points, {law.gamma, law.friction, std::log(law.zones), std::log(law.edges)},
+                        {0, 0, std::log(beyond_zones), std::log(beyond_specimen_edges)});
+}
+
+std::optional<Surplus> StrengthTable::of_measured(TestedLaw law) const {
+    const double zones = law.zones;
+    std::optional<Surplus> found;
+    // four times the zones change the surplus by 0.04: a contraction
+    for (int round = 0; round < 50; ++round) {
+        const double surplus = found ? found->mean : 1.1;
+        law.zones = zones / (surplus * surplus);
+        const std::optional<Surplus> next = find(law);
+        if (!next) return {};
+        if (found && std::abs(next->mean - found->mean) < 1e-12) return next;
+        found = next;
+    }
+    return found;
+}
+
+std::string StrengthTable::contents() const {
+    struct Extent {
+        double low[4] = {infinity, infinity, infinity, infinity}, high[4] = {0, 0, 0, 0};
+    };
+    std::map<std::string, Extent> kinds;
+    for (const StrengthRow& row : rows_) {
+        Extent& extent = kinds[formatted("%s, order %d, softening %s, unloading %s", row.law.test.c_str(),
+                                         row.law.order, row.law.softening.c_str(), row.law.unloading.c_str())];
+        const double at[4] = {row.law.gamma, row.law.friction, row.law.zones, row.law.edges};
+        for (int i = 0; i < 4; ++i) {
+            extent.low[i] = std::min(extent.low[i], at[i]);
+            extent.high[i] = std::max(extent.high[i], at[i]);
+        }
+    }
+    std::vector<std::string> parts;
+    for (const auto& [kind, extent] : kinds)
+        parts.push_back(kind + formatted(": gamma %.4g to %.4g, friction %.4g to %.4g, size of %.3g to %.3g process "
+                                         "zones and %.3g to %.3g edges",
+                                         extent.low[0], extent.high[0], extent.low[1], extent.high[1], extent.low[2],
+                                         extent.high[2], extent.low[3], extent.high[3]));
+    return parts.empty() ? "no row whose specimens broke" : joined(parts, "; ");
+}
+
+}  // namespace knap

@@ -1,0 +1,141 @@
+// The surplus of specimens: tables of it, and sigma_c as measured.
+#include "samples.hpp"
+#include "scenario/specimen_strength.hpp"
+
+#include "base/error.hpp"
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+
+namespace specimen_strength_test {
+
+using namespace knap;
+
+namespace {
+
+const std::string head = "test,softening,unloading,order,gamma,friction,zones,edges,through,seeds,surplus,deviation\n";
+
+TestedLaw tested(double gamma, double friction, double zones, double edges) {
+    return {"compression", "linear", "constant", 1, gamma, friction, zones, edges};
+}
+
+/// Two sizes with one law, and one with more friction.
+StrengthTable three_specimens() {
+    return StrengthTable(head +
+                         "compression,linear,constant,1,1,0.5,4,20,1,5,1.2,0.02\n"
+                         "compression,linear,constant,1,1,0.5,16,20,0.8,5,1.1,0.04\n"
+                         "compression,linear,constant,1,1,0.5,64,20,0.6,5,1.01,0.04  # two had no peak\n"
+                         "compression,linear,constant,1,1,0.7,4,20,1,5,1.3,0.02\n");
+}
+
+}  // namespace
+
+TEST_CASE("strength: the surplus is linear in friction and in the logarithm of the process zones") {
+    const StrengthTable table = three_specimens();
+    CHECK(table.find(tested(1, 0.5, 4, 20))->mean == 1.2);
+    CHECK(table.find(tested(1, 0.5, 8, 20))->mean == tests::relative(1.15, 1e-14));
+    CHECK(table.find(tested(1, 0.5, 8, 20))->deviation == tests::relative(0.03, 1e-14));
+    CHECK(table.find(tested(1, 0.6, 4, 20))->mean == tests::relative(1.25, 1e-14));
+    // a little beyond the table the last value, farther out none
+    CHECK(table.find(tested(1, 0.5, 23.9, 39.9))->mean == 1.1);
+    CHECK_FALSE(table.find(tested(1, 0.5, 24.1, 20)));
+    CHECK_FALSE(table.find(tested(1, 0.5, 2.6, 20)));
+    CHECK_FALSE(table.find(tested(1, 0.5, 4, 40.1)));
+    CHECK_FALSE(table.find(tested(1, 0.4, 4, 20)));
+    CHECK_FALSE(table.find(tested(1.1, 0.5, 4, 20)));
+    CHECK_FALSE(table.find({"brazilian", "linear", "constant", 1, 1, 0.5, 4, 20}));
+    CHECK_FALSE(table.find({"compression", "linear", "secant", 1, 1, 0.5, 4, 20}));
+    CHECK(table.contents() ==
+          "compression, order 1, softening linear, unloading constant: gamma 1 to 1, friction 0.5 to 0.7, size of 4 to "
+          "16 process zones and 20 to 20 edges");
+}
+
+TEST_CASE("strength: the surplus of a measured strength is that of the process zone which its interfaces have") {
+    const StrengthTable table = three_specimens();
+    for (const double zones : {7., 10., 18.}) {
+        const double surplus = table.of_measured(tested(1, 0.5, zones, 20))->mean;
+        CHECK(surplus == tests::relative(table.find(tested(1, 0.5, zones / (surplus * surplus), 20))->mean, 1e-11));
+    }
+    CHECK_FALSE(table.of_measured(tested(1, 0.5, 100, 20)));
+}
+
+TEST_CASE("strength: a table is what it writes") {
+    const StrengthTable table(strength_csv({{tested(0.5, 0.3, 8, 12.5), 0.8, 5, 1.0625, 0.0125}}));
+    CHECK(table.find(tested(0.5, 0.3, 8, 12.5))->mean == 1.0625);
+    CHECK(table.find(tested(0.5, 0.3, 8, 12.5))->deviation == 0.0125);
+    for (const char* wrong :
+         {"compression,linear,constant,1,1,0.5,4,20,1,5,1.2", "compression,linear,constant,1,1,0.5,4,x,1,5,1.2,0.02",
+          "compression,linear,constant,1,1,0.5,0,20,1,5,1.2,0.02", "compression,linear,constant,1,1,0.5,4,20,1,5,0,0"})
+        CHECK_THROWS_AS(StrengthTable(head + wrong), UserError);
+    CHECK_THROWS_AS(StrengthTable(""), UserError);
+}
+
+namespace {
+
+/// A plate of 5 MPa whose interfaces have the surplus of tests/scenario/data/strength.csv; `more`: keys of [strength].
+std::string tested_plate(const std::string& more) {
+    return R"(knap = 1
+[strength]
+meaning = "as measured"
+table = ")" KNAP_SOURCE_DIR
+           R"(/tests/scenario/data/strength.csv"
+)" + more + R"([domain]
+shape = "rectangle"
+size = ["50 mm", "50 mm"]
+model = "plane stress"
+[mesh]
+size = "0.5 mm"
+order = 2
+[material.rock]
+density = "2400 kg/m3"
+E = "20 GPa"
+nu = 0.2
+[interface.default]
+sigma_c = "5 MPa"
+G_c = "20 J/m2"
+[time]
+end = "1 us"
+)";
+}
+
+Diagnostic mistake_in(const std::string& text, const std::vector<std::string>& set = {}) {
+    try {
+        read_scenario_text(text, "plate.toml", set);
+    } catch (const UserError& error) {
+        CHECK(error.diagnostics.size() == 1);
+        return error.diagnostics.front();
+    }
+    return {};
+}
+
+}  // namespace
+
+TEST_CASE("strength: interfaces within a material get the measured strength over the surplus") {
+    const std::string disc = tested_plate("test = \"brazilian\"\nsize = \"80 mm\"\n");
+    const Scenario measured = read_scenario_text(disc, "plate.toml").scenario;
+    CHECK(measured.laws[0].measured_sigma_c == 5e6);
+    CHECK(measured.laws[0].law.sigma_c == 4e6);
+    CHECK(measured.laws[0].law.G_c == 20);
+    const Scenario as_given =
+        read_scenario_text(disc, "plate.toml", {"strength.table=", "strength.meaning=of interfaces"}).scenario;
+    CHECK(as_given.laws[0].measured_sigma_c == 0);
+    CHECK(as_given.laws[0].law.sigma_c == 5e6);
+}
+
+TEST_CASE("strength: what has no calibration is an error with its place and cure") {
+    const std::string disc = tested_plate("test = \"brazilian\"\nsize = \"80 mm\"\n");
+    const Diagnostic coarse = mistake_in(disc, {"mesh.size=3 mm"});
+    CHECK(coarse.code == "no-calibration");
+    CHECK(coarse.line == 2);
+    CHECK(coarse.note.find("knap calibrate --of strength") != std::string::npos);
+    CHECK(mistake_in(disc, {"strength.test=compression"}).code == "no-calibration");
+    CHECK(mistake_in(disc, {"interface.default.friction=0.7"}).code == "no-calibration");
+    const Diagnostic random = mistake_in(disc, {"interface.default.scatter={ kind = \"weibull\", modulus = 6 }"});
+    CHECK(random.message.find("its strength is random") != std::string::npos);
+    const Diagnostic sizeless = mistake_in(tested_plate(""));
+    CHECK(sizeless.code == "missing-key");
+    CHECK(sizeless.message.find("strength.size") != std::string::npos);
+    CHECK(mistake_in(disc, {"strength.size=-1 mm"}).code == "out-of-range");
+}
+
+}  // namespace specimen_strength_test
