@@ -85,6 +85,7 @@ struct Facts {
     double incubation;  // [J]
     double thickness;   // [m]
     double n_tensile = not_a_number, n_shear = not_a_number;
+    Vec2 first_break = Vec2::Constant(not_a_number);  // [m]
     Strength strength;
     MaterialConstants material{not_a_number, not_a_number};
 };
@@ -113,6 +114,9 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
         const std::vector<double> shear = recorder.histories().breaks.column("shear");
         n_shear = static_cast<double>(std::ranges::count_if(shear, is_shear));
         n_tensile = static_cast<double>(shear.size()) - n_shear;
+        if (!shear.empty())
+            first_break = {recorder.histories().breaks.column("x").front(),
+                           recorder.histories().breaks.column("y").front()};
     }
     if (!specimen) return;
     strength = strength_of(recorder.histories().stress_strain, specimen->modulus_between);
@@ -275,6 +279,9 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.n_tensile; }, with_breaks},
     {"shear_breaks", "", "interfaces that broke more by sliding; with output.breaks", [](F f) { return f.n_shear; },
      with_breaks},
+    {"first_break_x", "m", "place of the first interface that broke; likewise", [](F f) { return f.first_break.x(); },
+     with_breaks},
+    {"first_break_y", "m", "likewise", [](F f) { return f.first_break.y(); }, with_breaks},
     {"rest_time", "s", "time since which the body is at rest; with until = \"rest\"",
      [](F f) { return f.recorder.at_rest() ? f.recorder.rest()->since() : not_a_number; }, may_rest},
     {"peak_stress", "Pa", "largest stress of the specimen: its strength", [](F f) { return f.strength.peak_stress; },
