@@ -33,7 +33,8 @@ void FrameOutput::after_step(const State& now, bool of_figure) {
 }
 
 void FrameOutput::finish(const State& now, bool ended_early) {
-    if (is_open() && (has_times() || ended_early) && times_.back() < now.time) write(now);
+    // without times of its own a run that ends before the time of its figures has no frame yet
+    if (is_open() && (has_times() || ended_early) && (times_.empty() || times_.back() < now.time)) write(now);
 }
 
 void FrameOutput::complete() {

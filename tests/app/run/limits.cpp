@@ -120,6 +120,15 @@ TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run
     }
 }
 
+TEST_CASE("limits: a run that ends before its only frame, that of a figure, has one of its end") {
+    const Folder folder("early_figure");
+    const Answer ended = run(folder, spin + "[[figure]]\nfile = \"late.png\"\nshow = \"cracks\"\nat = \"4 ms\"\n");
+    CAPTURE(ended.text);
+    CHECK(ended.code == 3);
+    CHECK(ended.has("gate rotation violated"));
+    CHECK(record_of(folder)["status"] == "failed");
+}
+
 TEST_CASE("limits: with large rotations the bar turns as far as it likes") {
     const Folder folder("spin large");
     const std::string large =
