@@ -120,7 +120,7 @@ TEST_CASE("limits: a bar that turns is warned of from 5 degrees and ends its run
     }
 }
 
-TEST_CASE("limits: a run that ends before its only frame, that of a figure, has one of its end") {
+TEST_CASE("limits: a run that ends before the time of its only figure draws its end") {
     const Folder folder("early_figure");
     const Answer ended = run(folder, spin + "[[figure]]\nfile = \"late.png\"\nshow = \"cracks\"\nat = \"4 ms\"\n");
     CAPTURE(ended.text);
