@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <span>
 
 namespace knap::tests {
 
@@ -29,7 +30,8 @@ inline double overlap(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b
 struct Overlap {
     double of_longest = 0, of_shortest = 0;
 };
-inline Overlap largest_overlap(const Model& model, const State& state) {
+/// `piece_of`: if it is not empty, only of triangles of different pieces.
+inline Overlap largest_overlap(const Model& model, const State& state, std::span<const Index> piece_of = {}) {
     struct Triangle {
         std::array<Vec2, 3> x;
         Vec2 low, high;
@@ -50,6 +52,7 @@ inline Overlap largest_overlap(const Model& model, const State& state) {
     Overlap most;
     for (std::size_t i = 0; i < triangles.size(); ++i)
         for (std::size_t j = 0; j < i; ++j) {
+            if (!piece_of.empty() && piece_of[i] == piece_of[j]) continue;
             const Triangle &a = triangles[i], &b = triangles[j];
             if ((a.low.array() > b.high.array()).any() || (b.low.array() > a.high.array()).any()) continue;
             const double found = overlap(a.x, b.x);
