@@ -5,6 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
 #include <sstream>
 
 namespace limits_test {
@@ -160,6 +163,41 @@ TEST_CASE("limits: with large rotations the bar turns as far as it likes") {
         CHECK(checked.code == 0);
         CHECK(checked.has("warning[spin]"));
         CHECK(checked.has("domain.rotation"));
+    }
+    SUBCASE("where probes and the table of fragments see the present state") {
+        // at 400 rad/s it has turned by 90 degrees after 3.927 ms; mean axial stress: density spin^2 length^2/12
+        const Answer spun =
+            run(folder, large,
+                "-s 'time.end=4.127 ms' -s 'initial=[{ spin = \"400 rad/s\" }]' "
+                "-s 'probe=[{ name = \"end\", at = [0.02, 0] }, { name = \"mean\", watch = \"stress\" }]'");
+        REQUIRE(spun.code == 0);
+        std::istringstream probes(text_of(folder.path / "run/probes.csv"));
+        std::string line;
+        std::getline(probes, line);
+        CHECK(line ==
+              "time [s],end_u_x [m],end_u_y [m],end_v_x [m/s],end_v_y [m/s],mean_stress_xx [Pa],"
+              "mean_stress_yy [Pa],mean_stress_xy [Pa]");
+        double across = 0, along = 0;
+        int n = 0;
+        while (std::getline(probes, line)) {
+            std::array<double, 8> row{};
+            std::istringstream cells(line);
+            for (double& value : row) {
+                std::getline(cells, line, ',');
+                value = std::atof(line.c_str());
+            }
+            if (row[0] < 3.727e-3) continue;  // means over some periods of its vibration
+            across += row[5], along += row[6], ++n;
+            const double angle = 400 * row[0];
+            CHECK(std::abs(row[1] - 0.02 * (std::cos(angle) - 1)) < 2e-4);
+            CHECK(std::abs(row[2] - 0.02 * std::sin(angle)) < 2e-4);
+        }
+        REQUIRE(n > 20);
+        CHECK(along / n == doctest::Approx(2600 * 400. * 400 * 0.04 * 0.04 / 12).epsilon(0.05));
+        CHECK(across / n < 0.2 * along / n);
+        const std::string table = text_of(folder.path / "run/fragments.csv");
+        const double rotation = std::atof(table.c_str() + table.rfind(',') + 1);
+        CHECK(rotation == doctest::Approx(400 * 4.127e-3 * 180 / M_PI).epsilon(1e-4));
     }
     SUBCASE("nor where nothing can turn") {
         for (const char* other : {"mesh.order=2", "time.bulk=implicit"})

@@ -4,6 +4,7 @@
 
 #include <boost/crc.hpp>
 
+#include <cstdlib>
 #include <map>
 #include <vector>
 
@@ -76,6 +77,62 @@ TEST_CASE("the same bits for one and three threads") {
             CHECK_MESSAGE(text_of(file.path()) == text_of(other), other.string());
         }
     }
+}
+
+TEST_CASE("rubble: the same bits for one and two and four threads and for a run in parts") {
+    // a ball breaks a plate: large rotations, contact of free faces, three thousand corners (several blocks)
+    const Folder folder("rubble");
+    write_scene(folder, R"(knap = 1
+[domain]
+rotation = "large"
+[mesh]
+size = "0.8 mm"
+[[body]]
+name = "plate"
+shape = "rectangle"
+origin = ["-25 mm", "0 mm"]
+size = ["50 mm", "6 mm"]
+material = "glass"
+[[body]]
+shape = "disc"
+centre = ["0 mm", "9.02 mm"]
+radius = "3 mm"
+material = "steel"
+velocity = ["0 m/s", "-40 m/s"]
+[material.glass]
+density = "2450 kg/m3"
+E = "70 GPa"
+nu = 0.22
+[material.steel]
+density = "7800 kg/m3"
+E = "210 GPa"
+nu = 0.3
+[interface.default]
+sigma_c = "20 MPa"
+G_c = "20 J/m2"
+gamma = 2
+friction = 0.3
+[interface.steel-steel]
+breakable = false
+[contact]
+friction = 0.2
+[time]
+end = "8 us"
+safety = 0.4
+[output]
+every = "2 us"
+)");
+    check_threads_and_parts(folder, {"2", "4"}, {"5us", "6.3us"}, 10);
+    const std::string record = text_of(folder.path / "whole" / "run.json");
+    const auto number = [&](const std::string& name) {
+        const std::size_t at = record.find("\"" + name + "\": ");
+        REQUIRE(at != std::string::npos);
+        return std::atof(record.c_str() + at + name.size() + 4);
+    };
+    CHECK(number("face_contacts") > 1000);
+    CHECK(number("fragments") > 10);
+    CHECK(text_of(folder.path / "whole/energy.csv").find(",rotation_work [J],") != std::string::npos);
+    CHECK(text_of(folder.path / "whole/fields/bulk_0004.vtu").find("Name=\"fragment\"") != std::string::npos);
 }
 
 TEST_CASE("binding threads to processors leaves the program all processors") {
