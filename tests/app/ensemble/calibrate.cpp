@@ -117,8 +117,8 @@ TEST_CASE("calibrate: other plates than those of the table have the measured str
     CAPTURE(others.text);
     REQUIRE(others.code == 0);
     const fs::path csv = folder.path / "sweep" / "sweep.csv";
-    const std::vector<double> peak = column_of_sweep(csv, "peak_stress [MPa]"),
-                              given = column_of_sweep(csv, "measured_strength [MPa]"),
+    const std::vector<double> peak = column_of_sweep(csv, "peak_stress [Pa]"),
+                              given = column_of_sweep(csv, "measured_strength [Pa]"),
                               ratio = column_of_sweep(csv, "strength_ratio");
     REQUIRE(peak.size() == 5);
     double over_given = 0, over_law = 0;
