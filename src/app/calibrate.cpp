@@ -1,4 +1,5 @@
-// knap calibrate: what a mesh adds to the fracture energy and to the strength of specimens, with the laws of a scenario.
+// knap calibrate: what a mesh adds to the fracture energy and to the strength of specimens, with the laws of a
+// scenario.
 #include "app/calibrate.hpp"
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/setup.hpp"

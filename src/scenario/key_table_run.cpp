@@ -212,12 +212,12 @@ void add_keys_of_calibration(KeyTable& t) {
     t.text("table", "file of `knap calibrate` with the surplus, relative to the scenario file")
         .computed("a table of the program for glass and linear softening").only_with("meaning", {"as measured"});
 
-    t.table("strength", "what sigma_c means in bodies that break by compression; as a text: strength = \"as measured\", "
-        "above all tables").or_text("meaning");
-    t.word("meaning", {"of interfaces", "as measured"}, "of interfaces: sigma_c is that of an interface, and a specimen "
-        "with a random mesh has up to 1.3 times the strength that follows (strength_ratio); as measured: sigma_c of the "
-        "laws within materials is chosen so that the law gives the measured strength (law_strength), and the interfaces "
-        "get sigma_c over the surplus of such specimens; G_c stays")
+    t.table("strength", "what sigma_c means in bodies that break by compression; as a text: strength = "
+        "\"as measured\", above all tables").or_text("meaning");
+    t.word("meaning", {"of interfaces", "as measured"}, "of interfaces: sigma_c is that of an interface, and a "
+        "specimen with a random mesh has up to 1.3 times the strength that follows (strength_ratio); as measured: "
+        "sigma_c of the laws within materials is chosen so that the law gives the measured strength (law_strength), "
+        "and the interfaces get sigma_c over the surplus of such specimens; G_c stays")
         .otherwise("of interfaces").to(&StrengthOptions::as_measured, {false, true});
     t.word("test", {"compression", "brazilian"}, "test by which the strength was measured: a plate under uniaxial "
         "compression, or a disc; also of the specimens of `knap calibrate --of strength`")
@@ -226,7 +226,8 @@ void add_keys_of_calibration(KeyTable& t) {
     t.number("size", "m", "width of the tested plate, which is twice as high, or diameter of the disc; likewise")
         .above(0).computed("that of [specimen]");
     t.text("table", "file of `knap calibrate --of strength` with the surplus, relative to the scenario file")
-        .computed("a table of the program for plates under compression and linear softening").only_with("meaning", {"as measured"});
+        .computed("a table of the program for plates under compression and linear softening")
+        .only_with("meaning", {"as measured"});
 }
 
 void add_keys_of_ensembles(KeyTable& t) {
