@@ -114,8 +114,8 @@ bool FaceContacts::place_corners(const State& begin, double h, bool boundary_cha
     if (!complete_) reference_.clear(), corners_.clear(), n_read_ = 0, longest_ = 0, total_ = 0, boundary_.sort();
     read_boundary();
     const auto numbers = boundary_.corners();
-    const std::size_t ground = boundary_.ground_corners()[0], behind_ground = boundary_.ground_corners()[1];
-    const std::size_t n_ground = behind_ground - ground, n_known = complete_ ? nearby_.n_corners() : 0;
+    const std::size_t ground = boundary_.ground_corners()[0], ground_end = boundary_.ground_corners()[1];
+    const std::size_t n_ground = ground_end - ground, n_known = complete_ ? nearby_.n_corners() : 0;
     const Motion motion = sum_over_blocks(
         numbers.size() - n_ground, block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
             for (std::size_t k = first; k < last; ++k) {
@@ -182,8 +182,7 @@ void FaceContacts::use_edges_of(std::size_t block) {
 bool FaceContacts::may_touch(const Vec2& x, Index e) const {
     const FreeEdge& edge = boundary_.edges()[e];
     const auto& [t, length] = sides_[e];
-    const Vec2 from_a = x - start_of(e).x;
-    const double gap = cross(from_a, t), along = t.dot(from_a);
+    const double gap = cross(x - start_of(e).x, t), along = t.dot(x - start_of(e).x);
     if (!(gap <= reach_ && gap >= -edge.depth)) return false;
     const double beyond = largest_overrun(gap, reach_, overrun(e, x, gap, along / length), length, edge.depth);
     return along >= -beyond && along <= length + beyond;
