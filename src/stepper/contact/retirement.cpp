@@ -17,6 +17,9 @@ constexpr std::ptrdiff_t block = 256;      // fans
 Index next_in_triangle(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }
 Index previous_in_triangle(Index c) { return c % 3 == 0 ? c + 2 : c - 1; }
 
+/// Mesh::corner of a triangle of first order.
+const Vec2& undeformed(const Model& model, Index c) { return model.mesh.vertices[model.mesh.triangles[c / 3][c % 3]]; }
+
 /// The two sides of a point, moved.
 struct Sides {
     Sides(const Model& model, const State& state, const FanPoint& point) : model(model), state(state), point(point) {}
@@ -29,12 +32,11 @@ struct Sides {
     /// turn.
     bool turned(double angle) const {
         if (surely_turned_less(angle)) return false;
-        const auto undeformed = [&](Index c) -> const Vec2& {  // order 1, with less than Mesh::corner
-            return model.mesh.vertices[model.mesh.triangles[c / 3][c % 3]];
-        };
-        const auto place = [&](Index c) -> Vec2 { return undeformed(c) + state.displacement_of(c); };
+        const auto place = [&](Index c) -> Vec2 { return undeformed(model, c) + state.displacement_of(c); };
         const auto along = [&](Index c, Index other) -> Vec2 { return place(other) - place(c); };
-        const auto at_rest = [&](Index c, Index other) -> Vec2 { return undeformed(other) - undeformed(c); };
+        const auto at_rest = [&](Index c, Index other) -> Vec2 {
+            return undeformed(model, other) - undeformed(model, c);
+        };
         const Index before = point.before, after = point.after;
         const Vec2 along_after = after == rigid_support ? at_rest(before, previous_in_triangle(before))
                                                         : along(after, next_in_triangle(after)),
@@ -64,7 +66,7 @@ struct Sides {
 /// [-] Of an edge: how deep two corners that are no neighbours in their fan lie in each other. They are disjoint in the
 /// undeformed body, so an edge of one of them separates them (separating axis theorem).
 double overlap(const Model& model, const State& state, Index one, Index two) {
-    const auto along = [&](Index c, Index end) -> Vec2 { return model.mesh.corner(end) - model.mesh.corner(c); };
+    const auto along = [&](Index c, Index end) -> Vec2 { return undeformed(model, end) - undeformed(model, c); };
     double least = infinity;
     for (const auto& [own, other] : {std::array{one, two}, std::array{two, one}}) {
         const Vec2 apart = state.displacement_of(other) - state.displacement_of(own),
@@ -82,7 +84,21 @@ double overlap(const Model& model, const State& state, Index one, Index two) {
     return least < infinity ? least : 0;
 }
 
+/// Of a closed fan, whose points are all edges at its vertex: overlap() is at most the way between two corners over the
+/// length of an edge.
+bool may_overlap(const Model& model, const State& state, const Fan& fan) {
+    double area = infinity;  // half an edge
+    for (const FanPoint& point : model.points(fan)) area = std::min(area, point.area);
+    const double apart = rounded_down * inner_overlap * 2 * area / model.thickness;
+    const Vec2& first = state.displacement[state.node_of_corner[model.corners(fan)[0]]];
+    return std::ranges::any_of(model.corners(fan), [&](Index c) {
+        return (state.displacement[state.node_of_corner[c]] - first).squaredNorm() > 0.25 * apart * apart;
+    });
+}
+
+/// Of a closed fan.
 bool strangers_overlap(const Model& model, const State& state, const Fan& fan) {
+    if (!may_overlap(model, state, fan)) return false;
     const auto corners = model.corners(fan);
     for (Index i = 0; i < fan.n_corners; ++i)
         for (Index j = i + 2; j < fan.n_corners; ++j) {
