@@ -63,28 +63,33 @@ struct Sides {
     const FanPoint& point;
 };
 
-/// [-] Of an edge: how deep two corners that are no neighbours in their fan lie in each other. They are disjoint in the
-/// undeformed body, so an edge of one of them separates them (separating axis theorem).
-double overlap(const Model& model, const State& state, Index one, Index two) {
+/// Two corners that are no neighbours in their fan lie in each other by more than a part of an edge. They are disjoint
+/// in the undeformed body, so an edge of one of them separates them (separating axis theorem); the edge of the least
+/// overlap counts.
+bool overlap(const Model& model, const State& state, Index one, Index two, double limit) {
     const auto along = [&](Index c, Index end) -> Vec2 { return undeformed(model, end) - undeformed(model, c); };
-    double least = infinity;
+    bool any_separates = false;
     for (const auto& [own, other] : {std::array{one, two}, std::array{two, one}}) {
         const Vec2 apart = state.displacement_of(other) - state.displacement_of(own),
                    leaving = along(own, next_in_triangle(own)), entering = along(own, previous_in_triangle(own));
         for (const Vec2& outward : {Vec2(-turned_left(leaving)), turned_left(entering)}) {
             const Vec2 n = outward / outward.squaredNorm();
+            const bool is_more = -n.dot(apart) > limit;
+            if (is_more && any_separates) continue;
             const auto lies_outside = [&, other = other](Index end) {
                 const Vec2 edge = along(other, end);
-                return outward.dot(edge) >= -same_direction * outward.norm() * edge.norm();
+                const double height = outward.dot(edge);
+                return height >= 0 || height >= -same_direction * outward.norm() * edge.norm();
             };
-            if (lies_outside(next_in_triangle(other)) && lies_outside(previous_in_triangle(other)))
-                least = std::min(least, -n.dot(apart));
+            if (!lies_outside(next_in_triangle(other)) || !lies_outside(previous_in_triangle(other))) continue;
+            if (!is_more) return false;
+            any_separates = true;
         }
     }
-    return least < infinity ? least : 0;
+    return any_separates;
 }
 
-/// Of a closed fan, whose points are all edges at its vertex: overlap() is at most the way between two corners over the
+/// Of a closed fan, whose points are all edges at its vertex: an overlap is at most the way between two corners over the
 /// length of an edge.
 bool may_overlap(const Model& model, const State& state, const Fan& fan) {
     double area = infinity;  // half an edge
@@ -103,7 +108,7 @@ bool strangers_overlap(const Model& model, const State& state, const Fan& fan) {
     for (Index i = 0; i < fan.n_corners; ++i)
         for (Index j = i + 2; j < fan.n_corners; ++j) {
             const bool are_neighbours = fan.closed && i == 0 && j + 1 == fan.n_corners;
-            if (!are_neighbours && overlap(model, state, corners[i], corners[j]) > inner_overlap) return true;
+            if (!are_neighbours && overlap(model, state, corners[i], corners[j], inner_overlap)) return true;
         }
     return false;
 }
