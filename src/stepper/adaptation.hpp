@@ -7,10 +7,9 @@
 //     requested      `size` within `margin` edges of everything marked, growing from there by `grading` per distance
 //     may change  triangles whose vertices are all bonded; cracks keep their interfaces
 //     transfer    old vertices keep u and v, new ones take them linearly from the old triangles; then each patch gets
-//                 back the momentum that this cost it, by one velocity for all its vertices
-//     energy      the leapfrog energy 1/2 v' M v + 1/2 u_n-1' K u_n changes by the work `adaptation`; on nested meshes
-//                 its kinetic part cannot grow, since |v|^2 is convex. Angular momentum is not kept: a correction would
-//                 spin the patch.
+//                 back momentum and energy that this cost it (refined_patches)
+//     energy      what the patches could not take of the change of the leapfrog energy 1/2 v' M v + 1/2 u_n-1' K u_n is
+//                 the work `adaptation`. Angular momentum is not kept: a correction would spin the patch.
 //
 // The step stays: no new triangle has a stable step below `smallest_step`.
 //

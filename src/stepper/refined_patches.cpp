@@ -3,6 +3,7 @@
 #include "base/union_find.hpp"
 #include "element/shape_functions.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace knap {

@@ -8,10 +8,10 @@
 //                 mean over the patch. a: such that the leapfrog energy of the patch,
 //                 1/2 v' M v + 1/2 (u - h v)' K u, is that before the refinement, -1/2 <= a <= 1
 //
-// A wave as short as the edges has more kinetic energy with lumped masses than its linear interpolation (a wave of
-// two edges in every direction twice as much), and flipped diagonals change the strain energy, too. Short waves, which a
-// running crack sends out all the time, take this energy; linear fields have none, so that uniform strain and rigid
-// motions are kept. Angular momentum is not kept.
+// With lumped masses a wave as short as the edges has more kinetic energy than its linear interpolation (white noise
+// twice as much), and flipped diagonals change the strain energy, too. Short waves, which a running crack sends out all
+// the time, take this energy; linear fields have none, so that uniform strain and rigid motions are kept. Angular
+// momentum is not kept.
 #include "mesh/refine.hpp"
 #include "model/state.hpp"
 

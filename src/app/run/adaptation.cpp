@@ -52,7 +52,8 @@ bool loads_need_all_of_it(const Scenario& scenario, double area) {
         MoreauJean stepper(model, scenario.time.scheme);
         State now = initial_state(model), next = now;
         if (scenario.time.start_in_equilibrium) stepper.start_in_equilibrium(now);
-        const double end = steps_of_rebuild * guaranteed_step(scenario.adapt.size, model.materials, model.plane);
+        const double step_of_run = plan_steps(scenario.time, scenario.adapt, model, infinity).limits.largest,
+                     end = steps_of_rebuild * step_of_run;
         const double n_steps = std::ceil(end / (0.8 * stepper.stable_step()));
         for (int step = 0; step < n_steps; ++step) {
             const std::vector<double> sizes = requested_sizes(breakable, now, scenario.adapt);
