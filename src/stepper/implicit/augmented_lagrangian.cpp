@@ -11,7 +11,7 @@ namespace knap {
 namespace {
 
 constexpr int max_newton_steps = 400, max_outer_steps = 100, max_cycling_steps = 30, max_friction_rounds = 60;
-constexpr int max_near = 5;
+constexpr int max_near = 5, max_completions = 3;
 constexpr double full_augmentation = 1e3;  // of the point's mass: each round of multipliers gains three digits
 // With friction, and where contacts round a vertex contradict each other, a few fans may cycle through their pieces.
 // Which fans do depends on the augmentation, so others are tried, each from the first guess.
@@ -35,9 +35,8 @@ constexpr double max_series = 20;      // moves: q is uncertain near 1
 
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
                                          Iterate& iterate)
-    : bulk_(bulk), matrix_(matrix), x_(iterate) {
-    reserve_capacity(model.mesh.n_corners(), bulk_impulse_, residual_, right_side_, direction_, before_.rate,
-                     first_.rate);
+    : bulk_(bulk), matrix_(matrix), x_(iterate), system_(model, bulk, matrix, iterate.rate) {
+    reserve_capacity(model.mesh.n_corners(), force_, before_.rate, first_.rate);
     reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, last_move_,
                      before_.points, first_.points);
 }
@@ -51,10 +50,11 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     const bool obstacles = std::ranges::any_of(x_.points, [](const ActivePoint& p) { return p.fan < 0; });
     const auto attempt = [&](int max_steps) {
         before_ = x_;
-        if (find_multipliers(law_goal, max_steps)) return true;
-        x_ = before_;
+        if (find_solution(max_steps)) return true;
+        restart_from(before_);
         return false;
     };
+    system_.begin(x_.points);
     first_ = x_;
     final_augmentation_ = full_augmentation;
     // On ramps of secant unloading the active set found other solutions with friction than the method of multipliers,
@@ -63,12 +63,11 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
                            std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
     if (by_pieces) {
         const bool found = find_pieces();
-        if (found && find_multipliers(law_goal, max_cycling_steps)) return true;
+        if (found && find_solution(max_cycling_steps)) return true;
         // Where it cycles, the energy of the springs may lead on; within Assumption 1 the solution is the same one.
-        if (!found && !friction && !indefinite_ && find_multipliers(law_goal, max_newton_steps) && !indefinite_)
-            return true;
+        if (!found && !friction && !indefinite_ && find_solution(max_newton_steps) && !indefinite_) return true;
     }
-    x_ = first_;
+    restart_from(first_);
     unit_ = scale > 0 ? scale : 1;
     // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.
     const int n_attempts = !friction ? 1 : effort == Effort::little ? 3 : 4;
@@ -80,7 +79,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     if (effort == Effort::little) return false;
     if (obstacles) return false;  // they couple the whole body and may jam it: a smaller step is the better answer
     for (const double other : other_augmentations) {
-        x_ = first_;
+        restart_from(first_);
         unit_ = scale > 0 ? scale : 1;
         final_augmentation_ = other;
         if (attempt(max_newton_steps)) return true;
@@ -89,6 +88,23 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         if (attempt(max_newton_steps)) return true;
     }
     return false;
+}
+
+void AugmentedLagrangian::restart_from(const Iterate& iterate) {
+    x_ = iterate;
+    system_.forget();
+}
+
+/// The method of multipliers to its tolerances, and the rates of all nodes. What the last evaluation of the whole body
+/// finds beyond them, it removes; ImplicitScheme::check_residual decides where it cannot.
+bool AugmentedLagrangian::find_solution(int max_steps) {
+    for (int i = 0; i < max_completions; ++i) {
+        if (!find_multipliers(law_goal, max_steps)) return false;
+        if (!system_.is_condensed()) return true;
+        system_.complete();
+    }
+    evaluate();
+    return true;
 }
 
 /// Newton's method on the laws themselves. An augmentation of the size of inertia and stiffness shows on which piece of
@@ -103,7 +119,7 @@ bool AugmentedLagrangian::find_pieces() {
     std::size_t fewest = x_.points.size() + 1;
     for (int i = 0; i < max_piece_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
-        evaluate_bulk();
+        system_.evaluate();
         std::size_t n_changed = 0;
         double pressing = 0;
         for (std::size_t j = 0; j < x_.points.size(); ++j) {
@@ -115,14 +131,19 @@ bool AugmentedLagrangian::find_pieces() {
             pressing = std::max(pressing, point.response.contact);
             const Vec2 q = point.impulse_of_piece(point.rate);
             const double normal = q.x() - point.law.strength * point.response.cohesion_theta;
-            point.sides.add_force(-point.out_of_frame({normal, q.y()}), residual_);
+            point.sides.add_force(-point.out_of_frame({normal, q.y()}), system_.residual());
         }
-        const double norm = residual(worst_node()), unit = std::max(unit_, std::min(pressing, largest_unit_)),
+        const double norm = residual(), unit = std::max(unit_, std::min(pressing, largest_unit_)),
                      multiplier_unit = final_augmentation_ * unit, tolerance = balance_goal(unit);
         // one step more than the tolerance asks for: it costs no factor and takes the error to rounding
-        n_found += (norm <= tolerance && move <= law_goal * multiplier_unit) ||
-                   (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
-        if (n_found == 2) {
+        const bool found = (norm <= tolerance && move <= law_goal * multiplier_unit) ||
+                           (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
+        n_found += found;
+        if (found && n_found >= 2 && system_.is_condensed()) {
+            system_.complete();
+            continue;
+        }
+        if (found && n_found >= 2) {
             for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
             unit_ = unit;
             return !indefinite_;
@@ -134,13 +155,13 @@ bool AugmentedLagrangian::find_pieces() {
         move = 0;
         for (std::size_t j = 0; j < move_.size(); ++j) {
             const ActivePoint& point = x_.points[j];
-            const Vec2 q = point.impulse_of_piece(point.rate + point.across(direction_));
+            const Vec2 q = point.impulse_of_piece(point.rate + point.across(system_.direction()));
             move_[j] = q - Vec2(point.multipliers.contact, point.multipliers.tangential);
             if (std::isinf(point.multipliers.rho_T)) move_[j].y() = 0;
             move = std::max(move, move_[j].cwiseAbs().maxCoeff());
         }
         const double a = step_length_of_pieces();
-        for (std::size_t n = 0; n < x_.rate.size(); ++n) x_.rate[n] += a * direction_[n];
+        system_.step(a);
         for (std::size_t j = 0; j < move_.size(); ++j) {
             x_.points[j].multipliers.contact += a * move_[j].x();
             x_.points[j].multipliers.tangential += a * move_[j].y();
@@ -202,15 +223,14 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     for (int i = 0; i < max_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         evaluate();
-        const double norm = residual(worst_node());
+        const double norm = residual();
         if (norm <= tolerance) return true;
         stalled = norm > 0.5 * best ? stalled + 1 : 0;
         const bool near = norm <= 1e3 * tolerance;
         if (stalled >= 3 && near) return true;  // rounding; ImplicitScheme::check_residual decides
         best = std::min(best, norm);
         if (!find_direction()) return false;
-        const double a = stalled > 0 && near ? 1 : step_length();  // near the solution rounding hides the slope
-        for (std::size_t n = 0; n < x_.rate.size(); ++n) x_.rate[n] += a * direction_[n];
+        system_.step(stalled > 0 && near ? 1 : step_length());  // near the solution rounding hides the slope
     }
     return false;
 }
@@ -236,34 +256,13 @@ void AugmentedLagrangian::iterate_friction() {
     forget_factor();
 }
 
-void AugmentedLagrangian::evaluate_bulk() {
-    bulk_.impulse(x_.rate, corner_impulse_);
-    bulk_.sum_to_nodes(corner_impulse_, bulk_impulse_);
-    residual_ = bulk_impulse_;
-}
-
 void AugmentedLagrangian::evaluate() {
-    evaluate_bulk();
+    system_.evaluate();
     for (ActivePoint& point : x_.points) {
         point.rate = point.rate_at(x_.rate);
         point.response = respond(point.law, point.multipliers, point.rate.x(), point.rate.y());
-        point.sides.add_force(-point.impulse(), residual_);
+        point.sides.add_force(-point.impulse(), system_.residual());
     }
-}
-
-double AugmentedLagrangian::residual(Index node) const {
-    double largest = 0;
-    for (int k = 0; k < 2; ++k)
-        if (const double r = std::abs(residual_[node][k]); matrix_.is_free(node, k))
-            largest = r < infinity ? std::max(largest, r) : infinity;  // a NaN meets no tolerance
-    return largest;
-}
-
-Index AugmentedLagrangian::worst_node() const {
-    Index worst = 0;
-    for (Index i = 1; i < static_cast<Index>(residual_.size()); ++i)
-        if (residual(i) > residual(worst)) worst = i;
-    return worst;
 }
 
 void AugmentedLagrangian::make_tangents(Softening softening) {
@@ -313,24 +312,15 @@ bool AugmentedLagrangian::violates_assumption_1() {
 }
 
 bool AugmentedLagrangian::find_direction() {
-    if (!prepare_matrix()) return false;
-    right_side_ = residual_;
-    for (Vec2& r : right_side_) r = -r;
-    if (!matrix_.solve(right_side_, direction_)) return false;
+    if (!prepare_matrix() || !system_.find_direction()) return false;
     ++counts_.linear_solves;
     return true;
 }
 
 void AugmentedLagrangian::begin_slope() {
-    slope_at_start_ = bulk_slope_ = 0;
-    for (std::size_t i = 0; i < direction_.size(); ++i)
-        slope_at_start_ += direction_[i].dot(bulk_impulse_[i]), bulk_slope_ += direction_[i].dot(right_side_[i]);
-    for (const PointTangent& point : tangents_) {  // d solves (M_hat + H' D H) d = right_side_
-        const Vec2 jump = point.sides.jump(direction_);
-        bulk_slope_ -= jump.dot(point.block * jump);
-    }
+    slope_at_start_ = system_.slope(), bulk_slope_ = system_.curvature();
     turn_.resize(x_.points.size());
-    for (std::size_t j = 0; j < turn_.size(); ++j) turn_[j] = x_.points[j].across(direction_);
+    for (std::size_t j = 0; j < turn_.size(); ++j) turn_[j] = x_.points[j].across(system_.direction());
 }
 
 /// Slope along the step d,   d . (r(w) + a M_hat d - H' q(w + a d)):   monotone and piecewise linear in a where the
@@ -389,8 +379,9 @@ double AugmentedLagrangian::update_multipliers() {
 /// Contacts with obstacles are left out: they couple the whole body and may jam it.
 void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
     std::vector<ActivePoint>& points = x_.points;
-    std::vector<Vec2>& force = right_side_;  // H' d
-    force.assign(x_.rate.size(), Vec2::Zero());
+    std::vector<Vec2>& force = force_;  // H' d
+    force.resize(x_.rate.size());
+    for (const Index node : system_.near_nodes()) force[node].setZero();
     last_move_.resize(points.size(), Vec2::Zero());
     for (std::size_t j = 0; j < points.size(); ++j) points[j].sides.add_force(points[j].out_of_frame(move_[j]), force);
     const auto force_on = [&](Index node) {

@@ -18,8 +18,7 @@
 // Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog. Comp.
 // 2022, for the exact line search and the proximal Newton step.)
 #include "stepper/common/step_scheme.hpp"
-#include "stepper/implicit/active_point.hpp"
-#include "stepper/implicit/theta_matrix.hpp"
+#include "stepper/implicit/condensed_system.hpp"
 
 #include <algorithm>
 
@@ -56,10 +55,10 @@ public:
     /// Softening outweighs inertia and stiffness at the solution: Assumption 1 does not hold there.
     /// (With the descending branches of all points that lost cohesion in the step.)
     bool violates_assumption_1();
-    Index worst_node() const;                                                    // with the largest residual
-    const std::vector<Vec2>& corner_impulse() const { return corner_impulse_; }  // [N s] r(w) per corner
+    Index worst_node() const { return std::max(Index{0}, system_.worst_node()); }         // with the largest residual
+    const std::vector<Vec2>& corner_impulse() const { return system_.corner_impulse(); }  // [N s] r(w) per corner
     /// [N s] r(w) - H' q per node: the reaction in prescribed components.
-    const std::vector<Vec2>& residual_impulse() const { return residual_; }
+    const std::vector<Vec2>& residual_impulse() const { return system_.residual(); }
 
 private:
     static constexpr double law_goal = 1e-13;       // of the scale: natural residual of the laws
@@ -69,13 +68,17 @@ private:
         return std::max(1e-12 * unit, 4e-18 * final_augmentation_ * bulk_.largest_impulse());
     }
     bool find_pieces();
+    void restart_from(const Iterate& iterate);
+    bool find_solution(int max_steps);
     bool find_multipliers(double goal, int max_steps);
     bool continue_penalties(double tolerance);
     bool find_rates(double tolerance, int max_steps);
     void iterate_friction();
-    void evaluate_bulk();
     void evaluate();
-    double residual(Index node) const;  // [N s] of its free components
+    double residual() const {  // [N s] the largest one
+        const Index worst = system_.worst_node();
+        return worst < 0 ? 0 : system_.residual(worst);
+    }
     void make_tangents(Softening softening);
     bool prepare_matrix();
     void begin_slope();
@@ -90,15 +93,16 @@ private:
     const ImplicitBulk& bulk_;
     ThetaMatrix& matrix_;
     Iterate& x_;
+    CondensedSystem system_;
     Iterate before_, first_;                      // at the start of an attempt, of the step
     std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised
     double final_augmentation_ = 0;               // of the attempt
     double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
-    std::vector<PointTangent> tangents_;  // in the factor
-    std::vector<Vec2> corner_impulse_, bulk_impulse_, residual_, right_side_, direction_;
+    std::vector<PointTangent> tangents_;          // in the factor
+    std::vector<Vec2> force_;                     // per node, of the moves of the multipliers
     std::vector<Vec2> turn_, move_, last_move_;   // per point, (N, T)
-    double slope_at_start_ = 0, bulk_slope_ = 0;  // of the bulk along direction_
+    double slope_at_start_ = 0, bulk_slope_ = 0;  // of the bulk along the direction
     std::vector<std::uint32_t> pieces_;           // per point, in find_pieces
     SolverCounts counts_;
     GiveUp given_up_ = nullptr;

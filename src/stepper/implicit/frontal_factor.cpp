@@ -115,20 +115,17 @@ void FrontalFactor::substitute_back_in_front(const Front& front, std::vector<dou
     for (Index i = 0; i < front.n_eliminated; ++i) x[front.unknown.first()[i]] = local_[i];
 }
 
-void FrontalFactor::substitute(std::vector<double>& x) {
-    for (const Front& front : fronts_) substitute_in_front(front, x);
-}
-
-void FrontalFactor::substitute_back(std::vector<double>& x) {
-    for (auto front = fronts_.rbegin(); front != fronts_.rend(); ++front) substitute_back_in_front(*front, x);
-}
-
-void FrontalFactor::substitute_in(std::span<const Index> parts, std::vector<double>& x) {
+void FrontalFactor::substitute(std::span<const Index> parts, std::vector<double>& x) {
     for (const Index part : parts) substitute_in_front(fronts_[part], x);
 }
 
-void FrontalFactor::substitute_back_in(std::span<const Index> parts, std::vector<double>& x) {
+void FrontalFactor::substitute_back(std::span<const Index> parts, std::vector<double>& x) {
     for (auto part = parts.rbegin(); part != parts.rend(); ++part) substitute_back_in_front(fronts_[*part], x);
+}
+
+void FrontalFactor::set_zero(std::span<const Index> parts, std::vector<double>& x) const {
+    for (const Index part : parts)
+        for (Index i = 0; i < fronts_[part].n_eliminated; ++i) x[fronts_[part].unknown.first()[i]] = 0;
 }
 
 FactorSize FrontalFactor::size() const {

@@ -52,18 +52,14 @@ public:
     /// Computes the touched fronts. `eliminated_in`: per unknown, the smallest part that holds all its elements. False:
     /// the matrix is not positive definite.
     bool update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of);
-    /// Replaces x by A^-1 x; entries of numbers that are no unknowns stay.
-    void solve(std::vector<double>& x) {
-        substitute(x);
-        substitute_back(x);
-    }
-    /// Its two parts, L^-1 x and L^-T x.
-    void substitute(std::vector<double>& x);
-    void substitute_back(std::vector<double>& x);
-    /// The same in `parts` alone, which ascend and come with their parents: L^-1 x of an x that is zero in the unknowns
-    /// of all others, L^-T x in those of `parts`.
-    void substitute_in(std::span<const Index> parts, std::vector<double>& x);
-    void substitute_back_in(std::span<const Index> parts, std::vector<double>& x);
+    /// The two halves of a solution, x <- L^-1 x and x <- L^-T x, in `parts` alone, which ascend. All parts: x <- A^-1 x.
+    /// Parts that come with their parents: L^-1 x of an x that is zero in the unknowns of all others, and L^-T x in
+    /// those of `parts`. Parts that come with their children, x <- L^-1 x: their unknowns are eliminated from the
+    /// entries of all others (static condensation).
+    void substitute(std::span<const Index> parts, std::vector<double>& x);
+    void substitute_back(std::span<const Index> parts, std::vector<double>& x);
+    /// The entries that belong to `parts`.
+    void set_zero(std::span<const Index> parts, std::vector<double>& x) const;
     FactorSize size() const;
 
 private:

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace knap {
 
@@ -21,10 +22,13 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
       eliminated_in_(2 * model.mesh.n_corners(), -1),
       block_(model.fan_points.size(), Eigen::Matrix2d::Zero()),
       kept_(model.fan_points.size(), 0),
-      is_part_of_friction_(dissection_.parts.size(), 0),
-      x_(2 * model.mesh.n_corners(), 0) {
-    reserve_capacity(model.fan_points.size(), with_block_, friction_);
-    parts_of_friction_.reserve(dissection_.parts.size());
+      is_marked_(dissection_.parts.size(), 0),
+      x_(2 * model.mesh.n_corners(), 0),
+      y_(x_.size(), 0) {
+    reserve_capacity(model.fan_points.size(), with_block_, friction_, points_);
+    reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_);
+    reserve_capacity(model.mesh.n_corners(), near_nodes_, far_nodes_);
+    far_part_.reserve(x_.size());
 }
 
 Index ThetaMatrix::leaf_of_point(Index fan_point) const {
@@ -40,6 +44,11 @@ bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor) {
     for (std::size_t f = 0; other_nodes && f < model_.fans.size(); ++f)
         if (active_.empty() || active_[f] != nodes.active[f]) place_fan(model_.fans[f]);
     active_ = nodes.active;
+    near_parts_.resize(dissection_.parts.size());
+    near_nodes_.resize(nodes.n_nodes());
+    std::iota(near_parts_.begin(), near_parts_.end(), 0);
+    std::iota(near_nodes_.begin(), near_nodes_.end(), 0);
+    far_parts_.clear(), far_nodes_.clear();
     return other_factor || other_nodes;
 }
 
@@ -114,6 +123,7 @@ void ThetaMatrix::set_contacts(std::span<const PointTangent> points) {
 }
 
 bool ThetaMatrix::factorise(const std::vector<PointTangent>& points) {
+    points_ = points;
     friction_.clear();
     set_contacts(points);
     for (const Index i : with_block_) kept_[i] = 0;
@@ -132,31 +142,92 @@ bool ThetaMatrix::factorise(const std::vector<PointTangent>& points) {
                           [&](Index leaf, std::vector<Element>& elements) { add_elements(leaf, elements); });
 }
 
-bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution) {
-    const auto each_unknown = [&](const auto& visit) {
-        for (Index node = 0; node < nodes_->n_nodes(); ++node)
-            for (int k = 0; k < 2; ++k)
-                if (const Index u = unknown(node, k); u >= 0) visit(u, node, k);
-    };
-    each_unknown([&](Index u, Index node, int k) { x_[u] = right_side[node][k]; });
-    if (is_symmetric()) factor_.solve(x_);
-    else if (!solve_with_friction()) return false;
-    solution.assign(right_side.size(), Vec2::Zero());
-    each_unknown([&](Index u, Index node, int k) { solution[node][k] = x_[u]; });
-    return std::ranges::all_of(x_, [](double x) { return std::isfinite(x); });  // no tolerance would find a NaN
+template <class Visit>  // (unknown, node, component)
+void ThetaMatrix::each_unknown(const std::vector<Index>& nodes, const Visit& visit) const {
+    for (const Index node : nodes)
+        for (int k = 0; k < 2; ++k)
+            if (const Index u = unknown(node, k); u >= 0) visit(u, node, k);
 }
 
-void ThetaMatrix::find_parts_of_friction() {
-    std::ranges::fill(is_part_of_friction_, 0);
-    for (const PointTangent& point : friction_)
-        point.sides.for_each_node(
-            [&](Index node, double) { is_part_of_friction_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
-    parts_of_friction_.clear();
+template <class Visit>  // (unknown, component, weight)
+void ThetaMatrix::each_unknown(const PointTangent& point, const Visit& visit) const {
+    for (int k = 0; k < 2; ++k)
+        point.sides.for_each_node([&](Index node, double weight) {
+            if (is_free(node, k)) visit(unknown(node, k), k, weight);
+        });
+}
+
+template <class Points, class SidesOf>
+void ThetaMatrix::find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts) {
+    std::ranges::fill(is_marked_, 0);
+    for (const auto& point : points)
+        sides_of(point).for_each_node(
+            [&](Index node, double) { is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
+    parts.clear();
     for (Index part = 0; part < static_cast<Index>(dissection_.parts.size()); ++part) {  // parents come later
-        if (!is_part_of_friction_[part]) continue;
-        parts_of_friction_.push_back(part);
-        if (const Index above = dissection_.parts[part].parent; above >= 0) is_part_of_friction_[above] = 1;
+        if (!is_marked_[part]) continue;
+        parts.push_back(part);
+        if (const Index above = dissection_.parts[part].parent; above >= 0) is_marked_[above] = 1;
     }
+}
+
+void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
+    find_parts(points, std::identity{}, near_parts_);
+    far_parts_.clear(), near_nodes_.clear(), far_nodes_.clear();
+    for (Index part = 0; part < static_cast<Index>(dissection_.parts.size()); ++part)
+        if (!is_marked_[part]) far_parts_.push_back(part);
+    for (Index node = 0; node < nodes_->n_nodes(); ++node)
+        (is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] ? near_nodes_ : far_nodes_).push_back(node);
+}
+
+// With O the far unknowns and R the near ones, A = L L' and b the impulse:
+//     y_O = L_OO^-1 b_O,    b_R - L_RO y_O    condensed;    change_O = -L_OO^-T (y_O + L_RO' change_R)
+// The blocks of points change neither L_OO nor L_RO.
+void ThetaMatrix::condense(std::vector<Vec2>& impulse) {
+    if (far_parts_.empty()) return;
+    each_unknown(far_nodes_, [&](Index u, Index node, int k) { x_[u] = impulse[node][k]; });
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = impulse[node][k]; });
+    factor_.substitute(far_parts_, x_);
+    far_part_ = x_;
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) { impulse[node][k] = x_[u]; });
+}
+
+void ThetaMatrix::add_change_of_far_nodes(const std::vector<Vec2>& change, std::vector<Vec2>& rate) {
+    if (far_parts_.empty()) return;
+    each_unknown(far_nodes_, [&](Index u, Index, int) { x_[u] = -far_part_[u]; });
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = change[node][k]; });
+    factor_.substitute_back(far_parts_, x_);
+    each_unknown(far_nodes_, [&](Index u, Index node, int k) { rate[node][k] += x_[u]; });
+}
+
+bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution) {
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = right_side[node][k]; });
+    if (!is_symmetric()) {
+        if (!solve_with_friction()) return false;
+    } else {
+        factor_.substitute(near_parts_, x_);
+        factor_.substitute_back(near_parts_, x_);
+    }
+    solution.resize(nodes_->n_nodes());
+    for (const Index node : near_nodes_) solution[node].setZero();
+    bool finite = true;  // no tolerance would find a NaN
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) {
+        solution[node][k] = x_[u];
+        finite = finite && std::isfinite(x_[u]);
+    });
+    return finite;
+}
+
+void ThetaMatrix::bulk_part(const std::vector<Vec2>& right_side, const std::vector<Vec2>& solution,
+                            std::vector<Vec2>& impulse) const {
+    impulse.resize(nodes_->n_nodes());
+    for (const Index node : near_nodes_) impulse[node] = right_side[node];
+    for (const PointTangent& point : points_)
+        point.sides.add_force(-point.symmetric_block * point.sides.jump(solution), impulse);
+    // of the friction that follows the contact impulses: what the solution took for it
+    const Eigen::Index n = 2 * static_cast<Eigen::Index>(friction_.size());
+    for (Eigen::Index j = 0; j < n / 2; ++j)
+        friction_[j].sides.add_force(-gmres_.solution().segment<2>(2 * j), impulse);
 }
 
 bool ThetaMatrix::solve_with_friction() {
@@ -164,43 +235,38 @@ bool ThetaMatrix::solve_with_friction() {
     //     x = S^-1 (b - G y),     y + E G' S^-1 G y = E G' S^-1 b
     // Only the last substitution leaves the parts of the dissection that know G.
     const Eigen::Index n = 2 * static_cast<Eigen::Index>(friction_.size());
-    const auto each_unknown = [&](Eigen::Index j, const auto& visit) {  // (unknown, component, weight)
-        for (int k = 0; k < 2; ++k)
-            friction_[j].sides.for_each_node([&](Index node, double weight) {
-                if (is_free(node, k)) visit(unknown(node, k), k, weight);
-            });
-    };
     const auto friction_of = [&](const std::vector<double>& x, Eigen::Ref<Eigen::VectorXd> y) {  // y = E G' x
         for (Eigen::Index j = 0; j < n / 2; ++j) {
             Vec2 slip = Vec2::Zero();
-            each_unknown(j, [&](Index u, int k, double weight) { slip[k] += weight * x[u]; });
+            each_unknown(friction_[j], [&](Index u, int k, double weight) { slip[k] += weight * x[u]; });
             y.segment<2>(2 * j) = (friction_[j].block - friction_[j].symmetric_block) * slip;
         }
     };
     const auto subtract = [&](const Eigen::Ref<const Eigen::VectorXd>& y, std::vector<double>& x) {  // x -= G y
         for (Eigen::Index j = 0; j < n / 2; ++j)
-            each_unknown(j, [&](Index u, int k, double weight) { x[u] -= weight * y[2 * j + k]; });
+            each_unknown(friction_[j], [&](Index u, int k, double weight) { x[u] -= weight * y[2 * j + k]; });
     };
-    find_parts_of_friction();
+    find_parts(
+        friction_, [](const PointTangent& point) -> const PointSides& { return point.sides; }, parts_of_friction_);
     const auto product = [&](const Eigen::Ref<const Eigen::VectorXd>& y, Eigen::Ref<Eigen::VectorXd> A_y) {
-        y_.assign(x_.size(), 0);
+        factor_.set_zero(parts_of_friction_, y_);
         subtract(y, y_);
-        factor_.substitute_in(parts_of_friction_, y_);
-        factor_.substitute_back_in(parts_of_friction_, y_);
+        factor_.substitute(parts_of_friction_, y_);
+        factor_.substitute_back(parts_of_friction_, y_);
         friction_of(y_, A_y);
         A_y = y - A_y;
     };
-    factor_.substitute(x_);
-    y_ = x_;
-    factor_.substitute_back_in(parts_of_friction_, y_);
+    factor_.substitute(near_parts_, x_);
+    each_unknown(near_nodes_, [&](Index u, Index, int) { y_[u] = x_[u]; });
+    factor_.substitute_back(parts_of_friction_, y_);
     if (friction_part_.size() < n) friction_part_.resize(2 * n);
     friction_of(y_, friction_part_.head(n));
     if (!gmres_.solve(std::cref(product), friction_part_.head(n), 60, 1e-8)) return false;  // cref: no copy
-    y_.assign(x_.size(), 0);
+    factor_.set_zero(near_parts_, y_);
     subtract(gmres_.solution(), y_);
-    factor_.substitute_in(parts_of_friction_, y_);
-    for (std::size_t u = 0; u < x_.size(); ++u) x_[u] += y_[u];
-    factor_.substitute_back(x_);
+    factor_.substitute(parts_of_friction_, y_);
+    each_unknown(near_nodes_, [&](Index u, Index, int) { x_[u] += y_[u]; });
+    factor_.substitute_back(near_parts_, x_);
     return true;
 }
 

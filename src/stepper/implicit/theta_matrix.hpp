@@ -30,9 +30,24 @@ public:
     bool set(const CornerPartition& nodes, double stiffness_factor);
     /// False: A without the friction that follows the contact impulses is not positive definite.
     bool factorise(const std::vector<PointTangent>& points);
-    /// Per node; the right-hand side is not read in prescribed components, and the solution is zero there. With
+
+    /// Near nodes from now on: those of these points, which must be all that factorise() is given, and all nodes that
+    /// are eliminated with them or later. Before: all nodes. Far nodes know nothing of the points: they are eliminated
+    /// once (static condensation), and the equations of the near nodes are solved by themselves.
+    void set_near(const std::vector<PointSides>& points);
+    const std::vector<Index>& near_nodes() const { return near_nodes_; }
+    /// The balance of the near nodes where that of the far nodes is satisfied, from the balance of all.
+    void condense(std::vector<Vec2>& impulse);
+    /// The change of the far nodes that satisfies their balance, added to `rate`: of the last condense(), after which
+    /// the near nodes changed by `change`.
+    void add_change_of_far_nodes(const std::vector<Vec2>& change, std::vector<Vec2>& rate);
+
+    /// Per near node; the right-hand side is not read in prescribed components, and the solution is zero there. With
     /// friction that follows the contact impulses by GMRES, preconditioned by the factor; false: it did not converge.
     bool solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution);
+    /// M_hat x per near node, of the last solution and its right-hand side, to rounding.
+    void bulk_part(const std::vector<Vec2>& right_side, const std::vector<Vec2>& solution,
+                   std::vector<Vec2>& impulse) const;
 
     bool is_symmetric() const { return friction_.empty(); }
     bool is_free(Index node, int component) const { return !nodes_->prescribed[node][component]; }
@@ -48,7 +63,13 @@ private:
     void set_contacts(std::span<const PointTangent> points);
     void add_elements(Index leaf, std::vector<Element>& elements) const;
     void add_point(const PointSides& sides, const Eigen::Matrix2d& block, std::vector<Element>& elements) const;
-    void find_parts_of_friction();
+    template <class Visit>
+    void each_unknown(const std::vector<Index>& nodes, const Visit& visit) const;
+    template <class Visit>
+    void each_unknown(const PointTangent& point, const Visit& visit) const;
+    /// (parts that eliminate nodes of `points`, and all above), ascending
+    template <class Points, class SidesOf>
+    void find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts);
     bool solve_with_friction();
 
     const Model& model_;
@@ -59,19 +80,23 @@ private:
     Grouped<Index> points_of_leaf_;  // fan points
 
     // in the factor
-    std::vector<std::uint8_t> active_;               // per fan
-    double stiffness_factor_ = 0;                    // [s2]
-    std::vector<Index> eliminated_in_;               // per unknown: part of the dissection
-    std::vector<Eigen::Matrix2d> block_;             // [kg] per fan point
-    std::vector<Index> with_block_;                  // fan points whose block is not zero
-    std::vector<std::uint8_t> kept_;                 // [0/1] per fan point of with_block_: its block stays
-    std::vector<PointTangent> contacts_;             // with obstacles
-    std::vector<PointTangent> friction_;             // points whose blocks are not symmetric
-    std::vector<Index> parts_of_friction_;           // with unknowns of these points, and all parts above
-    std::vector<std::uint8_t> is_part_of_friction_;  // [0/1] per part
+    std::vector<std::uint8_t> active_;      // per fan
+    double stiffness_factor_ = 0;           // [s2]
+    std::vector<Index> eliminated_in_;      // per unknown: part of the dissection
+    std::vector<Eigen::Matrix2d> block_;    // [kg] per fan point
+    std::vector<Index> with_block_;         // fan points whose block is not zero
+    std::vector<std::uint8_t> kept_;        // [0/1] per fan point of with_block_: its block stays
+    std::vector<PointTangent> contacts_;    // with obstacles
+    std::vector<PointTangent> friction_;    // points whose blocks are not symmetric
+    std::vector<PointTangent> points_;      // all
+    std::vector<Index> parts_of_friction_;  // with unknowns of friction_, and all parts above
+
+    std::vector<Index> near_parts_, far_parts_, near_nodes_, far_nodes_;
+    std::vector<std::uint8_t> is_marked_;  // [0/1] per part
 
     std::vector<PointTangent> new_contacts_;
-    std::vector<double> x_, y_;  // per unknown
+    std::vector<double> x_, y_;     // per unknown
+    std::vector<double> far_part_;  // likewise, of condense()
     Gmres gmres_;
     Eigen::VectorXd friction_part_;  // two entries for each point of friction_
 };

@@ -1,0 +1,95 @@
+#include "stepper/implicit/condensed_system.hpp"
+
+#include "base/reserve_capacity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+
+CondensedSystem::CondensedSystem(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
+                                 std::vector<Vec2>& rate)
+    : bulk_(bulk), matrix_(matrix), rate_(rate) {
+    reserve_capacity(model.fan_points.size(), sides_);
+    reserve_capacity(model.mesh.n_corners(), impulse_, residual_, right_side_, direction_, change_, condensed_at_);
+}
+
+void CondensedSystem::begin(const std::vector<ActivePoint>& points) {
+    sides_.clear();
+    for (const ActivePoint& point : points) sides_.push_back(point.sides);
+    matrix_.set_near(sides_);
+    condensed_ = false;
+}
+
+void CondensedSystem::evaluate() {
+    if (condensed_) {
+        for (const Index node : near_nodes()) residual_[node] = impulse_[node];
+        return;
+    }
+    bulk_.impulse(rate_, corner_impulse_);
+    bulk_.sum_to_nodes(corner_impulse_, impulse_);
+    residual_ = impulse_;
+}
+
+bool CondensedSystem::find_direction() {
+    right_side_.resize(rate_.size());
+    if (!condensed_) {
+        for (const Index node : near_nodes()) residual_[node] -= impulse_[node];
+        matrix_.condense(impulse_);
+        for (const Index node : near_nodes()) residual_[node] += impulse_[node];
+        condensed_at_ = rate_;
+        condensed_ = true;
+    }
+    for (const Index node : near_nodes()) right_side_[node] = -residual_[node];
+    if (!matrix_.solve(right_side_, direction_)) return false;
+    matrix_.bulk_part(right_side_, direction_, change_);
+    return true;
+}
+
+void CondensedSystem::step(double a) {
+    for (const Index node : near_nodes()) {
+        rate_[node] += a * direction_[node];
+        impulse_[node] += a * change_[node];
+    }
+}
+
+void CondensedSystem::complete() {
+    if (!condensed_) return;
+    for (const Index node : near_nodes()) right_side_[node] = rate_[node] - condensed_at_[node];
+    matrix_.add_change_of_far_nodes(right_side_, rate_);
+    condensed_ = false;
+}
+
+double CondensedSystem::residual(Index node) const {
+    double largest = 0;
+    for (int k = 0; k < 2; ++k)
+        if (const double r = std::abs(residual_[node][k]); matrix_.is_free(node, k))
+            largest = r < infinity ? std::max(largest, r) : infinity;  // a NaN meets no tolerance
+    return largest;
+}
+
+Index CondensedSystem::worst_node() const {
+    Index worst = -1;
+    double largest = -1;
+    const auto compare = [&](Index node) {
+        if (const double r = residual(node); r > largest) worst = node, largest = r;
+    };
+    if (condensed_) std::ranges::for_each(near_nodes(), compare);
+    else
+        for (Index node = 0; node < static_cast<Index>(residual_.size()); ++node) compare(node);
+    return worst;
+}
+
+double CondensedSystem::slope() const {
+    double sum = 0;
+    for (const Index node : near_nodes()) sum += direction_[node].dot(impulse_[node]);
+    return sum;
+}
+
+double CondensedSystem::curvature() const {
+    double sum = 0;
+    for (const Index node : near_nodes()) sum += direction_[node].dot(change_[node]);
+    return sum;
+}
+
+}  // namespace knap

@@ -1,0 +1,55 @@
+#pragma once
+// The balance of all nodes, in Newton's method on the points: nodes that know no point are eliminated once, and the
+// steps go on with the others alone (static condensation). Their own balance is linear, so it follows the steps without
+// the body,
+//
+//     r(w + a d) = r(w) + a M_hat d,        M_hat d = -(residual) - H' D H d,
+//
+// and the eliminated nodes follow at the end. What rounding adds on the way, the next evaluation of the body removes.
+#include "stepper/implicit/active_point.hpp"
+#include "stepper/implicit/theta_matrix.hpp"
+
+namespace knap {
+
+class CondensedSystem {
+public:
+    /// `rate` [m/s]: of the nodes. All references must outlive it.
+    CondensedSystem(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix, std::vector<Vec2>& rate);
+
+    /// Of these points, whose nodes the matrix knows.
+    void begin(const std::vector<ActivePoint>& points);
+    /// The rates have changed otherwise than by a step.
+    void forget() { condensed_ = false; }
+    /// Only the near nodes are up to date.
+    bool is_condensed() const { return condensed_; }
+
+    /// residual() becomes what the bulk needs; the caller subtracts the impulses of the points.
+    void evaluate();
+    /// Newton's direction; the matrix is factorised. False: not found.
+    bool find_direction();
+    void step(double a);
+    /// The rates of all nodes.
+    void complete();
+
+    const std::vector<Index>& near_nodes() const { return matrix_.near_nodes(); }
+    std::vector<Vec2>& residual() { return residual_; }  // [N s] per node: r(w) - H' q
+    const std::vector<Vec2>& residual() const { return residual_; }
+    double residual(Index node) const;  // [N s] of its free components
+    Index worst_node() const;           // with the largest residual of those that are up to date; -1: there is none
+    const std::vector<Vec2>& direction() const { return direction_; }
+    const std::vector<Vec2>& corner_impulse() const { return corner_impulse_; }  // [N s] r(w) per corner
+    /// Of the bulk along the direction: d . r(w) and d . M_hat d.
+    double slope() const;
+    double curvature() const;
+
+private:
+    const ImplicitBulk& bulk_;
+    ThetaMatrix& matrix_;
+    std::vector<Vec2>& rate_;
+    bool condensed_ = false;
+    std::vector<PointSides> sides_;
+    std::vector<Vec2> corner_impulse_, impulse_, residual_, right_side_, direction_, change_;
+    std::vector<Vec2> condensed_at_;  // rates
+};
+
+}  // namespace knap
