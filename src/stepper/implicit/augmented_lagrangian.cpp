@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 namespace knap {
 namespace {
@@ -21,8 +22,9 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 constexpr int max_direct_steps = 20;
 constexpr std::size_t min_points = 16;  // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
-constexpr int max_piece_steps = 40, max_stalled_steps = 8;
-constexpr double min_length = 0.05;  // of its steps
+constexpr int max_piece_steps = 40, max_stalled_steps = 6;
+constexpr double min_length = 0.05;                      // of its steps
+constexpr double near_balance = 1e-6, slow_ratio = 0.3;  // of the scale; of a residual to the one before
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 
 // extrapolation of multipliers
@@ -62,10 +64,12 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     const bool by_pieces = x_.points.size() >= min_points &&
                            std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
     if (by_pieces) {
-        const bool found = find_pieces();
-        if (found && find_solution(max_cycling_steps)) return true;
+        const Pieces pieces = find_pieces();
+        if (pieces != Pieces::cycling && find_solution(max_cycling_steps) && (pieces == Pieces::found || !indefinite_))
+            return true;
         // Where it cycles, the energy of the springs may lead on; within Assumption 1 the solution is the same one.
-        if (!found && !friction && !indefinite_ && find_solution(max_newton_steps) && !indefinite_) return true;
+        if (pieces != Pieces::found && !friction && !indefinite_ && find_solution(max_newton_steps) && !indefinite_)
+            return true;
     }
     restart_from(first_);
     unit_ = scale > 0 ? scale : 1;
@@ -109,12 +113,12 @@ bool AugmentedLagrangian::find_solution(int max_steps) {
 
 /// Newton's method on the laws themselves. An augmentation of the size of inertia and stiffness shows on which piece of
 /// its law a point is; a step solves the equations of these pieces, on stiff springs, with multipliers that follow at
-/// once. (Stiff springs would stop it at the first point that changes its piece.) False: it cycles.
-bool AugmentedLagrangian::find_pieces() {
+/// once. (Stiff springs would stop it at the first point that changes its piece.)
+AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces() {
     set_augmentation(final_augmentation_);
     pieces_.assign(x_.points.size(), ~0u);
     move_.resize(x_.points.size());
-    double move = infinity, best = infinity;
+    double move = infinity, best = infinity, norm = infinity, unit = unit_;
     int n_found = 0, stalled = 0;
     std::size_t fewest = x_.points.size() + 1;
     for (int i = 0; i < max_piece_steps; ++i) {
@@ -133,8 +137,9 @@ bool AugmentedLagrangian::find_pieces() {
             const double normal = q.x() - point.law.strength * point.response.cohesion_theta;
             point.sides.add_force(-point.out_of_frame({normal, q.y()}), system_.residual());
         }
-        const double norm = residual(), unit = std::max(unit_, std::min(pressing, largest_unit_)),
-                     multiplier_unit = final_augmentation_ * unit, tolerance = balance_goal(unit);
+        const double last_norm = std::exchange(norm, residual());
+        unit = std::max(unit_, std::min(pressing, largest_unit_));
+        const double multiplier_unit = final_augmentation_ * unit, tolerance = balance_goal(unit);
         // one step more than the tolerance asks for: it costs no factor and takes the error to rounding
         const bool found = (norm <= tolerance && move <= law_goal * multiplier_unit) ||
                            (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
@@ -146,8 +151,10 @@ bool AugmentedLagrangian::find_pieces() {
         if (found && n_found >= 2) {
             for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
             unit_ = unit;
-            return !indefinite_;
+            return indefinite_ ? Pieces::cycling : Pieces::found;
         }
+        // nearly redundant points: the multipliers converge linearly, and their extrapolation is quicker
+        if (n_changed == 0 && norm <= near_balance * unit && norm > slow_ratio * last_norm && n_found == 0) break;
         if (n_changed < fewest || (n_changed == fewest && norm < 0.5 * best)) stalled = 0;
         else if (++stalled == max_stalled_steps) break;
         fewest = std::min(fewest, n_changed), best = std::min(best, norm);
@@ -168,7 +175,7 @@ bool AugmentedLagrangian::find_pieces() {
         }
     }
     for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
-    return false;
+    return norm <= near_balance * unit ? Pieces::nearly : Pieces::cycling;
 }
 
 /// Its zero where the points change so much on the way that the step goes too far.

@@ -67,7 +67,8 @@ private:
     double balance_goal(double unit) const {
         return std::max(1e-12 * unit, 4e-18 * final_augmentation_ * bulk_.largest_impulse());
     }
-    bool find_pieces();
+    enum class Pieces { found, nearly, cycling };
+    Pieces find_pieces();
     void restart_from(const Iterate& iterate);
     bool find_solution(int max_steps);
     bool find_multipliers(double goal, int max_steps);

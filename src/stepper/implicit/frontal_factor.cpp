@@ -24,6 +24,7 @@ FrontalFactor::FrontalFactor(const Dissection& dissection, std::size_t n_numbers
       local_(n_numbers) {
     own_.reserve(n_numbers);
     left_.reserve(n_numbers);
+    row_.reserve(n_numbers);
 }
 
 bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of) {
@@ -79,14 +80,13 @@ void FrontalFactor::assemble(Index part) {
     for (const Index child : dissection_.parts[part].child) {
         if (child < 0) continue;
         const Front& half = fronts_[child];
-        const std::span<const Index> unknown = half.left();
-        for (Index j = 0; j < half.n_left(); ++j) {
-            const double* from = half.schur.first() + half.n_left() * std::size_t(j);
-            const Index column = place_[unknown[j]];
-            for (Index i = j; i < half.n_left(); ++i) {
-                const Index row = place_[unknown[i]];
-                front.at(std::max(row, column), std::min(row, column)) += from[i];
-            }
+        const Index n = half.n_left();
+        row_.clear();
+        for (const Index u : half.left()) row_.push_back(place_[u]);
+        for (Index j = 0; j < n; ++j) {
+            const double* from = half.schur.first() + n * std::size_t(j);
+            const Index column = row_[j];
+            for (Index i = j; i < n; ++i) front.at(std::max(row_[i], column), std::min(row_[i], column)) += from[i];
         }
     }
 }

@@ -91,6 +91,7 @@ private:
     std::vector<std::uint8_t> stale_;  // per part
     std::vector<Index> place_;         // per unknown: in the front in work, or -1
     std::vector<Index> own_, left_;    // unknowns of the front in work
+    std::vector<Index> row_;           // in it, of the unknowns that a half leaves
     std::vector<Element> elements_;    // of the leaf in work
     std::vector<double> local_;        // right-hand side of the front in work
 };

@@ -8,6 +8,8 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
+
 namespace theta_matrix_test {
 
 using namespace knap;
@@ -171,6 +173,43 @@ TEST_CASE("friction that follows the contacts is solved with the factor of the r
         std::vector<Vec2> x;
         CHECK(matrix.solve(setting.right_hand_side(), x) == (friction < 1));  // beyond reach of GMRES: false
         if (friction < 1) CHECK(setting.error(x) < 1e-7);
+    }
+}
+
+TEST_CASE("far nodes that are eliminated once leave the solution as it is") {
+    const Model model = plate();
+    for (const double friction : {0.0, 0.3}) {
+        ThetaMatrix matrix(model, MassMatrix::consistent);
+        Setting setting{.model = model};
+        for (std::size_t f = 0; f < model.fans.size() / 10; ++f) setting.active[f] = true;
+        setting.friction = friction;
+        const std::vector<Vec2> all = solution(matrix, setting), b = setting.right_hand_side();
+        CHECK(matrix.near_nodes().size() == all.size());
+        std::vector<PointSides> sides;
+        for (const PointTangent& point : setting.points) sides.push_back(point.sides);
+        REQUIRE(!sides.empty());
+        matrix.set_near(sides);
+        CHECK(matrix.near_nodes().size() < all.size());
+        CHECK(matrix.near_nodes().size() > 0);
+        std::vector<Vec2> impulse(b.size()), right_side(b.size(), Vec2::Zero()), near, of_bulk;
+        std::ranges::transform(b, impulse.begin(), [](const Vec2& x) -> Vec2 { return -x; });
+        matrix.condense(impulse);
+        for (const Index node : matrix.near_nodes()) right_side[node] = -impulse[node];
+        REQUIRE(matrix.solve(right_side, near));
+        std::vector<Vec2> x(b.size(), Vec2::Zero());
+        for (const Index node : matrix.near_nodes()) x[node] = near[node];
+        matrix.add_change_of_far_nodes(near, x);
+        double error = 0, size = 0;
+        for (std::size_t i = 0; i < x.size(); ++i)
+            error = std::max(error, (x[i] - all[i]).norm()), size = std::max(size, all[i].norm());
+        CHECK(error < (friction > 0 ? 1e-7 : 1e-12) * size);  // GMRES
+        // the bulk takes what the points leave of the right-hand side
+        matrix.bulk_part(right_side, near, of_bulk);
+        for (const PointTangent& point : setting.points)
+            point.sides.add_force(point.block * point.sides.jump(near), of_bulk);
+        for (const Index node : matrix.near_nodes())
+            for (int k = 0; k < 2; ++k)
+                if (matrix.is_free(node, k)) CHECK(std::abs(of_bulk[node][k] - right_side[node][k]) < 1e-6);
     }
 }
 
