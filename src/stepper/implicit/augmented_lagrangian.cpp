@@ -20,7 +20,7 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
-constexpr std::size_t min_points = 16;  // of a problem for the active set
+constexpr std::size_t min_points = 16;  // of a problem for the active set, and for a balance that follows the steps
 // The active set is given up after this many steps, or where that many do not lead nearer.
 constexpr int max_piece_steps = 40, max_stalled_steps = 6;
 constexpr double min_length = 0.05;                      // of its steps
@@ -57,8 +57,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         return false;
     };
     system_.begin(x_.points);
-    first_ = x_;
-    final_augmentation_ = full_augmentation;
+    first_ = x_, final_augmentation_ = full_augmentation;
     // On ramps of secant unloading the active set found other solutions with friction than the method of multipliers,
     // which also ends nearer to rounding and is no slower for a few points.
     const bool by_pieces = x_.points.size() >= min_points &&
@@ -99,13 +98,15 @@ void AugmentedLagrangian::restart_from(const Iterate& iterate) {
     system_.forget();
 }
 
-/// The method of multipliers to its tolerances, and the rates of all nodes. What the last evaluation of the whole body
-/// finds beyond them, it removes; ImplicitScheme::check_residual decides where it cannot.
+/// Rates of all nodes by the method of multipliers; one step of the whole body removes what rounding added on the way.
+/// ImplicitScheme::check_residual decides where it cannot.
 bool AugmentedLagrangian::find_solution(int max_steps) {
     for (int i = 0; i < max_completions; ++i) {
         if (!find_multipliers(law_goal, max_steps)) return false;
         if (!system_.is_condensed()) return true;
         system_.complete();
+        evaluate();
+        if (find_direction()) system_.step(1), system_.complete();
     }
     evaluate();
     return true;
@@ -143,12 +144,12 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces() {
         // one step more than the tolerance asks for: it costs no factor and takes the error to rounding
         const bool found = (norm <= tolerance && move <= law_goal * multiplier_unit) ||
                            (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
-        n_found += found;
-        if (found && n_found >= 2 && system_.is_condensed()) {
+        if (found && system_.is_condensed()) {
             system_.complete();
             continue;
         }
-        if (found && n_found >= 2) {
+        n_found += found;
+        if (n_found == 2) {
             for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
             unit_ = unit;
             return indefinite_ ? Pieces::cycling : Pieces::found;
@@ -238,6 +239,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         best = std::min(best, norm);
         if (!find_direction()) return false;
         system_.step(stalled > 0 && near ? 1 : step_length());  // near the solution rounding hides the slope
+        if (x_.points.size() < min_points) system_.complete();  // nearer to rounding
     }
     return false;
 }

@@ -155,7 +155,8 @@ TEST_CASE("E11 friction of 1 and 1000 with all edges implicit") {
         on_path(both_implicit);
         const std::string at = ", mu = " + digits(friction);
         const double scale = run.ledger.largest_energy();
-        verify_at_most("friction work over the energy" + at, run.ledger.row().friction_work / scale, 0);
+        // with mu = 1000 every closed point sticks, and the sign of the sum of roundings has no meaning
+        verify_at_most("friction work over the energy" + at, run.ledger.row().friction_work / scale, 1e-16);
         verify_at_most("largest friction work of a point in a step, over the energy" + at,
                        run.ledger.worst().worst_friction_work / scale, 1e-14);
         verify_small("residual of the interface laws" + at, run.ledger.worst().residual, {1e-10});
@@ -163,7 +164,7 @@ TEST_CASE("E11 friction of 1 and 1000 with all edges implicit") {
                        static_cast<double>(run.now.n_steps) / 2);
         CHECK(n_broken(run) > 0.5 * n_broken(twin));
         CHECK(n_broken(run) < 1.5 * n_broken(twin) + 20);
-        CHECK(run.ledger.row().friction_work < 0);
+        if (friction == 1) CHECK(run.ledger.row().friction_work < 0);
         check_energy_balance(run);
     }
 }
