@@ -52,9 +52,9 @@ public:
     /// Computes the touched fronts. `eliminated_in`: per unknown, the smallest part that holds all its elements. False:
     /// the matrix is not positive definite.
     bool update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of);
-    /// The two halves of a solution, x <- L^-1 x and x <- L^-T x, in `parts` alone, which ascend. All parts: x <- A^-1 x.
-    /// Parts that come with their parents: L^-1 x of an x that is zero in the unknowns of all others, and L^-T x in
-    /// those of `parts`. Parts that come with their children, x <- L^-1 x: their unknowns are eliminated from the
+    /// The two halves of a solution, x <- L^-1 x and x <- L^-T x, in `parts` alone, which ascend; with all parts
+    /// x <- A^-1 x. Parts that come with their parents: L^-1 x of an x that is zero in the unknowns of all others, and
+    /// L^-T x in those of `parts`. Parts that come with their children: x <- L^-1 x eliminates their unknowns from the
     /// entries of all others (static condensation).
     void substitute(std::span<const Index> parts, std::vector<double>& x);
     void substitute_back(std::span<const Index> parts, std::vector<double>& x);
