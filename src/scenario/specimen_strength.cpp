@@ -13,8 +13,8 @@ namespace {
 
 constexpr CalibrationFormat strength_format{
     "strength", "test,softening,unloading,order,gamma,friction,zones,edges,through,seeds,surplus,deviation", 3};
-// of the table: four times the process zones change the surplus by 0.04, twice the edges by 0.01
-constexpr double beyond_zones = 1.5, beyond_specimen_edges = 2;
+// of the table: four times the process zones change the surplus by 0.04, three times the edges by 0.01
+constexpr double beyond_zones = 1.5, beyond_specimen_edges = 3;
 
 bool same_kind(const TestedLaw& a, const TestedLaw& b) {
     return a.test == b.test && a.softening == b.softening && a.unloading == b.unloading && a.order == b.order;

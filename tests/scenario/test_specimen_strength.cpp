@@ -37,10 +37,10 @@ TEST_CASE("strength: the surplus is linear in friction and in the logarithm of t
     CHECK(table.find(tested(1, 0.5, 8, 20))->deviation == tests::relative(0.03, 1e-14));
     CHECK(table.find(tested(1, 0.6, 4, 20))->mean == tests::relative(1.25, 1e-14));
     // a little beyond the table the last value, farther out none
-    CHECK(table.find(tested(1, 0.5, 23.9, 39.9))->mean == 1.1);
+    CHECK(table.find(tested(1, 0.5, 23.9, 59.9))->mean == 1.1);
     CHECK_FALSE(table.find(tested(1, 0.5, 24.1, 20)));
     CHECK_FALSE(table.find(tested(1, 0.5, 2.6, 20)));
-    CHECK_FALSE(table.find(tested(1, 0.5, 4, 40.1)));
+    CHECK_FALSE(table.find(tested(1, 0.5, 4, 60.1)));
     CHECK_FALSE(table.find(tested(1, 0.4, 4, 20)));
     CHECK_FALSE(table.find(tested(1.1, 0.5, 4, 20)));
     CHECK_FALSE(table.find({"brazilian", "linear", "constant", 1, 1, 0.5, 4, 20}));
