@@ -46,7 +46,7 @@ struct Sides {
     }
 
     /// From the displacements alone. With A the edge of the side `after` and J the change of the opening along it,
-    /// |A x (A + J)| <= |A||J| and A.(A + J) >= |A|(|A| - |J|); |A| is the length at rest less what the ends move apart.
+    /// |A x (A + J)| <= |A||J| and A.(A + J) >= |A|(|A| - |J|); |A| is the length at rest less the motion of its ends.
     bool surely_turned_less(double angle) const {
         const Index before = point.before, after = point.after;
         if (before == rigid_support || after == rigid_support) return false;
@@ -89,8 +89,8 @@ bool overlap(const Model& model, const State& state, Index one, Index two, doubl
     return any_separates;
 }
 
-/// Of a closed fan, whose points are all edges at its vertex: an overlap is at most the way between two corners over the
-/// length of an edge.
+/// Of a closed fan, whose points are all edges at its vertex: an overlap is at most the way between two corners over
+/// the length of an edge.
 bool may_overlap(const Model& model, const State& state, const Fan& fan) {
     double area = infinity;  // half an edge
     for (const FanPoint& point : model.points(fan)) area = std::min(area, point.area);

@@ -20,7 +20,7 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
-constexpr std::size_t min_points = 16;  // of a problem for the active set, and for a balance that follows the steps
+constexpr std::size_t min_points = 16;  // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
 constexpr int max_piece_steps = 40, max_stalled_steps = 6;
 constexpr double min_length = 0.05;                      // of its steps
@@ -38,9 +38,9 @@ constexpr double max_series = 20;      // moves: q is uncertain near 1
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
                                          Iterate& iterate)
     : bulk_(bulk), matrix_(matrix), x_(iterate), system_(model, bulk, matrix, iterate.rate) {
-    reserve_capacity(model.mesh.n_corners(), force_, before_.rate, first_.rate);
+    reserve_capacity(model.mesh.n_corners(), force_, before_.rate, first_.rate, completed_.rate);
     reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, last_move_,
-                     before_.points, first_.points);
+                     before_.points, first_.points, completed_.points);
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {
@@ -70,8 +70,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         if (pieces != Pieces::found && !friction && !indefinite_ && find_solution(max_newton_steps) && !indefinite_)
             return true;
     }
-    restart_from(first_);
-    unit_ = scale > 0 ? scale : 1;
+    restart_from(first_), unit_ = scale > 0 ? scale : 1;
     // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.
     const int n_attempts = !friction ? 1 : effort == Effort::little ? 3 : 4;
     for (int i = 1; i <= n_attempts; ++i) {
@@ -79,12 +78,10 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         if (!cycles && attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
         if (friction && i < n_attempts) iterate_friction();
     }
-    if (effort == Effort::little) return false;
-    if (obstacles) return false;  // they couple the whole body and may jam it: a smaller step is the better answer
+    // obstacles couple the whole body and may jam it: a smaller step is the better answer
+    if (effort == Effort::little || obstacles) return false;
     for (const double other : other_augmentations) {
-        restart_from(first_);
-        unit_ = scale > 0 ? scale : 1;
-        final_augmentation_ = other;
+        restart_from(first_), unit_ = scale > 0 ? scale : 1, final_augmentation_ = other;
         if (attempt(max_newton_steps)) return true;
         if (!friction) continue;
         iterate_friction();
@@ -102,9 +99,13 @@ void AugmentedLagrangian::restart_from(const Iterate& iterate) {
 /// ImplicitScheme::check_residual decides where it cannot.
 bool AugmentedLagrangian::find_solution(int max_steps) {
     for (int i = 0; i < max_completions; ++i) {
-        if (!find_multipliers(law_goal, max_steps)) return false;
-        if (!system_.is_condensed()) return true;
+        const bool found = find_multipliers(law_goal, max_steps);
+        if (!found && i == 0) return false;
+        if (!found) restart_from(completed_);
+        if (!found) break;
+        if (!system_.is_condensed()) return true;  // balanced with these multipliers
         system_.complete();
+        completed_ = x_;
         evaluate();
         if (find_direction()) system_.step(1), system_.complete();
     }
@@ -239,7 +240,6 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         best = std::min(best, norm);
         if (!find_direction()) return false;
         system_.step(stalled > 0 && near ? 1 : step_length());  // near the solution rounding hides the slope
-        if (x_.points.size() < min_points) system_.complete();  // nearer to rounding
     }
     return false;
 }

@@ -95,6 +95,7 @@ private:
     ThetaMatrix& matrix_;
     Iterate& x_;
     CondensedSystem system_;
+    Iterate completed_;                           // in find_solution
     Iterate before_, first_;                      // at the start of an attempt, of the step
     std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised
     double final_augmentation_ = 0;               // of the attempt

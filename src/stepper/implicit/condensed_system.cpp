@@ -17,7 +17,8 @@ CondensedSystem::CondensedSystem(const Model& model, const ImplicitBulk& bulk, T
 void CondensedSystem::begin(const std::vector<ActivePoint>& points) {
     sides_.clear();
     for (const ActivePoint& point : points) sides_.push_back(point.sides);
-    matrix_.set_near(sides_);
+    if (points.size() < min_points) matrix_.set_all_near();
+    else matrix_.set_near(sides_);
     condensed_ = false;
 }
 
@@ -33,7 +34,7 @@ void CondensedSystem::evaluate() {
 
 bool CondensedSystem::find_direction() {
     right_side_.resize(rate_.size());
-    if (!condensed_) {
+    if (!condensed_ && matrix_.has_far_nodes()) {
         for (const Index node : near_nodes()) residual_[node] -= impulse_[node];
         matrix_.condense(impulse_);
         for (const Index node : near_nodes()) residual_[node] += impulse_[node];

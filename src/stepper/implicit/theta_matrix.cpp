@@ -44,12 +44,16 @@ bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor) {
     for (std::size_t f = 0; other_nodes && f < model_.fans.size(); ++f)
         if (active_.empty() || active_[f] != nodes.active[f]) place_fan(model_.fans[f]);
     active_ = nodes.active;
+    set_all_near();
+    return other_factor || other_nodes;
+}
+
+void ThetaMatrix::set_all_near() {
     near_parts_.resize(dissection_.parts.size());
-    near_nodes_.resize(nodes.n_nodes());
+    near_nodes_.resize(nodes_->n_nodes());
     std::iota(near_parts_.begin(), near_parts_.end(), 0);
     std::iota(near_nodes_.begin(), near_nodes_.end(), 0);
     far_parts_.clear(), far_nodes_.clear();
-    return other_factor || other_nodes;
 }
 
 /// An unknown is eliminated in the smallest part that holds all elements of its node: triangles, and points in their

@@ -35,6 +35,8 @@ public:
     /// are eliminated with them or later. Before: all nodes. Far nodes know nothing of the points: they are eliminated
     /// once (static condensation), and the equations of the near nodes are solved by themselves.
     void set_near(const std::vector<PointSides>& points);
+    void set_all_near();
+    bool has_far_nodes() const { return !far_parts_.empty(); }
     const std::vector<Index>& near_nodes() const { return near_nodes_; }
     /// The balance of the near nodes where that of the far nodes is satisfied, from the balance of all.
     void condense(std::vector<Vec2>& impulse);
