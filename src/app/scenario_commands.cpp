@@ -93,8 +93,7 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
         if (law.measured_sigma_c > 0)
             std::printf(
                 "  law %s: a specimen (%s, %.4g mm) with sigma_c %.4g MPa breaks at the strength that the law gives "
-                "for "
-                "%.4g MPa as measured; the surplus of this mesh is %.3f +- %.3f\n",
+                "for %.4g MPa as measured; the surplus of this mesh is %.3f +- %.3f\n",
                 law.name.c_str(), test_word(scenario.strength.test), 1e3 * scenario.strength.size,
                 1e-6 * law.law.sigma_c, 1e-6 * law.measured_sigma_c, law.strength_surplus.mean,
                 law.strength_surplus.deviation);

@@ -1,12 +1,9 @@
 // [strength]: whether sigma_c is that of the interfaces or that for which their law gives the strength of a specimen,
 // which specimens with a random mesh exceed.
-#include "scenario/built_in.hpp"
 #include "scenario/reading.hpp"
 #include "scenario/specimen_strength.hpp"
 
 #include "base/formatted.hpp"
-
-#include <algorithm>
 
 namespace knap {
 namespace {
@@ -15,12 +12,12 @@ constexpr const char* strength_table_of_program = "mesh_strength.csv";
 
 /// [m] Extent of the only body along an axis; none of several bodies.
 std::optional<double> extent_of_body(const Scenario& scenario, int axis) {
-    Vec2 low = Vec2::Constant(infinity), high = -low;
-    if (scenario.given)
-        for (const Vec2& x : scenario.given->mesh.vertices) low = low.cwiseMin(x), high = high.cwiseMax(x);
-    else if (scenario.bodies.size() == 1)
-        for (const Vec2& x : scenario.bodies.front().shape.outer.points) low = low.cwiseMin(x), high = high.cwiseMax(x);
-    return high[axis] > low[axis] ? std::optional(high[axis] - low[axis]) : std::nullopt;
+    if (!scenario.given && scenario.bodies.size() != 1) return {};
+    const std::vector<Vec2>& points =
+        scenario.given ? scenario.given->mesh.vertices : scenario.bodies.front().shape.outer.points;
+    if (points.empty()) return {};  // of a body with mistakes
+    const double extent = bounding_box(points).extent()[axis];
+    return extent > 0 ? std::optional(extent) : std::nullopt;
 }
 
 /// [m] Size of the [specimen], if it has this test: width in compression, diameter of a disc.
@@ -63,9 +60,7 @@ void apply_strength(const Table& table, const LawWithin& within, const StrengthT
 void read_strength(Reading& reading) {
     const Table table = reading.table("strength");
     Scenario& scenario = reading.scenario;
-    using Test = SpecimenOptions::Test;
-    if (scenario.specimen)
-        table.compute("test", Node::of_text(scenario.specimen->test == Test::brazilian ? "brazilian" : "compression"));
+    if (scenario.specimen) table.compute("test", Node::of_text(test_word(scenario.specimen->test)));
     StrengthOptions& options = scenario.strength;
     table.fill(options);
     if (const std::optional<double> size = size_of_specimen(scenario, options.test))
@@ -77,20 +72,14 @@ void read_strength(Reading& reading) {
                     "width of the plate, twice as high, or diameter of the disc whose strength was measured");
         return;
     }
-    const bool own = table.given("table");
-    const std::optional<std::string> bytes =
-        own ? table.bytes_of("table")
-            : std::ranges::find(built_in_files(), strength_table_of_program, &BuiltIn::name)->text;
+    const std::optional<std::string> bytes = calibration_table(table, strength_table_of_program, "strength.csv");
     if (!bytes) return;
-    if (own) scenario.files.push_back({table.path("table"), "strength.csv", *bytes});
     const std::vector<LawWithin> found = laws_within(scenario, reading.values);
     try {
         const StrengthTable strengths(*bytes);
         for (const LawWithin& within : found) apply_strength(table, within, strengths);
     } catch (const UserError& error) {
-        for (const Diagnostic& bad : error.diagnostics)
-            table.error(bad.code, own ? "table" : "", ": " + bad.message, bad.note);
-        return;
+        return report_bad_calibration(table, error);
     }
     if (found.empty())
         table.warning("no-effect", "", "= \"as measured\" has no effect: no law with cohesion acts within a material");

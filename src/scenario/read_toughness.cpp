@@ -12,14 +12,19 @@ namespace {
 
 constexpr const char* program_table = "mesh_toughness.csv";
 
-std::optional<std::string> toughness_bytes(const Table& table) {
-    if (!table.given("table")) return std::ranges::find(built_in_files(), program_table, &BuiltIn::name)->text;
+}  // namespace
+
+std::optional<std::string> calibration_table(const Table& table, const char* of_program, const char* stored_as) {
+    if (!table.given("table")) return std::ranges::find(built_in_files(), of_program, &BuiltIn::name)->text;
     std::optional<std::string> bytes = table.bytes_of("table");
-    if (bytes) table.scenario().files.push_back({table.path("table"), "toughness.csv", *bytes});
+    if (bytes) table.scenario().files.push_back({table.path("table"), stored_as, *bytes});
     return bytes;
 }
 
-}  // namespace
+void report_bad_calibration(const Table& table, const UserError& error) {
+    for (const Diagnostic& found : error.diagnostics)
+        table.error(found.code, table.given("table") ? "table" : "", ": " + found.message, found.note);
+}
 
 std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& values) {
     const double mean = scenario.given ? mean_edge(scenario.given->mesh) : scenario.mesh.size,
@@ -49,7 +54,7 @@ std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& value
 void read_toughness(Reading& reading) {
     const Table table = reading.table("toughness");
     if (table.text("meaning") != "as measured" || reading.findings.has_errors()) return;
-    const std::optional<std::string> bytes = toughness_bytes(table);
+    const std::optional<std::string> bytes = calibration_table(table, program_table, "toughness.csv");
     if (!bytes) return;
     Scenario& scenario = reading.scenario;
     const std::vector<LawWithin> found = laws_within(scenario, reading.values);
@@ -73,9 +78,7 @@ void read_toughness(Reading& reading) {
             named.law.G_c /= surplus->mean;
         }
     } catch (const UserError& error) {
-        for (const Diagnostic& found : error.diagnostics)
-            table.error(found.code, table.given("table") ? "table" : "", ": " + found.message, found.note);
-        return;
+        return report_bad_calibration(table, error);
     }
     if (found.empty())
         table.warning("no-effect", "", "= \"as measured\" has no effect: no law with cohesion acts within a material",

@@ -176,4 +176,9 @@ void warn_of_implausible(Reading& reading);  // values that are likely mistakes
 /// All of them.
 void read_all(Reading& reading);
 
+/// The text of the table of `knap calibrate` that [toughness] or [strength] names, stored with the run as `stored_as`;
+/// without one that of the program. None: an error was reported.
+std::optional<std::string> calibration_table(const Table& table, const char* of_program, const char* stored_as);
+void report_bad_calibration(const Table& table, const UserError& error);
+
 }  // namespace knap

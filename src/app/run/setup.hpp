@@ -14,7 +14,7 @@ ModelInput model_input(const Scenario& scenario);
 /// Throws ShapeError for a shape that cannot be meshed, EmptySelection for selections that select nothing.
 Model build_model(const Scenario& scenario);
 
-/// [Pa] strength_by_law of the specimen and the first law that acts within a material and may break; 0: none.
+/// strength_by_law of the specimen and the first law that acts within a material and may break.
 LawStrength law_strength(const Scenario& scenario);
 
 /// Of a run, with its works and those of the runs from which it starts.
