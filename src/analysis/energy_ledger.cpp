@@ -80,7 +80,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     const bool half_later = end.rate.empty() && row_.interface_elastic == 0;
     const double lag = row_.law_lag + (half_later ? 0.5 * (row_.surface() - surface_before - report.law_change) : 0);
     law_lag_ = over_dissipated(lag);
-    if (const double now = over_dissipated(lag, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
+    if (const double now = over_dissipated(lag, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
 
     if (end.temperature) largest_free_thermal_ = std::max(largest_free_thermal_, end.temperature->free_energy);

@@ -53,6 +53,21 @@ TEST_CASE("ledger: NaN violates the gate and stays NaN") {
     CHECK(std::isnan(gates[0].value));
 }
 
+TEST_CASE("ledger: the law lag is judged once the surface has an energy of a point") {
+    const Model model = make_model(point_masses(glue, true));
+    const State state = initial_state(model);
+    const double point = 1e-3;  // [J] what the weakest point dissipates
+    EnergyLedger first(model, state, MassMatrix::lumped, point);
+    StepReport report{.recoverable = 1e-3 * point, .cohesive_work = 0.75e-3 * point};
+    first.add(state, report);  // judged at the end of a run: a quarter of what was spent
+    CHECK(first.law_lag() == relative(0.25, 1e-12));
+    CHECK(first.largest_law_lag() == relative(0.25e-3, 1e-12));
+    EnergyLedger more(model, state, MassMatrix::lumped, point);
+    report.cohesive_work *= 1e4, report.recoverable *= 1e4;
+    more.add(state, report);
+    CHECK(more.largest_law_lag() == relative(0.25, 1e-12));
+}
+
 TEST_CASE("ledger: a preload is energy of the start and no work") {
     ModelInput input = point_masses(glue, true);
     input.materials = {{.density = 3, .E = 8, .nu = 0}};
