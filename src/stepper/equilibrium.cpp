@@ -230,7 +230,9 @@ void EquilibriumSearch::find_still(State& now) {
         if (stalled && part <= accepted_residual) break;
         const double largest = wait > 0 ? h : last_step * passage;
         if ((stalled && h >= largest) || step == max_steps)
-            no_equilibrium("nothing holds the body, it would move away", still_.mesh.corner(inertia.fastest));
+            no_equilibrium(wait > 0 ? "nothing holds the body, or it bends too far for steps that are solved"
+                                    : "nothing holds the body, it would move away",
+                           still_.mesh.corner(inertia.fastest));
         h = std::min(growth * h, largest);
         wait = std::max(0, wait - 1);
     }

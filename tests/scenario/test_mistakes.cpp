@@ -545,6 +545,14 @@ bool reports(const Diagnostic& d, const std::string& words) {
 
 }  // namespace
 
+TEST_CASE("warnings: triangles of first order lock where the material is nearly incompressible") {
+    CHECK(warning_of(changed("nu = 0.2", "nu = 0.49")).code == "locking");
+    CHECK(reports(warning_of(changed("nu = 0.2", "nu = 0.49")), "mesh.order = 2"));
+    const auto silent = [](const std::string& text) { return samples::read(text).warnings.empty(); };
+    CHECK(silent(changed("nu = 0.2", "nu = 0.45")));
+    CHECK(silent(changed("nu = 0.2", "nu = 0.49", changed("[mesh]", "[mesh]\norder = 2"))));
+}
+
 TEST_CASE("warnings: values that hardly anybody means with their place and what was meant") {
     const Diagnostic soft = warning_of(changed("32e9", "3.2e2", changed("3.08e6", "30")));
     CHECK(soft.code == "implausible");

@@ -1,6 +1,7 @@
 // Starts in static equilibrium: exact columns and bars, contact, supports that do not hold, a preload just below the
 // strength (E14).
 #include "base/error.hpp"
+#include "stepper/common/elastic_energy.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
@@ -172,6 +173,24 @@ TEST_CASE("a slender beam is held by its clamped end alone") {
     for (const Vec2& u : start.loaded.displacement) sag = std::min(sag, u.y());
     const double slender = -1e-6 * std::pow(200, 4) / (8 * 1000.0 / 12);  // Euler and Bernoulli
     CHECK(sag / slender == doctest::Approx(0.222).epsilon(0.01));  // one row of linear triangles locks: 2/9 of it
+}
+
+TEST_CASE("a nearly incompressible beam bends in its equilibrium as Timoshenko says") {
+    // the terms of K u are 1e7 times the load: rounding of their sum is no lack of balance
+    ModelInput input = block(bar_mesh(50, 10, 5, 1));
+    input.plane = PlaneModel::strain;
+    input.mesh.order = 2;
+    input.materials[0].nu = 0.4999;
+    input.laws.push_back(CohesiveLaw::unbreakable());
+    input.law_of_pair = {{1}};
+    input.supports = {{.on = {.boundary = "left", .box = {}}, .law = 1, .glued = true}};
+    input.loads = {load(Load::Kind::traction, "right", 0.0, -1e-6)};
+    Start start(input);
+    start.load();
+    std::vector<Vec2> force;
+    const double G = 1000 / (2 * 1.4999), E = 1000 / (1 - 0.4999 * 0.4999), F = 1e-6, L = 5;
+    const double beam = F * F * L * L * L / (6 * E / 12) + 0.6 * F * F * L / G;
+    CHECK(elastic_energy(start.model, start.loaded, force) / beam == doctest::Approx(0.97).epsilon(0.01));
 }
 
 TEST_CASE("a free body in balanced tension is in equilibrium and one that is pushed is not") {

@@ -225,7 +225,7 @@ bool AugmentedLagrangian::continue_penalties(double tolerance) {
     return find_rates(tolerance, max_newton_steps);
 }
 
-/// Newton's method with line search, for given multipliers.
+/// Newton's method with line search, for given multipliers. Where it stalls, ImplicitScheme::check_residual decides.
 bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     double best = infinity;
     int stalled = 0;
@@ -236,7 +236,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         if (norm <= tolerance) return true;
         stalled = norm > 0.5 * best ? stalled + 1 : 0;
         const bool near = norm <= 1e3 * tolerance;
-        if (stalled >= 3 && near) return true;  // rounding; ImplicitScheme::check_residual decides
+        if (stalled >= 3 && (near || norm <= 1e-12 * bulk_.largest_elastic_impulse(x_.rate))) return true;  // rounding
         best = std::min(best, norm);
         if (!find_direction()) return false;
         system_.step(stalled > 0 && near ? 1 : step_length());  // near the solution rounding hides the slope

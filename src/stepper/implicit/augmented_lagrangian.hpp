@@ -59,6 +59,10 @@ public:
     const std::vector<Vec2>& corner_impulse() const { return system_.corner_impulse(); }  // [N s] r(w) per corner
     /// [N s] r(w) - H' q per node: the reaction in prescribed components.
     const std::vector<Vec2>& residual_impulse() const { return system_.residual(); }
+    double residual() const {  // [N s] the largest one of free components
+        const Index worst = system_.worst_node();
+        return worst < 0 ? 0 : system_.residual(worst);
+    }
 
 private:
     static constexpr double law_goal = 1e-13;       // of the scale: natural residual of the laws
@@ -76,10 +80,6 @@ private:
     bool find_rates(double tolerance, int max_steps);
     void iterate_friction();
     void evaluate();
-    double residual() const {  // [N s] the largest one
-        const Index worst = system_.worst_node();
-        return worst < 0 ? 0 : system_.residual(worst);
-    }
     void make_tangents(Softening softening);
     bool prepare_matrix();
     void begin_slope();

@@ -46,6 +46,17 @@ double ImplicitBulk::corner_inertia(Index corner) const {
     return mass + step_->stiffness_factor() * corner_stiffness_[corner];
 }
 
+double ImplicitBulk::elastic_impulse(Index corner, double speed) const {
+    return 1e-2 * (speed * step_->stiffness_factor() * corner_stiffness_[corner]);
+}
+
+double ImplicitBulk::largest_elastic_impulse(const std::vector<Vec2>& rate) const {
+    double largest = 0;
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c)
+        largest = std::max(largest, elastic_impulse(c, rate[nodes_->node_of_corner[c]].norm()));
+    return largest;
+}
+
 void ImplicitBulk::begin_step(const StepContext& step) {
     step_ = &step;
     const State& begin = *step.begin;
@@ -68,9 +79,8 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     // which cancel in a body that expands freely, are two terms
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const double speed = begin.velocity[begin.node_of_corner[c]].norm();
-        begin_impulse_ =
-            std::max({begin_impulse_, model_.corner_mass[c] * speed, step.kick() * begin_force_[c].norm(),
-                      step.kick() * load_[c].norm(), 1e-2 * (speed * step.stiffness_factor() * corner_stiffness_[c])});
+        begin_impulse_ = std::max({begin_impulse_, model_.corner_mass[c] * speed, step.kick() * begin_force_[c].norm(),
+                                   step.kick() * load_[c].norm(), elastic_impulse(c, speed)});
     }
 }
 

@@ -48,6 +48,8 @@ public:
     Vec2 end_velocity(Index node, const Vec2& rate) const;       // [m/s] v+
     double corner_inertia(Index corner) const;                   // [kg] mean of the diagonal of M_hat in its triangle
     double largest_impulse() const { return largest_impulse_; }  // [N s] of momenta and loads: the scale of rounding
+    /// [N s] A hundredth of the largest term whose sum is (theta h)^2 K w: the same where few loads bend a body far.
+    double largest_elastic_impulse(const std::vector<Vec2>& rate) const;
 
     /// Scratch memory of account().
     struct Workspace {
@@ -61,6 +63,7 @@ public:
 private:
     template <class OfNode>
     void add_mass_times(const OfNode& of_node, std::vector<Vec2>& of_corner) const;
+    double elastic_impulse(Index corner, double speed) const;
     void elastic_force(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
                        std::vector<Vec2>& of_corner) const;
 
