@@ -67,7 +67,8 @@ struct State {
         viscous_stress;  // [Pa] of bulk viscosity in the last step, per triangle (order 2: three); empty:
                          // there was none
     std::vector<std::uint8_t> retired;  // per point: 1 its sides meet as free faces from now on; 2 it still joins its
-                                        // sides, which touch others apart; empty where Model::contact_of_pair is
+                                        // sides, which touch others apart; 3 likewise, and corners of its fan that are
+                                        // no neighbours meet as free faces; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
 
     std::vector<Incubation> incubation;  // per fan; empty where no law has an incubation time

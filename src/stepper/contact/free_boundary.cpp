@@ -12,6 +12,8 @@ namespace {
 constexpr double max_depth_in_altitudes =
     0.35;  // [-] of the altitude of a triangle: the step before should have been rejected
 
+constexpr std::size_t marks_at_once = 256;  // hardly any change in a step
+
 /// [rad] The angle of a triangle at one of its corners.
 double angle_at(const Mesh& mesh, Index c) {
     const Index t = c / 3, k = c % 3;
@@ -29,6 +31,7 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     const std::size_t n = mesh.n_corners();
     twin_.assign(n, -1), point_.assign(n, -1), prev_.assign(n, -1), piece_.assign(n, -1), group_.assign(n, -1),
         last_.assign(n, -1);
+    joined_.assign(n, {-1, -1});
     reflex_wedge_.assign(n, 0), reflex_piece_.assign(n, 0);
     place_.assign(n + model.ground.vertices.size(), -1), corner_place_.assign(place_.size(), -1);
     const auto half_edge = [&](Index triangle, Index vertex) {
@@ -56,16 +59,20 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
 }
 
 bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
-    if (retired.empty() || std::equal(retired.begin(), retired.end(), retired_.begin())) return false;
     std::vector<Index> touched;  // fans
     bool only_more = true;
-    for (std::size_t p = 0; p < retired.size(); ++p) {
-        if (retired[p] == retired_[p]) continue;
-        only_more = only_more && retired[p];
-        retired_[p] = retired[p];
-        for (const std::size_t end : {p, p ^ 1})
-            touched.push_back(model_.fan_of_corner[model_.fan_points[model_.fan_point_of[end]].corner()]);
+    for (std::size_t first = 0; first < retired.size(); first += marks_at_once) {
+        const auto marks = retired.subspan(first, std::min(marks_at_once, retired.size() - first));
+        if (std::ranges::equal(marks, std::span(retired_).subspan(first, marks.size()))) continue;
+        for (std::size_t p = first; p < first + marks.size(); ++p) {
+            if (retired[p] == retired_[p]) continue;
+            only_more = only_more && retired[p];
+            retired_[p] = retired[p];
+            for (const std::size_t end : {p, p ^ 1})
+                touched.push_back(model_.fan_of_corner[model_.fan_points[model_.fan_point_of[end]].corner()]);
+        }
     }
+    if (touched.empty()) return false;
     std::ranges::sort(touched);
     touched.erase(std::ranges::unique(touched).begin(), touched.end());
     for (const Index f : touched) link(model_.fans[f]);
@@ -97,7 +104,7 @@ bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
 void FreeBoundary::link(const Fan& fan) {
     const auto corners = model_.corners(fan);
     const Index n = fan.n_corners;
-    const auto separates = [&](Index c) { return twin_[c] < 0 || retired_[point_[c]] == 1; };
+    const auto separates = [&](Index c) { return twin_[c] < 0 || frees(point_[c]); };
     const auto cuts = [&](Index c) { return separates(c) || (is_free(c) && retired_[point_[c]] == 2); };
     // a group starts with a corner whose leaving edge separates it from the one before, a piece with one whose leaving
     // edge cuts, a wedge with one whose leaving edge is free; an open fan starts with its outer edge, a closed one is
@@ -130,6 +137,15 @@ void FreeBoundary::link(const Fan& fan) {
         }
         if (has_cut && (end || cuts(at(i + 1))))
             last_[piece] = c, reflex_piece_[piece] = piece_angle > std::numbers::pi;
+    }
+    for (const Index c : corners) joined_[c] = {-1, -1};
+    for (Index i = 0; i < n; ++i) {
+        const Index c = at(i), own = group_[c], before = group_[at(i > 0 ? i - 1 : n - 1)];
+        if (twin_[c] < 0 || retired_[point_[c]] != 3) continue;
+        for (const Index other : corners) {
+            if (group_[other] == own) joined_[other][0] = before;
+            if (group_[other] == before) joined_[other][1] = own;
+        }
     }
     if (!fan.closed && !model_.ground.of_point.empty()) stand(fan);
 }
@@ -188,6 +204,7 @@ void FreeBoundary::refresh(Index h) {
     edges_[edge.prev].reflex_wedge = reflex_wedge_[h] != 0;
     edge.piece_start = place(piece_[h]), edge.piece_end = place(piece_[edge.end]);
     edge.group_start = group_[h], edge.group_end = group_[edge.end];
+    edge.joined = joined_[h];
     edge.entering = piece_[h] == h ? place(previous_in_triangle(last_[h])) : -1;
     edge.reflex_piece = reflex_piece_[h] != 0;
     const bool on_support = twin_[h] < 0 && point_[h] >= 0;
@@ -205,6 +222,7 @@ void FreeBoundary::refresh_ground(Index g) {
     edge.next = model_.ground.vertices[at.next].next < 0 ? own : place_[edge.end];
     edge.piece_start = own, edge.piece_end = edge.next == own ? -1 : edge.next;
     edge.group_start = edge.start, edge.group_end = edge.end;
+    edge.joined = {-1, -1};
     edge.entering = at.prev < 0 ? -1 : edge.prev;
     edge.passive = !at.has_face;
     edge.touches = at.convex;

@@ -1,10 +1,12 @@
 #pragma once
 // The free boundary: closed polylines round everything that general contact may touch, with the material to the left.
 //
-// Free edges are the edges of the mesh boundary and both sides of every interface of which an end point is retired.
+// Free edges are the edges of the mesh boundary and both sides of every interface of which an end point is retired, or
+// holds in a fan whose corners meet (State::retired 3).
 // Round a mesh vertex they cut the fan into wedges: a free edge enters a wedge, and the next one leaves it.
 // Retired and parted points (State::retired 1 and 2) cut the fan into contact pieces: a piece may contain wedges that
-// live points still join. Retired points alone cut it into groups of pieces.
+// live points still join. Retired points alone cut it into groups of pieces; where corners meet, each piece is a group,
+// which does not touch the two that its points join to it.
 //
 // A piece is one vertex for contact with others; its entering and leaving edge are the outer ones, so that a crack that
 // is closed by live points is no corner. Nothing is missed and nothing covered twice: the pair (corner, edge at the
@@ -28,6 +30,7 @@ struct FreeEdge {
     Index piece_start;             // the contact piece at a: place of the edge that leaves it; -1: it touches nothing
     Index piece_end;               // at b
     Index group_start, group_end;  // of the pieces at a and b: edges of a group do not touch its vertices
+    std::array<Index, 2> joined;   // neighbours of the group at a which points join to it (mark 3): likewise; or -1
     Index entering;  // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
                      // no piece, or the piece touches nothing
     Index start_place, end_place;  // of a and b in FreeBoundary::corners()
@@ -84,8 +87,10 @@ public:
 private:
     static Index previous_in_triangle(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
     bool is_free(Index h) const {
-        return twin_[h] < 0 ? !model_.has_vanished(h / 3) : retired_[point_[h]] == 1 || retired_[point_[h] ^ 1] == 1;
+        return twin_[h] < 0 ? !model_.has_vanished(h / 3) : frees(point_[h]) || frees(point_[h] ^ 1);
     }
+    /// Faces beside this point are free for others.
+    bool frees(Index point) const { return retired_[point] == 1 || retired_[point] == 3; }
     /// Of a vertex of the ground.
     Index number_of(Index ground) const { return model_.mesh.n_corners() + ground; }
     /// The vertex of the ground on which an end of a boundary edge stands; -1: none.
@@ -103,12 +108,13 @@ private:
     const Model& model_;
     std::vector<std::uint8_t> retired_;
     // per half-edge, numbered by its start corner: edge k of triangle t, from corner 3 t + k
-    std::vector<Index> twin_;   // or -1
-    std::vector<Index> point_;  // at its start, or -1; that at its end is point ^ 1
-    std::vector<Index> prev_;   // the free edge that enters the wedge which this free edge leaves
-    std::vector<Index> piece_;  // of the start corner: the first corner of its contact piece, or -1
-    std::vector<Index> group_;  // of the start corner: the first corner of its group
-    std::vector<Index> last_;   // per first corner of a piece: its last corner
+    std::vector<Index> twin_;                   // or -1
+    std::vector<Index> point_;                  // at its start, or -1; that at its end is point ^ 1
+    std::vector<Index> prev_;                   // the free edge that enters the wedge which this free edge leaves
+    std::vector<Index> piece_;                  // of the start corner: the first corner of its contact piece, or -1
+    std::vector<Index> group_;                  // of the start corner: the first corner of its group
+    std::vector<std::array<Index, 2>> joined_;  // of the start corner: FreeEdge::joined
+    std::vector<Index> last_;                   // per first corner of a piece: its last corner
     std::vector<std::uint8_t> reflex_wedge_, reflex_piece_;  // per edge that leaves a wedge, a piece
     std::vector<Index> place_;                               // of a free edge in edges_
     std::vector<FreeEdge> edges_;

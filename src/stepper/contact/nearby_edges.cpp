@@ -131,8 +131,9 @@ NearbyEdges::Corner NearbyEdges::corner(std::span<const FreeEdge> edges, Index i
 
 bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner& at, Index e) const {
     const FreeEdge& edge = edges[e];
-    const Index group = edges[i].group_start;
-    if (edge.group_start == group || edge.group_end == group || edge.passive) return false;
+    const auto is_beside = [&](Index group) { return group == edge.group_start || group == edge.group_end; };
+    if (is_beside(edges[i].group_start) || std::ranges::any_of(edges[i].joined, is_beside) || edge.passive)
+        return false;
     if (edge.ground && (edges[i].ground || edges[i].stands)) return false;
     const Vec2& a = x_[edge.start_place];
     const Vec2 along = x_[edge.end_place] - a, from_a = at.x - a;

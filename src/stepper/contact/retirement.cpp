@@ -89,12 +89,17 @@ bool overlap(const Model& model, const State& state, Index one, Index two, doubl
     return any_separates;
 }
 
-/// Of a closed fan, whose points are all edges at its vertex: an overlap is at most the way between two corners over
-/// the length of an edge.
-bool may_overlap(const Model& model, const State& state, const Fan& fan) {
+/// [m] The way between two corners that may overlap: an overlap is at most this way over the length of an edge, of which
+/// the shortest one with a point counts (all edges at the vertex of a closed fan).
+double overlap_way(const Model& model, const Fan& fan) {
     double area = infinity;  // half an edge
     for (const FanPoint& point : model.points(fan)) area = std::min(area, point.area);
-    const double apart = rounded_down * inner_overlap * 2 * area / model.thickness;
+    return rounded_down * inner_overlap * 2 * area / model.thickness;
+}
+
+/// Of a closed fan.
+bool may_overlap(const Model& model, const State& state, const Fan& fan) {
+    const double apart = overlap_way(model, fan);
     const Vec2& first = state.displacement[state.node_of_corner[model.corners(fan)[0]]];
     return std::ranges::any_of(model.corners(fan), [&](Index c) {
         return (state.displacement[state.node_of_corner[c]] - first).squaredNorm() > 0.25 * apart * apart;
@@ -133,6 +138,41 @@ double retirement_limit(const Model& model, const State& state, Index rank) {
     return separates(inner_retirement_slip) ? inner_retirement_slip : infinity;
 }
 
+/// Whether a point that has not retired is broken, has slipped, or has a mark at one of the ends of its edge: most fans
+/// have none, and nothing happens there.
+bool may_change(const Model& model, const std::vector<std::uint8_t>& before, const State& end, Index rank) {
+    const PointState* state = end.points.data() + end.first_point[rank];
+    return std::ranges::any_of(model.points(model.fans[end.split_fans[rank]]), [&](const FanPoint& at) {
+        const double cohesion = (state++)->cohesion;
+        return before[at.point] != 1 && (cohesion == 0 || before[at.point] != 0 || before[at.point ^ 1] != 0 ||
+                                         Sides(model, end, at).slipped(retirement_slip));
+    });
+}
+
+/// Corners that points which have not retired join, but not as neighbours, overlap: nothing else keeps them apart.
+bool joined_strangers_overlap(const Model& model, const State& state, const Fan& fan) {
+    const auto points = model.points(fan);
+    const auto next = [&](Index corner) {  // in the fan
+        const auto at = std::ranges::find_if(points, [&](const FanPoint& point) {
+            return point.before == corner && !point.on_support() && state.retired[point.point] != 1;
+        });
+        return at == points.end() ? -1 : at->after;
+    };
+    const double apart = overlap_way(model, fan);
+    const auto are_apart = [&](Index one, Index two) {
+        return (state.displacement_of(one) - state.displacement_of(two)).squaredNorm() > apart * apart;
+    };
+    for (const Index corner : model.corners(fan)) {
+        const Index neighbour = next(corner);
+        if (neighbour < 0) continue;
+        for (Index other = next(neighbour); other >= 0 && other != corner; other = next(other))
+            if (next(other) != corner && are_apart(corner, other) &&
+                overlap(model, state, corner, other, inner_overlap))
+                return true;
+    }
+    return false;
+}
+
 }  // namespace
 
 void retire_points(const Model& model, const std::vector<std::uint8_t>& before, State& end) {
@@ -142,20 +182,31 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
     for_blocks((n + block - 1) / block, [&](std::ptrdiff_t b) {
         for (std::ptrdiff_t rank = b * block; rank < std::min(n, (b + 1) * block); ++rank) {
             const Fan& fan = model.fans[end.split_fans[rank]];
-            if (std::ranges::all_of(model.points(fan), [&](const FanPoint& at) { return end.retired[at.point] == 1; }))
-                continue;
+            if (!may_change(model, before, end, static_cast<Index>(rank))) continue;
+            const auto points = model.points(fan);
             const PointState* state = end.points.data() + end.first_point[rank];
             const double limit = retirement_limit(model, end, static_cast<Index>(rank));
-            for (const FanPoint& point : model.points(fan)) {
+            bool any_slipped = false;  // of those that stay
+            for (const FanPoint& point : points) {
                 const double cohesion = (state++)->cohesion;
                 std::uint8_t& retired = end.retired[point.point];
                 if (retired == 1) continue;
                 const Sides sides(model, end, point);
                 // sides that turn by so much have slipped at one end of the edge
-                const bool may_have_turned = before[point.point] != 0 || before[point.point ^ 1] != 0;
-                if (cohesion == 0 && limit < infinity && sides.moved(limit)) retired = 1;
-                else if (sides.slipped(parting_slip) || (may_have_turned && sides.turned(parting_turn))) retired = 2;
+                const auto is_apart = [&] {
+                    const bool may_have_turned = before[point.point] != 0 || before[point.point ^ 1] != 0;
+                    return sides.slipped(parting_slip) || (may_have_turned && sides.turned(parting_turn));
+                };
+                if (cohesion == 0 && limit < infinity && sides.moved(limit)) {
+                    retired = 1;
+                    continue;
+                }
+                if (retired == 0 && is_apart()) retired = 2;
+                any_slipped = any_slipped || sides.slipped(inner_overlap);
             }
+            if (!any_slipped || !joined_strangers_overlap(model, end, fan)) continue;
+            for (const FanPoint& point : points)
+                if (std::uint8_t& retired = end.retired[point.point]; retired != 1) retired = 3;
         }
     });
 }

@@ -117,6 +117,44 @@ TEST_CASE("broken points inside the body retire early where corners that are no 
     CHECK(closed_by(1.1 * inner_retirement_slip, false) == 4);
 }
 
+TEST_CASE("corners that are no neighbours meet while all points of their fan hold") {
+    // triangles 0 and 3 go towards each other by d, so their corners overlap by d; or both go the same way
+    const Vec2 axis = turned({1, 0}, std::numbers::pi / 6);
+    for (const auto& scene_of : {std::pair(0.004, true), {0.006, true}, {0.006, false}}) {
+        const double d = scene_of.first;
+        const bool towards_each_other = scene_of.second;
+        CAPTURE(d);
+        CAPTURE(towards_each_other);
+        Pieces scene = hexagon({0, 1, 2, 3, 4, 5});
+        for (PointState& point : scene.state.points) point.cohesion = 0.5;
+        scene.put(0, -d * axis);
+        scene.put(3, towards_each_other ? Vec2(d * axis) : Vec2(-d * axis));
+        scene.retire();
+        CHECK(std::ranges::count(scene.state.retired, 1) == 0);
+        const bool meet = towards_each_other && d > 0.005;
+        CHECK(std::ranges::count(scene.state.retired, 3) == (meet ? 6 : 0));
+        const auto contacts = scene.contacts(h);
+        CHECK(contacts.empty() == !meet);
+        bool has_met = false;  // 0 and 3; both overlap less with what lies beside the other one
+        for (const FaceContact& contact : contacts) {
+            const Index one = scene.body_of(contact.vertex[0]), other = scene.body_of(contact.edge[0]);
+            CHECK(std::abs(one - other) % 5 > 1);
+            CHECK(contact.depth < 1.001 * d);
+            has_met = has_met || (one + other == 3 && contact.depth > 0.999 * d);
+        }
+        CHECK(has_met == meet);
+        // once the points beside triangle 0 have retired, it meets all others, and the other five still have theirs
+        if (!meet) continue;
+        for (const FanPoint& point : scene.model.fan_points)
+            if (scene.body_of(point.before) == 0 || scene.body_of(point.after) == 0)
+                scene.state.retired[point.point] = 1;
+        for (const FaceContact& contact : scene.contacts(h)) {
+            const Index one = scene.body_of(contact.vertex[0]), other = scene.body_of(contact.edge[0]);
+            if (one != 0 && other != 0) CHECK(std::abs(one - other) > 1);
+        }
+    }
+}
+
 TEST_CASE("what slips inside a body whose vertex has come apart retires as on the surface") {
     // triangles 0 and 1 lie against the other four; 1 goes outwards and retires with both of its points, or with none
     const auto retired_with = [&](double slip_of_1) {
@@ -136,7 +174,8 @@ TEST_CASE("a broken point that is alone in its slip retires on the surface and n
     for (const bool two : {false, true}) {
         CAPTURE(two);
         Pieces scene = hexagon({0, 1, 1, 1, 1, 1});
-        const Vec2 along = slip * turned({1, 0}, two ? std::numbers::pi / 6 : 0);
+        // what slips alone goes away from the corners on the other side of the vertex: else these meet
+        const Vec2 along = slip * turned({1, 0}, two ? std::numbers::pi / 6 : std::numbers::pi);
         for (Index c = 0; c < scene.model.mesh.n_corners(); ++c)
             if (scene.model.mesh.corner(c).norm() < 1e-9 && c / 3 == 0) scene.displacement(c) = along;
         if (!two)  // the other side of triangle 0 moves with it, and keeps its cohesion
