@@ -89,8 +89,8 @@ bool overlap(const Model& model, const State& state, Index one, Index two, doubl
     return any_separates;
 }
 
-/// [m] The way between two corners that may overlap: an overlap is at most this way over the length of an edge, of which
-/// the shortest one with a point counts (all edges at the vertex of a closed fan).
+/// [m] The way between two corners that may overlap: an overlap is at most this way over the length of an edge. The
+/// shortest edge with a point counts (in a closed fan all edges at its vertex have one).
 double overlap_way(const Model& model, const Fan& fan) {
     double area = infinity;  // half an edge
     for (const FanPoint& point : model.points(fan)) area = std::min(area, point.area);
@@ -186,7 +186,7 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
             const auto points = model.points(fan);
             const PointState* state = end.points.data() + end.first_point[rank];
             const double limit = retirement_limit(model, end, static_cast<Index>(rank));
-            bool any_slipped = false;  // of those that stay
+            bool strangers_may_overlap = false;  // broken points alone let no strangers move: two of them retire
             for (const FanPoint& point : points) {
                 const double cohesion = (state++)->cohesion;
                 std::uint8_t& retired = end.retired[point.point];
@@ -202,9 +202,9 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
                     continue;
                 }
                 if (retired == 0 && is_apart()) retired = 2;
-                any_slipped = any_slipped || sides.slipped(inner_overlap);
+                strangers_may_overlap = strangers_may_overlap || (cohesion > 0 && sides.slipped(inner_overlap));
             }
-            if (!any_slipped || !joined_strangers_overlap(model, end, fan)) continue;
+            if (!strangers_may_overlap || !joined_strangers_overlap(model, end, fan)) continue;
             for (const FanPoint& point : points)
                 if (std::uint8_t& retired = end.retired[point.point]; retired != 1) retired = 3;
         }
