@@ -10,6 +10,7 @@
 #include "app/run/setup.hpp"
 #include "app/run/start_state.hpp"
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
 #include "base/whole_file.hpp"
 #include "element/triangle_matrices.hpp"
@@ -194,12 +195,14 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
         std::printf(
-            "  adapt: about %.2g triangles after cracks of %.3g m, a uniform mesh has %.2g: gain %.2g, within a factor "
-            "of 2 in "
-            "five scenarios; less where much of the body is near its strength\n",
-            expected.at_end, expected.crack, expected.uniform, expected.gain);
+            "  adapt: about %.2g triangles after straight cracks of %.3g m, %.2g if they branch half-way, a uniform "
+            "mesh has %.2g: gain %.2g, within a factor of 2 in five scenarios; less where much of the body is near its "
+            "strength\n",
+            expected.at_end, expected.crack, expected.at_most, expected.uniform, expected.gain);
     }
-    std::printf("  %.0f MB of memory, %.0f MB of disk space for %.0f frames\n", cost.memory, cost.disk, cost.n_frames);
+    const std::string from = scenario.adapt.active() ? formatted("%.0f to ", cost.least_memory) : "";
+    std::printf("  %s%.0f MB of memory, %.0f MB of disk space for %.0f frames\n", from.c_str(), cost.memory, cost.disk,
+                cost.n_frames);
 }
 
 void print_warnings(const std::vector<Diagnostic>& warnings) {

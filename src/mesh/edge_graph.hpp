@@ -9,6 +9,7 @@ using EdgeEnds = std::vector<std::array<Index, 2>>;  // the two vertices of each
 /// First the interior edges, then the boundary edges, in their order.
 inline EdgeEnds edge_ends(const Mesh& mesh) {
     EdgeEnds ends;
+    ends.reserve(mesh.interior_edges.size() + mesh.boundary_edges.size());
     for (const InteriorEdge& e : mesh.interior_edges) ends.push_back(mesh.side_vertices(e.triangle[0], e.side[0]));
     for (const BoundaryEdge& e : mesh.boundary_edges) ends.push_back(mesh.side_vertices(e.triangle, e.side));
     return ends;

@@ -27,17 +27,23 @@ void find_edges(Mesh& mesh) {
     mesh.interior_edges.clear();
     mesh.boundary_edges.clear();
     const auto ends = [&](Index side) { return mesh.side_vertices(side / 3, side % 3); };  // side = 3 triangle + k
-    std::vector<std::pair<std::uint64_t, Index>> sides;
-    for (Index side = 0; side < 3 * mesh.n_triangles(); ++side) sides.emplace_back(edge_key(ends(side)), side);
-    std::ranges::sort(sides);
-    std::vector<Index> other(sides.size(), -1);  // the side of the neighbour
-    for (std::size_t i = 1; i < sides.size(); ++i) {
-        if (sides[i].first != sides[i - 1].first) continue;
-        const Index a = sides[i - 1].second, b = sides[i].second;
-        if (other[a] >= 0 || ends(a) == ends(b))
-            throw ShapeError("mesh", "two triangles lie on the same side of one edge");
-        other[a] = b, other[b] = a;
+    const Index n_sides = 3 * mesh.n_triangles();
+    const Grouped<Index> at_lower_end(mesh.vertices.size(), [&](const auto& visit) {
+        for (Index side = 0; side < n_sides; ++side) visit(std::ranges::min(ends(side)), side);
+    });
+    std::vector<Index> other(n_sides, -1);  // the side of the neighbour
+    for (Index v = 0; v < mesh.n_vertices(); ++v) {
+        const std::span<const Index> sides = at_lower_end[v];
+        for (std::size_t i = 1; i < sides.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j) {
+                const Index a = sides[j], b = sides[i];
+                if (std::ranges::max(ends(a)) != std::ranges::max(ends(b))) continue;
+                if (other[a] >= 0 || ends(a) == ends(b))
+                    throw ShapeError("mesh", "two triangles lie on the same side of one edge");
+                other[a] = b, other[b] = a;
+            }
     }
+    mesh.interior_edges.reserve((n_sides - std::ranges::count(other, -1)) / 2);
     for (Index side = 0; side < std::ssize(other); ++side) {
         const Index t = side / 3, neighbour = other[side] / 3;
         if (other[side] < 0) mesh.boundary_edges.push_back({t, side % 3, 0});
@@ -49,6 +55,7 @@ CurveOrder order_along_curve(Mesh& mesh) {
     const Box box = bounding_box(mesh.vertices);
     const double scale = 65535.0 / box.extent().maxCoeff();
     std::vector<std::pair<std::uint32_t, Index>> keys;
+    keys.reserve(mesh.triangles.size());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Vec2 cell = (mesh.centroid(t) - box.low) * scale;
         keys.emplace_back(hilbert_index(static_cast<std::uint32_t>(cell.x()), static_cast<std::uint32_t>(cell.y())), t);
@@ -57,6 +64,9 @@ CurveOrder order_along_curve(Mesh& mesh) {
 
     Mesh ordered;
     CurveOrder order{std::vector<Index>(mesh.vertices.size(), -1), {}};
+    ordered.vertices.reserve(mesh.vertices.size());
+    ordered.triangles.reserve(keys.size()), ordered.region.reserve(mesh.region.size());
+    order.triangle.reserve(keys.size());
     for (const auto& [key, t] : keys) {
         order.triangle.push_back(t);
         std::array<Index, 3> corners = mesh.triangles[t];

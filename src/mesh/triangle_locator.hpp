@@ -2,8 +2,6 @@
 // Finds the triangle of a mesh in which a point lies, among some of them.
 #include "mesh/constrained_delaunay.hpp"
 
-#include <unordered_map>
-
 namespace knap {
 
 /// A place in a triangle of a mesh.
@@ -21,9 +19,9 @@ public:
 
 private:
     const Mesh& mesh_;
-    delaunay::Triangulation triangulation_;             // all sides of the triangles are constraints
-    mutable delaunay::Face last_;                       // where the last point was: the next one is often near
-    std::unordered_map<std::uint64_t, Index> left_of_;  // the triangle by a directed side
+    delaunay::Triangulation triangulation_;  // all sides of the triangles are constraints
+    mutable delaunay::Face last_;            // where the last point was: the next one is often near
+    Grouped<Index> stars_;                   // these triangles around every vertex of the mesh
 };
 
 }  // namespace knap

@@ -3,7 +3,6 @@
 #include "base/random.hpp"
 
 #include <algorithm>
-#include <numeric>
 
 namespace knap {
 namespace {
@@ -24,6 +23,8 @@ void add_interface(Index a, Index b, Index side, Index law, Index joint_law, boo
 
 void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
     const Mesh& mesh = model.mesh;
+    model.interfaces.reserve(mesh.interior_edges.size() + mesh.boundary_edges.size() -
+                             std::ranges::count(support_of_edge, no_index));
     for (const InteriorEdge& edge : mesh.interior_edges) {
         const auto [a, b] = edge.triangle;
         const Index law = law_of_edge(input, mesh, edge);
@@ -56,11 +57,14 @@ public:
         model_.fans.clear(), model_.fan_corners.clear(), model_.fan_points.clear();
         model_.fan_of_corner.assign(mesh_.n_corners(), no_index);
         model_.fan_point_of.assign(model_.n_points(), no_index);
-        std::vector<Index> half_edges(3 * mesh_.n_triangles());
-        std::iota(half_edges.begin(), half_edges.end(), 0);
-        std::ranges::stable_sort(half_edges, {}, [&](Index h) { return vertex(h); });
-        for (const Index h : half_edges)
-            if (model_.fan_of_corner[corner(h)] == no_index) add_fan_of_vertex(h);
+        model_.fans.reserve(mesh_.vertices.size());  // of order 1: some vertices have several fans, but few
+        model_.fan_corners.reserve(mesh_.n_corners()), model_.fan_points.reserve(model_.n_points());
+        const Grouped<Index> half_edges(mesh_.vertices.size(), [&](const auto& visit) {
+            for (Index h = 0; h < 3 * mesh_.n_triangles(); ++h) visit(vertex(h), h);
+        });
+        for (std::size_t v = 0; v < half_edges.n_groups(); ++v)
+            for (const Index h : half_edges[v])
+                if (model_.fan_of_corner[corner(h)] == no_index) add_fan_of_vertex(h);
         if (mesh_.order == 1) return;
         for (Index h = 0; h < 3 * mesh_.n_triangles(); ++h)
             if (model_.fan_of_corner[middle(h)] == no_index) add_fan_of_middle(h);

@@ -221,8 +221,9 @@ std::vector<Vec2> given_velocities(const std::vector<InitialVelocity>& given, co
 /// step would otherwise join them with a loss of energy that no term of the balance covers. On the support they are at
 /// rest.
 void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& model) {
-    const std::vector<Vec2> of_corner = given_velocities(given, model);
     model.initial_velocity.assign(model.mesh.n_corners(), Vec2::Zero());
+    if (given.empty()) return;
+    const std::vector<Vec2> of_corner = given_velocities(given, model);
     struct Sum {  // over the corners of a part
         Vec2 momentum = Vec2::Zero();
         double mass = 0;
@@ -294,6 +295,7 @@ Model make_model(ModelInput input) {
                 .thickness = input.thickness,
                 .materials = input.materials,
                 .laws = input.laws};
+    model.corner_mass.reserve(model.mesh.n_corners());
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
         model.corner_mass.push_back(corner_share(model.mesh.order, model.mesh.place_in_triangle(c),
                                                  model.triangle_mass(model.mesh.triangle_of(c))));

@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
-#include <unordered_map>
 
 namespace knap {
 namespace {
@@ -37,14 +36,16 @@ Renumbering renumbering(const Model& before, const Model& after, const RefinedMe
                         .triangle_before = refined.triangle_before};
     for (Index v = 0; v < after.mesh.n_vertices(); ++v)
         if (refined.origin[v].vertex >= 0) numbers.vertex[refined.origin[v].vertex] = v;
-    std::unordered_map<std::uint64_t, Index> of_edge;
-    of_edge.reserve(after.interfaces.size());
-    for (std::size_t i = 0; i < after.interfaces.size(); ++i)
-        of_edge[edge_key(after.interfaces[i].vertex)] = static_cast<Index>(i);
+    const Grouped<Index> at_lower_end(after.mesh.vertices.size(), [&](const auto& visit) {
+        for (std::size_t i = 0; i < after.interfaces.size(); ++i)
+            visit(std::ranges::min(after.interfaces[i].vertex), static_cast<Index>(i));
+    });
     for (std::size_t i = 0; i < before.interfaces.size(); ++i) {
         const auto& [a, b] = before.interfaces[i].vertex;
-        const auto found = of_edge.find(edge_key({numbers.vertex[a], numbers.vertex[b]}));
-        if (found != of_edge.end()) numbers.interface[i] = found->second;
+        const auto [low, high] = std::minmax({numbers.vertex[a], numbers.vertex[b]});
+        if (low < 0) continue;
+        for (const Index now : at_lower_end[low])
+            if (std::ranges::max(after.interfaces[now].vertex) == high) numbers.interface[i] = now;
     }
     return numbers;
 }
@@ -121,6 +122,7 @@ std::vector<double> requested_sizes(const Model& model, const State& state, cons
         for (const Index v : mesh.triangles[triangle]) distance[v] = 0;
     };
     std::vector<Eigen::Vector3d> stresses;  // [Pa] per triangle
+    stresses.reserve(mesh.triangles.size());
     for (Index t = 0; t < mesh.n_triangles(); ++t) stresses.push_back(stress(model, state, t));
     std::vector<Index> law(mesh.n_triangles(), -1);  // of the weakest interface that may get any direction
     for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
@@ -184,8 +186,8 @@ std::vector<std::uint8_t> coarse_fans(const Model& model, double size) {
     return coarse;
 }
 
-std::optional<AdaptedModel> adapt(const Model& model, const State& state, const AdaptOptions& options,
-                                  const std::vector<double>& requested, ModelInput input, std::uint64_t seed) {
+std::optional<RefinedMesh> refined_mesh(const Model& model, const State& state, const AdaptOptions& options,
+                                        const std::vector<double>& requested, std::uint64_t seed) {
     const std::vector<std::uint8_t> frozen = frozen_triangles(model, state);
     const auto is_stable = [&](const Mesh& mesh, Index t) {
         const Mesh one{.vertices = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)},
@@ -193,15 +195,17 @@ std::optional<AdaptedModel> adapt(const Model& model, const State& state, const 
                        .region = {mesh.region[t]}};
         return stable_steps(one, model.materials, model.plane).front() >= options.smallest_step;
     };
-    std::optional<RefinedMesh> fine =
-        refined(model.mesh, {.size = requested, .frozen = frozen, .allowed = is_stable, .seed = seed});
-    if (!fine) return std::nullopt;
-    input.mesh = std::move(fine->mesh);
+    return refined(model.mesh, {.size = requested, .frozen = frozen, .allowed = is_stable, .seed = seed});
+}
+
+AdaptedModel adapt(const Model& model, const State& state, const AdaptOptions& options, RefinedMesh refined,
+                   ModelInput input) {
+    input.mesh = std::move(refined.mesh);
     AdaptedModel next{.model = make_model(std::move(input))};
     next.model.too_coarse = coarse_fans(next.model, options.size);
-    next.numbers = renumbering(model, next.model, *fine);
-    next.state = carried_over(model, state, next.model, *fine);
-    restore_momentum_and_energy(model, state, next.model, *fine, next.state);
+    next.numbers = renumbering(model, next.model, refined);
+    next.state = carried_over(model, state, next.model, refined);
+    restore_momentum_and_energy(model, state, next.model, refined, next.state);
     next.energies = energies_of(next.model, next.state);
     next.angular_momentum_change = angular_momentum(next.model, next.state) - angular_momentum(model, state);
     return next;

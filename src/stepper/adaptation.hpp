@@ -75,8 +75,12 @@ struct AdaptationCounts {
     void serialize(auto& archive) { archive(batches, largest_batch, angular_momentum, cpu); }
 };
 
-/// Nothing where no triangle is too large. `input`: of the model, without its mesh. `seed`: of this batch.
-std::optional<AdaptedModel> adapt(const Model& model, const State& state, const AdaptOptions& options,
-                                  const std::vector<double>& requested, ModelInput input, std::uint64_t seed);
+/// Nothing where no triangle is too large. `seed`: of this batch.
+std::optional<RefinedMesh> refined_mesh(const Model& model, const State& state, const AdaptOptions& options,
+                                        const std::vector<double>& requested, std::uint64_t seed);
+
+/// Model and state on that mesh. `input`: of the model, without its mesh.
+AdaptedModel adapt(const Model& model, const State& state, const AdaptOptions& options, RefinedMesh refined,
+                   ModelInput input);
 
 }  // namespace knap

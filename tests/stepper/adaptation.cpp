@@ -65,6 +65,13 @@ State state_of(const Model& model, double h, const auto& u, const auto& v) {
     return state;
 }
 
+std::optional<AdaptedModel> adapted(const Model& model, const State& state, const std::vector<double>& requested,
+                                    const ModelInput& input, std::uint64_t seed) {
+    std::optional<RefinedMesh> mesh = refined_mesh(model, state, options(model), requested, seed);
+    if (!mesh) return std::nullopt;
+    return adapt(model, state, options(model), std::move(*mesh), input);
+}
+
 Vec2 momentum_of(const Model& model, const State& state) {
     Vec2 sum = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
@@ -80,7 +87,7 @@ TEST_CASE("adaptation: uniform strain and uniform motion go through a refinement
     const auto v = [](const Vec2&) -> Vec2 { return {3, -2}; };
     const double h = 1e-8;
     const State state = state_of(model, h, u, v);
-    const auto next = adapt(model, state, options(model), requested_at(model.mesh, {0.015, 0.01}), plate(), 1);
+    const auto next = adapted(model, state, requested_at(model.mesh, {0.015, 0.01}), plate(), 1);
     REQUIRE(next);
     CHECK(next->model.mesh.n_triangles() > 3 * model.mesh.n_triangles());
     for (std::size_t f = 0; f < next->model.fans.size(); ++f) {
@@ -103,7 +110,7 @@ TEST_CASE("adaptation: a rigid rotation stays one") {
     const auto u = [](const Vec2&) -> Vec2 { return Vec2::Zero(); };
     const auto v = [](const Vec2& x) -> Vec2 { return 40 * turned_left(x - Vec2(0.015, 0.01)); };
     const State state = state_of(model, 1e-8, u, v);
-    const auto next = adapt(model, state, options(model), requested_at(model.mesh, {0.012, 0.011}), plate(), 1);
+    const auto next = adapted(model, state, requested_at(model.mesh, {0.012, 0.011}), plate(), 1);
     REQUIRE(next);
     for (std::size_t f = 0; f < next->model.fans.size(); ++f)
         CHECK((next->state.velocity[f] - v(next->model.mesh.vertices[next->model.fans[f].vertex])).norm() <= 1e-12);
@@ -126,7 +133,7 @@ TEST_CASE("adaptation: a load on an edge that is divided stays and so do materia
     const Model model = make_model(input);
     const auto zero = [](const Vec2&) -> Vec2 { return Vec2::Zero(); };
     const State state = state_of(model, 1e-8, zero, zero);
-    const auto next = adapt(model, state, options(model), requested_at(model.mesh, {0.015, 0.02}), input, 1);
+    const auto next = adapted(model, state, requested_at(model.mesh, {0.015, 0.02}), input, 1);
     REQUIRE(next);
     REQUIRE(next->model.corner_loads.size() > model.corner_loads.size());
     const auto force = [](const Model& m) {
@@ -157,7 +164,7 @@ TEST_CASE("adaptation: momentum stays and the energy does not grow for any field
         const auto v = [&](const Vec2& x) -> Vec2 { return 5 * std::cos(k.dot(x) + phase) * along; };
         const State state = state_of(model, 1e-8, u, v);
         const Vec2 centre(random.uniform(0, 0.03), random.uniform(0, 0.02));
-        const auto next = adapt(model, state, options(model), requested_at(model.mesh, centre), plate(), 7);
+        const auto next = adapted(model, state, requested_at(model.mesh, centre), plate(), 7);
         REQUIRE(next);
         const Vec2 defect = momentum_of(next->model, next->state) - momentum_of(model, state);
         CHECK(defect.norm() <= 1e-14 * 5 * 2500 * 0.03 * 0.02);
@@ -180,7 +187,7 @@ TEST_CASE("adaptation: waves of a few edges keep their energy") {
             const auto v = [&](const Vec2& x) -> Vec2 { return {3 * std::sin(k * x.y()), 5 * std::cos(k * x.x())}; };
             const State state = state_of(model, 1e-8, u, v);
             const std::vector<double> everywhere(model.mesh.vertices.size(), fine);
-            const auto next = adapt(model, state, options(model), everywhere, plate(), seed);
+            const auto next = adapted(model, state, everywhere, plate(), seed);
             REQUIRE(next);
             const LeapfrogEnergies before = leapfrog_energies(model, state);
             const double all = before.kinetic + before.strain, now = next->energies.kinetic + next->energies.strain;
@@ -264,12 +271,12 @@ TEST_CASE("adaptation: a fragment that is entirely frozen keeps its triangles") 
     State state = state_of(model, 1e-8, zero, zero);
     for (Index f = 0; f < std::ssize(model.fans); ++f) split(model, f, state);
     const std::vector<double> all_fine(model.mesh.vertices.size(), fine);
-    CHECK_FALSE(adapt(model, state, options(model), all_fine, plate(), 1));
+    CHECK_FALSE(adapted(model, state, all_fine, plate(), 1));
     // beside it the rest of the body is refined
     State half = state_of(model, 1e-8, zero, zero);
     for (Index f = 0; f < std::ssize(model.fans); ++f)
         if (model.mesh.vertices[model.fans[f].vertex].x() < 0.015) split(model, f, half);
-    const auto next = adapt(model, half, options(model), all_fine, plate(), 1);
+    const auto next = adapted(model, half, all_fine, plate(), 1);
     REQUIRE(next);
     std::size_t n_kept = 0, n_frozen = 0;
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
@@ -319,7 +326,7 @@ TEST_CASE("E33 the balance closes over a hundred refinements of a shaken body") 
         std::vector<double> requested;
         for (const Vec2& x : model.mesh.vertices)
             requested.push_back(std::min(coarse, fine + 0.3 * std::max(0.0, (x - centre).norm() - 3 * fine)));
-        auto next = adapt(model, now, options(model), requested, plate(), static_cast<std::uint64_t>(look) + 1);
+        auto next = adapted(model, now, requested, plate(), static_cast<std::uint64_t>(look) + 1);
         if (!next) continue;
         ++n_batches;
         const double before = ledger.row().adaptation;

@@ -2,7 +2,6 @@
 
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
-#include "base/stopwatch.hpp"
 #include "stepper/moreau_jean.hpp"
 
 #include <algorithm>
@@ -71,15 +70,16 @@ bool loads_need_all_of_it(const Scenario& scenario, double area) {
 
 double n_triangles_of(double area, double size) { return 2.36 * area / (size * size); }
 
-/// The stress exceeds 0.3 of the strength within some 5 cohesive lengths of a moving tip (measured), elsewhere within
-/// r ~ K^2: the width of the strip that a crack leaves is 10 l (0.3/load)^2, the margins, and the graded borders. Along
-/// a line that alone may break only its own triangles are marked.
+/// The stress exceeds 0.3 of the strength within some 5 lengths l = E' G_c/sigma_c^2 of a moving tip that dissipates
+/// G_c (measured), in general within r ~ K^2 ~ G, and cracks along random edges dissipate up to 1.4 G_c: the width of
+/// the strip that they leave is 14 l (0.3/load)^2, the margins, and the graded borders. Along a line that alone may
+/// break only its own triangles are marked.
 AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh) {
     const AdaptOptions& adapt = scenario.adapt;
     double cohesive_length = 0;
     for (const Resolution& r : judge_resolution(scenario, mesh))
         if (r.anywhere) cohesive_length = std::max(cohesive_length, r.cohesive_length);
-    const double width = 10 * cohesive_length * 0.09 / (adapt.load * adapt.load) + 2 * adapt.margin * adapt.size +
+    const double width = 14 * cohesive_length * 0.09 / (adapt.load * adapt.load) + 2 * adapt.margin * adapt.size +
                          2 * adapt.size / adapt.grading;
     const FutureMesh uniform = future_mesh(mesh, std::vector<double>(mesh.vertices.size(), adapt.size), adapt.size);
     const double across = bounding_box(mesh.vertices).extent().maxCoeff();
@@ -87,7 +87,10 @@ AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh) {
     for (const Crack& crack : scenario.bodies.front().shape.cracks)
         if (crack.joint < 0) expected.crack += across - bounding_box(crack.points).extent().maxCoeff();
     if (expected.crack <= 0) expected.crack = across;
-    expected.at_end = mesh.n_triangles() + n_triangles_of(std::min(uniform.area, width * expected.crack), adapt.size);
+    const auto after = [&](double advance) {
+        return mesh.n_triangles() + n_triangles_of(std::min(uniform.area, width * advance), adapt.size);
+    };
+    expected.at_end = after(expected.crack), expected.at_most = after(1.5 * expected.crack);
     expected.gain = 2 * expected.uniform / (mesh.n_triangles() + expected.at_end);
     return expected;
 }
@@ -161,8 +164,7 @@ void Adaptation::after_step(Model& model) {
     allowed_.clear();
 }
 
-std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, const std::optional<Vec2>& also) {
-    const Stopwatch watch;
+std::optional<RefinedMesh> Adaptation::look(Model& model, const State& now, const std::optional<Vec2>& also) {
     const Mesh& mesh = model.mesh;
     if (!also) next_look_ = now.n_steps + static_cast<std::int64_t>(options_.every);
     std::vector<double> requested = requested_sizes(model, now, options_, also);
@@ -177,7 +179,7 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
             "%.3g triangles; a uniform mesh (mesh.size = %.3g m, no [adapt]) is faster\n",
             now.time, n, options_.size);
     }
-    std::optional<AdaptedModel> refined;
+    std::optional<RefinedMesh> refined;
     if (n > options_.limit) {
         mesh_state_ = MeshState::stays;
         warning_ = formatted(
@@ -187,18 +189,21 @@ std::optional<AdaptedModel> Adaptation::look(Model& model, const State& now, con
             now.time, n, options_.limit);
         guard(model);
     } else {
-        refined = adapt(model, now, options_, requested, input_, static_cast<std::uint64_t>(counts_.batches) + 1);
+        refined = refined_mesh(model, now, options_, requested, static_cast<std::uint64_t>(counts_.batches) + 1);
     }
-    if (refined) {
-        ++counts_.batches;
-        counts_.largest_batch = std::max<std::int64_t>(counts_.largest_batch,
-                                                       std::ranges::count(refined->numbers.triangle_before, Index(-1)));
-        counts_.angular_momentum += refined->angular_momentum_change;
-        mesh_ = refined->model.mesh;
-    }
-    Model& present = refined ? refined->model : model;
-    if (also) allow(*also, refined ? refined->state : now, present);
-    counts_.cpu += watch.cpu();
+    if (also && !refined) allow(*also, now, model);
+    return refined;
+}
+
+AdaptedModel Adaptation::refine(const Model& model, const State& now, RefinedMesh mesh,
+                                const std::optional<Vec2>& also) {
+    ++counts_.batches;
+    counts_.largest_batch =
+        std::max<std::int64_t>(counts_.largest_batch, std::ranges::count(mesh.triangle_before, Index(-1)));
+    AdaptedModel refined = adapt(model, now, options_, std::move(mesh), input_);
+    counts_.angular_momentum += refined.angular_momentum_change;
+    mesh_ = refined.model.mesh;
+    if (also) allow(*also, refined.state, refined.model);
     return refined;
 }
 

@@ -20,12 +20,16 @@ public:
         return options_.active() && mesh_state_ == MeshState::follows && now.n_steps >= next_look_;
     }
     /// Looks at the mesh, and refines it where it is too coarse; `also` [m]: a vertex that a step would have split.
-    /// Where nothing can be refined there, the model allows it to split.
-    std::optional<AdaptedModel> look(Model& model, const State& now, const std::optional<Vec2>& also = {});
+    /// Without a refined mesh, the model allows it to split.
+    std::optional<RefinedMesh> look(Model& model, const State& now, const std::optional<Vec2>& also = {});
+    /// The model on that mesh, which also allows `also` to split if it is still coarse.
+    AdaptedModel refine(const Model& model, const State& now, RefinedMesh mesh, const std::optional<Vec2>& also = {});
     void after_step(Model& model);
     /// The model after all refinements so far, from that at the start of the run.
     void repeat(Model& model) const;
 
+    /// [s] Processor time of a look and what followed from it.
+    void took(double cpu) { counts_.cpu += cpu; }
     /// The count of steps is set back by `steps`.
     void set_back(std::int64_t steps) { next_look_ -= steps; }
 
@@ -61,10 +65,12 @@ private:
 /// longer side. `gain` was within a factor of 2 of that of the run in five scenarios (scenarios/BENCHMARKS.md); it
 /// knows no loads.
 struct AdaptationForecast {
-    double area = 0;                 // [m2]
-    double crack = 0;                // [m] advance of all cracks
-    double at_end = 0, uniform = 0;  // triangles; of a uniform mesh of adapt.size
-    double gain = 1;                 // [-] triangle-steps of the uniform mesh over those of the run
+    double area = 0;     // [m2]
+    double crack = 0;    // [m] advance of all cracks
+    double at_end = 0;   // triangles, where no crack branches
+    double at_most = 0;  // triangles, where every crack branches in the middle of its way
+    double uniform = 0;  // triangles of a uniform mesh of adapt.size
+    double gain = 1;     // [-] triangle-steps of the uniform mesh over those of the run, with `at_end`
 };
 AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh);
 

@@ -124,9 +124,10 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     MoreauJean stepper(model, scenario.time.scheme);
     cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
     cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
-    double growth = 1;  // of the number of triangles, at the end
+    double growth = 1, largest_growth = 1;  // of the number of triangles, at the end
     if (scenario.adapt.active()) {
-        growth = forecast(scenario, model.mesh).at_end / triangles;
+        const AdaptationForecast expected = forecast(scenario, model.mesh);
+        growth = expected.at_end / triangles, largest_growth = expected.at_most / triangles;
         cost.mean_over_first *= 0.5 * (1 + growth) * of_rebuilds;
     }
     cost.steps = cost.n_steps * cost.first_step * cost.mean_over_first;
@@ -142,9 +143,10 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     const double n_lines = std::min(std::ceil(scenario.time.end / scenario.output.history_every), largest);
     cost.lines = slowness * n_lines * (of_line + of_line_interface * static_cast<double>(model.interfaces.size()));
 
-    // a refinement holds the model before and after it: 2.4 to 2.9 kB a triangle in ten runs of glass_true_strength
-    const double of_triangle = (implicit ? 2e-3 : 0) + (scenario.adapt.active() ? 2.7e-3 : 2.2e-3);
-    cost.memory = 75 + of_triangle * growth * drawn;
+    // refinements hold the model before and after them, but nothing else: 1.8 to 2.2 kB a triangle of the last one
+    const double of_triangle = implicit ? 4.2e-3 : 2.2e-3;
+    cost.memory = 75 + of_triangle * largest_growth * drawn;
+    cost.least_memory = 75 + of_triangle * growth * drawn;
     cost.disk = cost.n_frames * (6e-3 + 85e-6 * 0.5 * (1 + growth) * drawn);
     return cost;
 }

@@ -19,7 +19,8 @@ struct Cost {
     double mean_over_first = 1;
     double n_steps = 0;
     double n_frames = 0;
-    double memory = 0, disk = 0;  // [MB]
+    double memory = 0, disk = 0;  // [MB] at most
+    double least_memory = 0;      // [MB] with [adapt], where no crack branches
     double total() const { return model + steps + frames + figures + lines; }
 };
 

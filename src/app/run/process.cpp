@@ -81,4 +81,10 @@ void keep_freed_memory() {
 #endif
 }
 
+void return_freed_memory() {
+#ifdef __GLIBC__
+    if (mallinfo2().fordblks > std::size_t(1) << 27) malloc_trim(0);
+#endif
+}
+
 }  // namespace knap

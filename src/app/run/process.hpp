@@ -33,5 +33,7 @@ bool is_ignored(int signal);
 /// Frames and figures allocate and free the same memory some thirty times in a run. Memory returned to the system in
 /// between comes back zeroed, page by page, which took a third of the time of a frame.
 void keep_freed_memory();
+/// Returns it to the system where it is more than 128 MB.
+void return_freed_memory();
 
 }  // namespace knap

@@ -230,11 +230,16 @@ void Run::excavate() {
 
 /// A look at the mesh, which is refined where that is due, or where a step would break it at a coarse place.
 void Run::adapt(const std::optional<Vec2>& also) {
-    auto refined = adaptation_.look(setup_.model, now_, also);
+    const Stopwatch watch;
+    if (std::optional<RefinedMesh> mesh = adaptation_.look(setup_.model, now_, also))
+        replace_model([&] {
+            next_ = {}, return_freed_memory();  // two models need memory
+            AdaptedModel refined = adaptation_.refine(setup_.model, now_, std::move(*mesh), also);
+            setup_.model = std::move(refined.model), now_ = std::move(refined.state);
+            recorder_.after_adaptation(now_, refined.numbers, refined.energies);
+        });
+    adaptation_.took(watch.cpu());
     report(adaptation_.take_warning());
-    if (!refined) return;
-    replace_model([&] { setup_.model = std::move(refined->model), now_ = std::move(refined->state); });
-    recorder_.after_adaptation(now_, refined->numbers, refined->energies);
 }
 
 /// One attempt of a step: the state advances, or stays where the step is cut back. Throws SimulationError where the run

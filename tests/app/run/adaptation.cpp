@@ -121,7 +121,7 @@ TEST_CASE("adaptation: a crack runs through the plate in triangles that are smal
 TEST_CASE("adaptation: a crack that runs into a coarse crack says that its triangles stay large") {
     const Folder folder("adaptation coarse crack");
     // the second crack is fine at its ends only, and triangles beside its faces may not change
-    write_scene(folder, scene("load = 0.5\n",
+    write_scene(folder, scene(near_the_crack,
                               "[[domain.crack]]\npoints = [[\"16 mm\", \"1.5 mm\"], [\"16 mm\", \"10.5 mm\"]]\n"));
     const Answer answer = run_scene(folder, "-j 1 -s 'adapt.size=0.15 mm' -o " + folder.in_shell("run"));
     REQUIRE(answer.code == 0);
@@ -230,6 +230,28 @@ TEST_CASE("adaptation: where the forecast finds no gain the mesh is uniform from
     CHECK(command("check " + folder.in_shell("scene.toml")).has(reason));
 }
 
+TEST_CASE("adaptation: the forecast of triangles covers what runs needed") {
+    struct Needed {
+        const char* scenario;
+        double triangles;  // at the end: means over ten seeds, and one run
+    };
+    for (const auto& [scenario, triangles] : {Needed{"glass_true_strength", 499e3},
+                                              {"edge_cracked_block_strong", 67.9e3},
+                                              {"kalthoff_true_strength", 285e3}}) {
+        CAPTURE(scenario);
+        const Answer answer = command(std::string("check ") + scenario);
+        const std::size_t at = answer.text.find("adapt: about ");
+        REQUIRE(at != std::string::npos);
+        double straight = 0, length = 0, branched = 0;
+        REQUIRE(std::sscanf(answer.text.c_str() + at,
+                            "adapt: about %lf triangles after straight cracks of %lf m, %lf if they branch", &straight,
+                            &length, &branched) == 3);
+        CHECK(straight < 1.05 * triangles);
+        CHECK(branched > triangles);
+        CHECK(branched < 1.6 * straight);
+    }
+}
+
 TEST_CASE("adaptation: where loads soon need most of the body the mesh is uniform from the start") {
     const Folder folder("adaptation loads");
     std::string loaded = scene("");
@@ -283,6 +305,10 @@ TEST_CASE("adaptation: what it does not go together with") {
             "exclusive-keys", "does not go together with [[obstacle]]");
     refused(scene("", "[[excavation]]\nat = \"4 us\"\nbox = [0.02, 0.001, 0.025, 0.003]\n"), "exclusive-keys",
             "does not go together with [[excavation]]");
+    refused(scene("", "[[grains]]\nsize = \"6 mm\"\n"), "exclusive-keys", "grains and maps of materials");
+    refused(
+        scene("", "[specimen]\ntest = \"tension\"\nforce = \"load1\"\naxis = \"y\"\naxial = [\"bottom\", \"top\"]\n"),
+        "exclusive-keys", "does not go together with [specimen]");
     refused(scene("", "[[probe]]\nname = \"edge\"\nat = [0.02, 0.006]\nwatch = \"interface\"\n"), "exclusive-keys",
             "a probe of an interface");
     refused(scene("load = 1.5\n"), "out-of-range", "adapt.load");
