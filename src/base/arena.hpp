@@ -1,18 +1,28 @@
 #pragma once
 // Memory for many lists of which some grow now and then, like the fronts of a factor around a running crack. The block
 // that a list outgrows serves the next list of that size; new memory comes from the system in pieces of growing size.
-// So the number of allocations grows with the logarithm of the memory, and no list is moved for another one.
+// So the number of allocations grows with the logarithm of the memory, and no list is moved for another one. Several
+// threads may use it at once.
 #include <algorithm>
 #include <memory_resource>
+#include <mutex>
 #include <span>
 
 namespace knap {
 
 class Arena {
 public:
-    std::pmr::memory_resource& blocks() { return blocks_; }
+    void* allocate(std::size_t bytes) {
+        const std::scoped_lock lock(busy_);
+        return blocks_.allocate(bytes);
+    }
+    void deallocate(void* first, std::size_t bytes) {
+        const std::scoped_lock lock(busy_);
+        blocks_.deallocate(first, bytes);
+    }
 
 private:
+    std::mutex busy_;
     std::pmr::monotonic_buffer_resource pieces_{1 << 16};
     std::pmr::unsynchronized_pool_resource blocks_{&pieces_};
 };
@@ -24,9 +34,9 @@ public:
     /// The values are undefined afterwards. Memory is not given back.
     void resize(Arena& arena, std::size_t n) {
         if (n > capacity_) {
-            if (first_) arena.blocks().deallocate(first_, capacity_ * sizeof(T));
+            if (first_) arena.deallocate(first_, capacity_ * sizeof(T));
             capacity_ = std::max(n, capacity_ + capacity_ / 4);
-            first_ = static_cast<T*>(arena.blocks().allocate(capacity_ * sizeof(T)));
+            first_ = static_cast<T*>(arena.allocate(capacity_ * sizeof(T)));
         }
         n_ = n;
     }

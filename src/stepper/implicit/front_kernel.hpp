@@ -11,8 +11,18 @@ namespace knap {
 /// (size - n) x (size - n), both column by column; of both the lower half counts. The kernel also reads, and does not
 /// use, what lies up to `front_padding` numbers behind either.
 struct FrontKernel {
-    /// Replaces the matrix by L and the Schur complement; false: not positive definite.
-    bool (*eliminate)(double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n);
+    /// Replaces columns `begin` to before `end` by those of L, in the rows from the diagonal to before `end_of_rows`,
+    /// where the columns before them are complete up to there. False: not positive definite.
+    bool (*eliminate)(double* L, std::ptrdiff_t size, std::ptrdiff_t begin, std::ptrdiff_t end,
+                      std::ptrdiff_t end_of_rows);
+    /// The same columns in further rows. The entries do not depend on how rows and columns are divided. Several threads
+    /// may each do a multiple of eight rows.
+    void (*eliminate_further_rows)(double* L, std::ptrdiff_t size, std::ptrdiff_t begin, std::ptrdiff_t end,
+                                   std::ptrdiff_t first_row, std::ptrdiff_t end_of_rows);
+    /// Columns `begin` to before `end` of the Schur complement, which becomes that of the whole L. Several threads may
+    /// each do a multiple of eight columns.
+    void (*update_schur)(const double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n, std::ptrdiff_t begin,
+                         std::ptrdiff_t end);
     /// x of the eliminated unknowns <- A^-1 x in two parts: L^-1 x, which changes the others, too, and L^-T x.
     void (*substitute)(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, double* x);
     void (*substitute_back)(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, double* x);

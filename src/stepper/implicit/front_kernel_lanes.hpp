@@ -86,45 +86,69 @@ struct Tile {
     }
 };
 
-/// Columns j to j + width of L, from those before.
+/// The diagonal of `width` columns of L.
+template <int width>
+struct Pivot {
+    double entry[width][width] = {}, inverse[width] = {};  // column, row
+};
+
+/// Rows from `begin` to before `end` of columns j to j + width of L, from the columns before and their own pivot.
 template <int lanes, int width>
-bool eliminate_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t j) {
-    double diagonal[width][width] = {}, inverse[width] = {};  // column, row
-    for (std::ptrdiff_t i = j; i < size; i += n_rows) {
-        const std::ptrdiff_t n = size - i < n_rows ? size - i : n_rows;
+void eliminate_rows(double* L, std::ptrdiff_t size, std::ptrdiff_t j, const Pivot<width>& pivot, std::ptrdiff_t begin,
+                    std::ptrdiff_t end) {
+    for (std::ptrdiff_t i = begin; i < end; i += n_rows) {
         Tile<lanes, width> tile;
         tile.load(L + i + size * j, size);
         tile.subtract_product(L + i, L + j, size, j);
-        if (i == j) {
-            double first[width][n_rows];
-            tile.store(&first[0][0], n_rows, n_rows);
-            for (int c = 0; c < width; ++c) {
-                for (int b = 0; b < c; ++b)
-                    for (int r = c; r < width; ++r) first[c][r] -= first[b][r] * first[b][c];
-                if (!(first[c][c] > 0) || first[c][c] > largest) return false;
-                const double root = __builtin_sqrt(first[c][c]);
-                inverse[c] = 1 / root;
-                first[c][c] = root;
-                for (int r = c + 1; r < width; ++r) first[c][r] *= inverse[c];
-                for (int r = c; r < width; ++r) diagonal[c][r] = first[c][r];
-            }
-            for (int c = 0; c < width; ++c) {
-                for (int b = 0; b < c; ++b)
-                    for (int r = width; r < n_rows; ++r) first[c][r] -= first[b][r] * diagonal[b][c];
-                for (int r = width; r < n_rows; ++r) first[c][r] *= inverse[c];
-            }
-            tile.load(&first[0][0], n_rows);
-        } else {
 #pragma GCC unroll 4
-            for (int c = 0; c < width; ++c) {
+        for (int c = 0; c < width; ++c) {
 #pragma GCC unroll 4
-                for (int b = 0; b < c; ++b) tile.column[c].subtract(tile.column[b], diagonal[b][c]);
-                tile.column[c].scale(inverse[c]);
-            }
+            for (int b = 0; b < c; ++b) tile.column[c].subtract(tile.column[b], pivot.entry[b][c]);
+            tile.column[c].scale(pivot.inverse[c]);
         }
-        tile.store(L + i + size * j, size, n);
+        tile.store(L + i + size * j, size, end - i < n_rows ? end - i : n_rows);
     }
+}
+
+/// Columns j to j + width of L in the rows to before `end`, from the columns before.
+template <int lanes, int width>
+bool eliminate_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t j, std::ptrdiff_t end) {
+    Tile<lanes, width> tile;
+    tile.load(L + j + size * j, size);
+    tile.subtract_product(L + j, L + j, size, j);
+    double first[width][n_rows];
+    tile.store(&first[0][0], n_rows, n_rows);
+    Pivot<width> pivot;
+    for (int c = 0; c < width; ++c) {
+        for (int b = 0; b < c; ++b)
+            for (int r = c; r < width; ++r) first[c][r] -= first[b][r] * first[b][c];
+        if (!(first[c][c] > 0) || first[c][c] > largest) return false;
+        const double root = __builtin_sqrt(first[c][c]);
+        pivot.inverse[c] = 1 / root;
+        first[c][c] = root;
+        for (int r = c + 1; r < width; ++r) first[c][r] *= pivot.inverse[c];
+        for (int r = c; r < width; ++r) pivot.entry[c][r] = first[c][r];
+    }
+    for (int c = 0; c < width; ++c) {
+        for (int b = 0; b < c; ++b)
+            for (int r = width; r < n_rows; ++r) first[c][r] -= first[b][r] * pivot.entry[b][c];
+        for (int r = width; r < n_rows; ++r) first[c][r] *= pivot.inverse[c];
+    }
+    tile.load(&first[0][0], n_rows);
+    tile.store(L + j + size * j, size, end - j < n_rows ? end - j : n_rows);
+    eliminate_rows<lanes, width>(L, size, j, pivot, j + n_rows, end);
     return true;
+}
+
+/// The same columns in further rows.
+template <int lanes, int width>
+void continue_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t j, std::ptrdiff_t begin, std::ptrdiff_t end) {
+    Pivot<width> pivot;
+    for (int c = 0; c < width; ++c) {
+        for (int r = c; r < width; ++r) pivot.entry[c][r] = L[j + r + size * (j + c)];
+        pivot.inverse[c] = 1 / pivot.entry[c][c];
+    }
+    eliminate_rows<lanes, width>(L, size, j, pivot, begin, end);
 }
 
 /// Columns j to j + width of the Schur complement minus L_B L_B'.
@@ -141,18 +165,33 @@ void update_columns(const double* L, double* schur, std::ptrdiff_t size, std::pt
 }
 
 template <int lanes>
-bool eliminate(double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n) {
-    std::ptrdiff_t j = 0;
-    for (; j + n_columns <= n; j += n_columns)
-        if (!eliminate_columns<lanes, n_columns>(L, size, j)) return false;
-    for (; j + 2 <= n; j += 2)
-        if (!eliminate_columns<lanes, 2>(L, size, j)) return false;
-    for (; j < n; ++j)
-        if (!eliminate_columns<lanes, 1>(L, size, j)) return false;
-    for (j = 0; j + n_columns <= size - n; j += n_columns) update_columns<lanes, n_columns>(L, schur, size, n, j);
-    for (; j + 2 <= size - n; j += 2) update_columns<lanes, 2>(L, schur, size, n, j);
-    for (; j < size - n; ++j) update_columns<lanes, 1>(L, schur, size, n, j);
+bool eliminate(double* L, std::ptrdiff_t size, std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_t end_of_rows) {
+    std::ptrdiff_t j = begin;
+    for (; j + n_columns <= end; j += n_columns)
+        if (!eliminate_columns<lanes, n_columns>(L, size, j, end_of_rows)) return false;
+    for (; j + 2 <= end; j += 2)
+        if (!eliminate_columns<lanes, 2>(L, size, j, end_of_rows)) return false;
+    for (; j < end; ++j)
+        if (!eliminate_columns<lanes, 1>(L, size, j, end_of_rows)) return false;
     return true;
+}
+
+template <int lanes>
+void eliminate_further_rows(double* L, std::ptrdiff_t size, std::ptrdiff_t begin, std::ptrdiff_t end,
+                            std::ptrdiff_t first_row, std::ptrdiff_t end_of_rows) {
+    std::ptrdiff_t j = begin;
+    for (; j + n_columns <= end; j += n_columns) continue_columns<lanes, n_columns>(L, size, j, first_row, end_of_rows);
+    for (; j + 2 <= end; j += 2) continue_columns<lanes, 2>(L, size, j, first_row, end_of_rows);
+    for (; j < end; ++j) continue_columns<lanes, 1>(L, size, j, first_row, end_of_rows);
+}
+
+template <int lanes>
+void update_schur(const double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n, std::ptrdiff_t begin,
+                  std::ptrdiff_t end) {
+    std::ptrdiff_t j = begin;
+    for (; j + n_columns <= end; j += n_columns) update_columns<lanes, n_columns>(L, schur, size, n, j);
+    for (; j + 2 <= end; j += 2) update_columns<lanes, 2>(L, schur, size, n, j);
+    for (; j < end; ++j) update_columns<lanes, 1>(L, schur, size, n, j);
 }
 
 /// x <- L^-1 x for `width` unknowns from j on, and minus L_B times them below.
@@ -221,7 +260,8 @@ void substitute_back(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, dou
 
 template <int lanes>
 FrontKernel front_kernel_of() {
-    return {eliminate<lanes>, substitute<lanes>, substitute_back<lanes>};
+    return {eliminate<lanes>, eliminate_further_rows<lanes>, update_schur<lanes>, substitute<lanes>,
+            substitute_back<lanes>};
 }
 
 }  // namespace

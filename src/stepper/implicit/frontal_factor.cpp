@@ -1,6 +1,11 @@
 #include "stepper/implicit/frontal_factor.hpp"
 
+#include "base/parallel.hpp"
+#include "base/reserve_capacity.hpp"
+
 #include <algorithm>
+#include <atomic>
+#include <numeric>
 
 namespace knap {
 namespace {
@@ -13,114 +18,214 @@ FrontKernel fastest_kernel_of_fronts() {
     return baseline_front_kernel();
 }
 
+constexpr Index large_front = 128;           // unknowns: several threads share it
+constexpr std::size_t min_parts = 128;       // of a body for several threads
+constexpr std::size_t columns_at_once = 16;  // of a thread in a large front
+constexpr std::ptrdiff_t pivots_at_once = 32, rows_at_once = 32;
+
 }  // namespace
+
+FrontalFactor::Workspace::Workspace(std::size_t n_numbers) : place(n_numbers, -1), local(n_numbers) {
+    reserve_capacity(n_numbers, own, left, row, column);
+}
 
 FrontalFactor::FrontalFactor(const Dissection& dissection, std::size_t n_numbers)
     : kernel_(fastest_kernel_of_fronts()),
       dissection_(dissection),
       fronts_(dissection.parts.size()),
       stale_(fronts_.size(), true),
-      place_(n_numbers, -1),
-      local_(n_numbers) {
-    own_.reserve(n_numbers);
-    left_.reserve(n_numbers);
-    row_.reserve(n_numbers);
+      threads_(fronts_.size() < min_parts ? Threads::one : Threads::all),
+      level_(fronts_.size(), 0),
+      by_level_(fronts_.size()) {
+    Index n_levels = 1;
+    for (std::size_t part = fronts_.size(); part-- > 0;) {  // parents come later
+        if (const Index above = dissection.parts[part].parent; above >= 0) level_[part] = level_[above] + 1;
+        n_levels = std::max(n_levels, level_[part] + 1);
+    }
+    first_of_level_.resize(n_levels + 1);
+    stale_parts_.reserve(fronts_.size());
+    const int n_threads = threads_ == Threads::all ? omp_get_max_threads() : 1;
+    for (int i = 0; i < n_threads; ++i) workspaces_.emplace_back(n_numbers);
+}
+
+/// work(first, end) for blocks of [0, n).
+template <class Work>
+void FrontalFactor::divide(Threads threads, std::size_t n, std::size_t block, const Work& work) {
+    if (threads == Threads::one) return work(0, n);
+    for_blocks(static_cast<std::ptrdiff_t>((n + block - 1) / block),
+               [&](std::ptrdiff_t i) { work(i * block, std::min(n, (i + 1) * block)); });
+}
+
+FrontalFactor::Workspace& FrontalFactor::workspace() { return workspaces_[omp_get_thread_num()]; }
+
+void FrontalFactor::sort_by_level(std::span<const Index> parts) {
+    std::ranges::fill(first_of_level_, 0);
+    for (const Index part : parts) ++first_of_level_[level_[part] + 1];
+    std::partial_sum(first_of_level_.begin(), first_of_level_.end(), first_of_level_.begin());
+    for (const Index part : parts) by_level_[first_of_level_[level_[part]]++] = part;
+    std::rotate(first_of_level_.begin(), first_of_level_.end() - 1, first_of_level_.end());
+    first_of_level_[0] = 0;
+}
+
+std::span<const Index> FrontalFactor::parts_of_level(std::size_t level) const {
+    return std::span(by_level_).subspan(first_of_level_[level], first_of_level_[level + 1] - first_of_level_[level]);
+}
+
+/// Leaves are not.
+bool FrontalFactor::is_large(Index part) const {
+    return threads_ == Threads::all && !dissection_.parts[part].is_leaf() && fronts_[part].size() >= large_front;
 }
 
 bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of) {
+    stale_parts_.clear();
     for (Index part = 0; part < static_cast<Index>(fronts_.size()); ++part) {
         if (!stale_[part]) continue;
-        const Index above = dissection_.parts[part].parent;
-        if (above >= 0) stale_[above] = true;
-        elements_.clear();
-        if (dissection_.parts[part].is_leaf()) elements_of(part, elements_);
-        find_unknowns(part, eliminated_in);
-        assemble(part);
-        for (const Index u : fronts_[part].unknown.entries()) place_[u] = -1;
-        if (!eliminate(fronts_[part])) return false;  // this front and those above it stay stale
-        stale_[part] = false;
+        if (const Index above = dissection_.parts[part].parent; above >= 0) stale_[above] = true;
+        stale_parts_.push_back(part);
     }
-    return true;
+    sort_by_level(stale_parts_);
+    std::atomic<bool> positive = true;
+    const auto finish = [&](Index part, Threads threads, Workspace& work) {
+        assemble(part, threads, work);
+        for (const Index u : fronts_[part].unknown.entries()) work.place[u] = -1;
+        if (eliminate(fronts_[part], threads)) stale_[part] = false;
+        else positive = false;  // this front and those above it stay stale
+    };
+    for (std::size_t level = first_of_level_.size() - 1; level-- > 0 && positive;) {
+        const std::span<const Index> parts = parts_of_level(level);
+        divide(threads_, parts.size(), 1, [&](std::size_t first, std::size_t end) {
+            Workspace& work = workspace();
+            for (const Index part : parts.subspan(first, end - first)) {
+                work.elements.clear();
+                if (dissection_.parts[part].is_leaf()) elements_of(part, work.elements);
+                find_unknowns(part, eliminated_in, work);
+                if (is_large(part))
+                    for (const Index u : fronts_[part].unknown.entries()) work.place[u] = -1;
+                else finish(part, Threads::one, work);
+            }
+        });
+        Workspace& work = workspaces_[0];
+        work.elements.clear();
+        for (const Index part : parts) {
+            if (!is_large(part) || !positive) continue;
+            const std::span<const Index> unknown = fronts_[part].unknown.entries();
+            for (Index i = 0; i < fronts_[part].size(); ++i) work.place[unknown[i]] = i;
+            finish(part, Threads::all, work);
+        }
+    }
+    return positive;
 }
 
-void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in) {
-    own_.clear();
-    left_.clear();
+void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in, Workspace& work) {
+    work.own.clear();
+    work.left.clear();
     const auto add = [&](Index u) {
-        if (u < 0 || place_[u] >= 0) return;
-        place_[u] = 0;
-        (eliminated_in[u] == part ? own_ : left_).push_back(u);
+        if (u < 0 || work.place[u] >= 0) return;
+        work.place[u] = 0;
+        (eliminated_in[u] == part ? work.own : work.left).push_back(u);
     };
-    for (const Element& element : elements_) std::for_each_n(element.unknown.begin(), element.n_unknowns, add);
+    for (const Element& element : work.elements) std::for_each_n(element.unknown.begin(), element.n_unknowns, add);
     for (const Index child : dissection_.parts[part].child)
         if (child >= 0) std::ranges::for_each(fronts_[child].left(), add);
     Front& front = fronts_[part];
-    front.n_eliminated = static_cast<Index>(own_.size());
-    front.unknown.resize(arena_, own_.size() + left_.size());
+    front.n_eliminated = static_cast<Index>(work.own.size());
+    front.unknown.resize(arena_, work.own.size() + work.left.size());
     const std::span<Index> unknown = front.unknown.entries();
-    std::ranges::copy(left_, std::ranges::copy(own_, unknown.begin()).out);
-    for (Index i = 0; i < front.size(); ++i) place_[unknown[i]] = i;
+    std::ranges::copy(work.left, std::ranges::copy(work.own, unknown.begin()).out);
+    for (Index i = 0; i < front.size(); ++i) work.place[unknown[i]] = i;
 }
 
-void FrontalFactor::assemble(Index part) {
+void FrontalFactor::assemble(Index part, Threads threads, Workspace& work) {
     Front& front = fronts_[part];
-    const auto set_zero = [&](ArenaList<double>& matrix, std::size_t n_rows, std::size_t n_columns) {
-        matrix.resize(arena_, n_rows * n_columns + front_padding);
-        std::ranges::fill(matrix.entries(), 0.0);
-    };
-    set_zero(front.L, front.size(), front.n_eliminated);
-    set_zero(front.schur, front.n_left(), front.n_left());
-    for (const Element& element : elements_)
+    front.L.resize(arena_, front.size() * std::size_t(front.n_eliminated) + front_padding);
+    front.schur.resize(arena_, front.n_left() * std::size_t(front.n_left()) + front_padding);
+    work.column.clear();
+    for (Index k = 0; k < front.size(); ++k) work.column.push_back(front.column(k));
+    divide(threads, front.size(), columns_at_once, [&](std::size_t first, std::size_t end) {
+        for (std::size_t k = first; k < end; ++k) {  // with the rows above the diagonal that the kernel reads
+            const std::size_t top = k < std::size_t(front.n_eliminated) ? 0 : front.n_eliminated;
+            std::fill(work.column[k] + std::max(top, k - std::min(k, front_padding)), work.column[k] + front.size(),
+                      0.0);
+        }
+    });
+    for (const Element& element : work.elements)
         for (int j = 0; j < element.n_unknowns; ++j)
             for (int i = 0; i < element.n_unknowns; ++i) {
                 if (element.unknown[i] < 0 || element.unknown[j] < 0) continue;
-                const Index row = place_[element.unknown[i]], column = place_[element.unknown[j]];
-                if (row >= column) front.at(row, column) += element.matrix(i, j);
+                const Index row = work.place[element.unknown[i]], column = work.place[element.unknown[j]];
+                if (row >= column) work.column[column][row] += element.matrix(i, j);
             }
-    for (const Index child : dissection_.parts[part].child) {
-        if (child < 0) continue;
-        const Front& half = fronts_[child];
-        const Index n = half.n_left();
-        row_.clear();
-        for (const Index u : half.left()) row_.push_back(place_[u]);
-        for (Index j = 0; j < n; ++j) {
-            const double* from = half.schur.first() + n * std::size_t(j);
-            const Index column = row_[j];
-            for (Index i = j; i < n; ++i) front.at(std::max(row_[i], column), std::min(row_[i], column)) += from[i];
+    for (const Index child : dissection_.parts[part].child)
+        if (child >= 0) add_half(fronts_[child], threads, work);
+}
+
+/// Different entries of a half belong to different entries of the front.
+void FrontalFactor::add_half(const Front& half, Threads threads, Workspace& work) {
+    const std::size_t n = half.n_left();
+    work.row.clear();
+    for (const Index u : half.left()) work.row.push_back(work.place[u]);
+    divide(threads, n, columns_at_once, [&](std::size_t first, std::size_t end) {
+        for (std::size_t j = first; j < end; ++j) {
+            const double* from = half.schur.first() + n * j;
+            const Index own_row = work.row[j];
+            for (std::size_t i = j; i < n; ++i)
+                work.column[std::min(work.row[i], own_row)][std::max(work.row[i], own_row)] += from[i];
         }
+    });
+}
+
+bool FrontalFactor::eliminate(Front& front, Threads threads) const {
+    const std::ptrdiff_t size = front.size(), n = front.n_eliminated;
+    double *L = front.L.first(), *schur = front.schur.first();
+    const std::ptrdiff_t block = threads == Threads::all ? pivots_at_once : n;
+    for (std::ptrdiff_t j = 0, end; j < n; j = end) {
+        end = std::min(n, j + block);
+        const std::ptrdiff_t done = threads == Threads::all ? end : size;  // rows
+        if (!kernel_.eliminate(L, size, j, end, done)) return false;
+        divide(threads, size - done, rows_at_once, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+            kernel_.eliminate_further_rows(L, size, j, end, done + first, done + last);
+        });
     }
+    if (n == 0) return true;
+    divide(threads, size - n, columns_at_once,
+           [&](std::ptrdiff_t first, std::ptrdiff_t last) { kernel_.update_schur(L, schur, size, n, first, last); });
+    return true;
 }
 
-bool FrontalFactor::eliminate(Front& front) const {
-    return front.n_eliminated == 0 ||
-           kernel_.eliminate(front.L.first(), front.schur.first(), front.size(), front.n_eliminated);
-}
-
-void FrontalFactor::load(const Front& front, const std::vector<double>& x) {
+double* FrontalFactor::load(const Front& front, const std::vector<double>& x) {
+    double* local = workspace().local.data();
     const Index* unknown = front.unknown.first();
-    for (Index i = 0; i < front.size(); ++i) local_[i] = x[unknown[i]];
+    for (Index i = 0; i < front.size(); ++i) local[i] = x[unknown[i]];
+    return local;
 }
 
 void FrontalFactor::substitute_in_front(const Front& front, std::vector<double>& x) {
     if (front.n_eliminated == 0) return;
-    load(front, x);
-    kernel_.substitute(front.L.first(), front.size(), front.n_eliminated, local_.data());
-    for (Index i = 0; i < front.size(); ++i) x[front.unknown.first()[i]] = local_[i];
+    double* local = load(front, x);
+    kernel_.substitute(front.L.first(), front.size(), front.n_eliminated, local);
+    for (Index i = 0; i < front.size(); ++i) x[front.unknown.first()[i]] = local[i];
 }
 
 void FrontalFactor::substitute_back_in_front(const Front& front, std::vector<double>& x) {
     if (front.n_eliminated == 0) return;
-    load(front, x);
-    kernel_.substitute_back(front.L.first(), front.size(), front.n_eliminated, local_.data());
-    for (Index i = 0; i < front.n_eliminated; ++i) x[front.unknown.first()[i]] = local_[i];
+    double* local = load(front, x);
+    kernel_.substitute_back(front.L.first(), front.size(), front.n_eliminated, local);
+    for (Index i = 0; i < front.n_eliminated; ++i) x[front.unknown.first()[i]] = local[i];
 }
 
 void FrontalFactor::substitute(std::span<const Index> parts, std::vector<double>& x) {
     for (const Index part : parts) substitute_in_front(fronts_[part], x);
 }
 
+/// From the root down: the parts of a level read what those above have found.
 void FrontalFactor::substitute_back(std::span<const Index> parts, std::vector<double>& x) {
-    for (auto part = parts.rbegin(); part != parts.rend(); ++part) substitute_back_in_front(fronts_[*part], x);
+    sort_by_level(parts);
+    for (std::size_t level = 0; level + 1 < first_of_level_.size(); ++level) {
+        const std::span<const Index> of_level = parts_of_level(level);
+        divide(threads_, of_level.size(), 1 + of_level.size() / 32, [&](std::size_t first, std::size_t end) {
+            for (const Index part : of_level.subspan(first, end - first)) substitute_back_in_front(fronts_[part], x);
+        });
+    }
 }
 
 void FrontalFactor::set_zero(std::span<const Index> parts, std::vector<double>& x) const {

@@ -10,6 +10,10 @@
 // are computed anew: a running crack changes a few of thousands. The factor depends on the present elements alone, not
 // on its history.
 //
+// Threads: parts of one level of the tree do not touch each other. But a crack changes the fronts from a few leaves to
+// the root, of which the largest are on one path, so several threads also share the rows and columns of a large front.
+// Every entry is one sum in a fixed order, and does not depend on their number.
+//
 // Why not CHOLMOD (tools/bench/cholmod, one thread; its time over ours; block of 1 mm with 100 nodes split, of 0.5 mm
 // in brackets):
 //     new factor after a change, ordering kept              2.3 to 7     (3.4 to 11.5)
@@ -71,29 +75,49 @@ private:
         Index size() const { return static_cast<Index>(unknown.size()); }
         Index n_left() const { return size() - n_eliminated; }
         std::span<const Index> left() const { return unknown.entries().subspan(n_eliminated); }
-        double& at(Index row, Index column) {
-            if (column < n_eliminated) return L.first()[row + size() * std::size_t(column)];
-            return schur.first()[row - n_eliminated + n_left() * std::size_t(column - n_eliminated)];
+        /// Its entry in a row is column(k)[row].
+        double* column(Index k) {
+            if (k < n_eliminated) return L.first() + size() * std::size_t(k);
+            return schur.first() + n_left() * std::size_t(k - n_eliminated) - n_eliminated;
         }
-        const double* column_of_L(Index k) const { return L.first() + size() * std::size_t(k); }
     };
-    void find_unknowns(Index part, const std::vector<Index>& eliminated_in);
-    void assemble(Index part);
-    bool eliminate(Front& front) const;
+    /// Of a thread, for the front in work.
+    struct alignas(128) Workspace {  // no cache line of two threads
+        explicit Workspace(std::size_t n_numbers);
+        std::vector<Index> place;       // per unknown: in the front, or -1
+        std::vector<Index> own, left;   // its unknowns
+        std::vector<Index> row;         // in it, of the unknowns that a half leaves
+        std::vector<double*> column;    // Front::column, of each of its unknowns
+        std::vector<Element> elements;  // of the leaf
+        std::vector<double> local;      // right-hand side
+    };
+    enum class Threads { one, all };
+    template <class Work>
+    static void divide(Threads threads, std::size_t n, std::size_t block, const Work& work);
+
+    Workspace& workspace();
+    void sort_by_level(std::span<const Index> parts);
+    std::span<const Index> parts_of_level(std::size_t level) const;
+    bool is_large(Index part) const;
+    void find_unknowns(Index part, const std::vector<Index>& eliminated_in, Workspace& work);
+    void assemble(Index part, Threads threads, Workspace& work);
+    static void add_half(const Front& half, Threads threads, Workspace& work);
+    bool eliminate(Front& front, Threads threads) const;
     void substitute_in_front(const Front& front, std::vector<double>& x);
     void substitute_back_in_front(const Front& front, std::vector<double>& x);
-    void load(const Front& front, const std::vector<double>& x);
+    double* load(const Front& front, const std::vector<double>& x);
 
     const FrontKernel kernel_;
     const Dissection& dissection_;
     Arena arena_;                      // of the fronts, which grow node by node with a crack
     std::vector<Front> fronts_;        // per part
     std::vector<std::uint8_t> stale_;  // per part
-    std::vector<Index> place_;         // per unknown: in the front in work, or -1
-    std::vector<Index> own_, left_;    // unknowns of the front in work
-    std::vector<Index> row_;           // in it, of the unknowns that a half leaves
-    std::vector<Element> elements_;    // of the leaf in work
-    std::vector<double> local_;        // right-hand side of the front in work
+    const Threads threads_;            // of small bodies one
+    std::vector<Index> level_;         // per part: number of the parts that contain it
+    std::vector<Index> stale_parts_;
+    std::vector<Index> by_level_;        // parts in work, those of a level in succession
+    std::vector<Index> first_of_level_;  // into by_level_
+    std::vector<Workspace> workspaces_;
 };
 
 }  // namespace knap

@@ -1,5 +1,6 @@
 #include "stepper/implicit/implicit_bulk.hpp"
 
+#include "base/parallel.hpp"
 #include "base/reserve_capacity.hpp"
 #include "stepper/common/point_work.hpp"
 
@@ -126,29 +127,45 @@ void ImplicitBulk::elastic_force(const std::vector<Vec2>& displacement, const st
     forces_.evaluate(displacement, node_of_corner, of_corner, no_criterion);
 }
 
+/// work(first, last) for blocks of triangles, in parallel.
+template <class Work>
+void ImplicitBulk::for_triangles(const Work& work) const {
+    constexpr Index block = 1024;
+    const Index n = model_.mesh.n_triangles();
+    for_blocks((n + block - 1) / block, [&](std::ptrdiff_t i) {
+        const Index first = static_cast<Index>(i) * block;
+        work(first, std::min(n, first + block));
+    });
+}
+
 template <class OfNode>
 void ImplicitBulk::add_mass_times(const OfNode& of_node, std::vector<Vec2>& of_corner) const {
     const Index* node = nodes_->node_of_corner.data();
-    if (mass_ == MassMatrix::lumped) {
-        for (Index c = 0; c < model_.mesh.n_corners(); ++c) of_corner[c] += model_.corner_mass[c] * of_node(node[c]);
-        return;
-    }
-    const ElementMatrix& shares = mass_matrix(model_.mesh.order, mass_);
     const Index n = model_.mesh.corners_per_triangle();
-    for (Index t = 0; t < model_.mesh.n_triangles(); ++t)
-        for (Index j = 0; j < n; ++j) {
-            const double m = model_.triangle_mass(t);
-            const Vec2 a = of_node(node[n * t + j]);
-            for (Index i = 0; i < n; ++i) of_corner[n * t + i] += shares(i, j) * m * a;
+    const ElementMatrix& shares = mass_matrix(model_.mesh.order, mass_);
+    for_triangles([&](Index first, Index last) {
+        if (mass_ == MassMatrix::lumped) {
+            for (Index c = n * first; c < n * last; ++c) of_corner[c] += model_.corner_mass[c] * of_node(node[c]);
+            return;
         }
+        for (Index t = first; t < last; ++t)
+            for (Index j = 0; j < n; ++j) {
+                const double m = model_.triangle_mass(t);
+                const Vec2 a = of_node(node[n * t + j]);
+                for (Index i = 0; i < n; ++i) of_corner[n * t + i] += shares(i, j) * m * a;
+            }
+    });
 }
 
 void ImplicitBulk::impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
     // K u and K w apart: digits that cancel in K u of a body far from its origin must not blur the equation of w
     const double theta_h = step_->kick();
     elastic_force(rate, nodes_->node_of_corner, of_corner);
-    for (std::size_t c = 0; c < of_corner.size(); ++c)
-        of_corner[c] = -theta_h * (begin_force_[c] + load_[c] + theta_h * of_corner[c]);
+    const Index n = model_.mesh.corners_per_triangle();
+    for_triangles([&](Index first, Index last) {
+        for (Index c = n * first; c < n * last; ++c)
+            of_corner[c] = -theta_h * (begin_force_[c] + load_[c] + theta_h * of_corner[c]);
+    });
     const auto change = [&](Index i) -> Vec2 {
         if (!nodes_->prescribed[i][0] && !nodes_->prescribed[i][1]) return rate[i] - velocity_[i];
         return step_->theta * (end_velocity(i, rate[i]) - velocity_[i]);

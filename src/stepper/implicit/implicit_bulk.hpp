@@ -61,6 +61,8 @@ public:
                  StepReport& report) const;
 
 private:
+    template <class Work>
+    void for_triangles(const Work& work) const;
     template <class OfNode>
     void add_mass_times(const OfNode& of_node, std::vector<Vec2>& of_corner) const;
     double elastic_impulse(Index corner, double speed) const;

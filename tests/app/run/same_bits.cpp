@@ -32,6 +32,12 @@ const Scene with_rates{"rates",
                        "interface.default.incubation_time=2e-6",
                        "40 us"};
 
+/// Implicit steps whose factor several threads share: a crack, and pieces that rub.
+const Scene implicit_scenes[]{
+    {"crack", "edge_cracked_block_implicit -s 'mesh.size=1.5 mm' -s 'time.end=60 us'", "30 us"},
+    {"friction", "jointed_slope -s time.bulk=implicit -s time.cohesion=implicit -s 'time.step=100 CFL'", "20 ms"},
+};
+
 void run(const Scene& scene, int n_threads, const Folder& folder, const std::string& directory,
          const std::string& more = "") {
     const Answer answer = command("run " + std::string(scene.arguments) + more + " -q -s 'expect={}' " + undrawn +
@@ -59,24 +65,36 @@ std::map<std::string, std::string> golden_hashes() {
     return hashes;
 }
 
-}  // namespace
-
-TEST_CASE("the same bits for one and three threads") {
-    const Folder folder("threads");
-    std::vector<Scene> all(std::begin(scenes), std::end(scenes));
-    all.push_back(with_rates);
-    for (const Scene& scene : all) {
-        const auto directory = [&](int n) { return std::string(scene.name) + std::to_string(n); };
-        for (const int n : {1, 3})
-            run(scene, n, folder, directory(n), " -s 'time.end=" + std::string(scene.early_end) + "'");
-        const fs::path one = folder.path / directory(1);
+/// Every table and frame of a run with one thread.
+void check_same_bits(const Scene& scene, std::initializer_list<int> others, const Folder& folder) {
+    const auto directory = [&](int n) { return std::string(scene.name) + std::to_string(n); };
+    const auto run_with = [&](int n) {
+        run(scene, n, folder, directory(n), " -s 'time.end=" + std::string(scene.early_end) + "'");
+    };
+    run_with(1);
+    const fs::path one = folder.path / directory(1);
+    for (const int n : others) {
+        run_with(n);
         for (const auto& file : fs::recursive_directory_iterator(one)) {
-            const fs::path other = folder.path / directory(3) / fs::relative(file.path(), one);
+            const fs::path other = folder.path / directory(n) / fs::relative(file.path(), one);
             const std::string ending = file.path().extension();
             if (ending != ".csv" && ending != ".vtu") continue;
             CHECK_MESSAGE(text_of(file.path()) == text_of(other), other.string());
         }
     }
+}
+
+}  // namespace
+
+TEST_CASE("the same bits for one and three threads") {
+    const Folder folder("threads");
+    for (const Scene& scene : scenes) check_same_bits(scene, {3}, folder);
+    check_same_bits(with_rates, {3}, folder);
+}
+
+TEST_CASE("implicit steps: the same bits for one and two and four threads") {
+    const Folder folder("implicit threads");
+    for (const Scene& scene : implicit_scenes) check_same_bits(scene, {2, 4}, folder);
 }
 
 TEST_CASE("rubble: the same bits for one and two and four threads and for a run in parts") {

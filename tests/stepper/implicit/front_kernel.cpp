@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <vector>
 
 namespace front_kernel_test {
@@ -24,8 +25,18 @@ struct Front {
             for (int i = j; i < size; ++i) (j < n ? L[i + size * j] : schur[i - n + (size - n) * (j - n)]) = A(i, j);
         for (int i = 0; i < size; ++i) x.push_back(1 + i % 7);
     }
-    bool solve(const FrontKernel& kernel) {
-        if (!kernel.eliminate(L.data(), schur.data(), size, n)) return false;
+    /// `block`: eliminated at once, in their own rows first, and columns of the Schur complement; 0: all in all rows.
+    bool solve(const FrontKernel& kernel, int block = 0) {
+        for (int j = 0, end; j < n; j = end) {
+            end = block > 0 ? std::min(n, j + block) : n;
+            if (!kernel.eliminate(L.data(), size, j, end, block > 0 ? end : size)) return false;
+            for (int i = end; block > 0 && i < size; i += 8)
+                kernel.eliminate_further_rows(L.data(), size, j, end, i, std::min(size, i + 8));
+        }
+        for (int j = 0, end; j < size - n; j = end) {
+            end = block > 0 ? std::min(size - n, j + block) : size - n;
+            kernel.update_schur(L.data(), schur.data(), size, n, j, end);
+        }
         kernel.substitute(L.data(), size, n, x.data());
         kernel.substitute_back(L.data(), size, n, x.data());
         return true;
@@ -64,6 +75,9 @@ TEST_CASE("a front is eliminated and substituted as by dense algebra and with th
             if (left > 0) error = std::max(error, (y.tail(left) - b_2).cwiseAbs().maxCoeff());
             error = std::max(error, (y.head(n) - x_1).cwiseAbs().maxCoeff());
             CHECK(error < 1e-9);
+            Front in_blocks(size, n);
+            REQUIRE(in_blocks.solve(baseline_front_kernel(), 8));
+            CHECK(in_blocks.numbers() == front.numbers());
 #ifdef __x86_64__
             if (!__builtin_cpu_supports("avx2")) continue;
             Front again(size, n);
@@ -78,7 +92,9 @@ TEST_CASE("a front that is not positive definite is refused") {
         for (const double wrong : {0.0, -1.0, std::nan("")}) {
             Front front(12, 9);
             front.L[at + 12 * at] = wrong;
+            Front in_blocks = front;
             CHECK(!front.solve(baseline_front_kernel()));
+            CHECK(!in_blocks.solve(baseline_front_kernel(), 8));
         }
 }
 

@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <omp.h>
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -131,6 +132,37 @@ TEST_CASE("the factor that follows the changes is that of a new matrix to the la
     setting.stiffness_factor = 0.5;
     compare();
     CHECK(entries == intact);
+}
+
+TEST_CASE("the same bits for one and two and four threads") {
+    ModelInput input;  // large enough for several threads, with fronts that they share
+    input.mesh = bar_mesh(48, 32, 1.5, 1);
+    input.materials = {{.density = 1, .E = 1, .nu = 0.3}};
+    input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
+    input.law_of_pair = {{0}};
+    const Model model = make_model(std::move(input));
+    const auto solve = [&](int n_threads) {
+        omp_set_num_threads(n_threads);
+        ThetaMatrix matrix(model, MassMatrix::consistent);
+        Setting setting{.model = model, .friction = 0.3};
+        std::vector<Vec2> all;
+        const auto add = [&] {
+            const std::vector<Vec2> x = solution(matrix, setting);
+            all.insert(all.end(), x.begin(), x.end());
+        };
+        for (std::size_t f = 0; f < model.fans.size(); f += 2) setting.active[f] = model.fans[f].n_points > 0;
+        add();
+        std::vector<PointTangent> softening = setting.points;
+        PointTangent& point = softening[softening.size() / 2];
+        point.block = point.symmetric_block = -100 * Eigen::Matrix2d::Identity();
+        CHECK(!matrix.factorise(softening));
+        for (std::size_t f = 400; f < 420; ++f) setting.active[f] = model.fans[f].n_points > 0;
+        add();
+        omp_set_num_threads(1);
+        return all;
+    };
+    const std::vector<Vec2> one = solve(1);
+    for (const int n_threads : {2, 4}) CHECK(same_bits(one, solve(n_threads)));
 }
 
 TEST_CASE("the factor of triangles of second order follows the changes too") {
