@@ -13,7 +13,7 @@ constexpr double least_part = -0.5, largest_part = 1;  // [-] of the short waves
 
 using PerCorner = std::array<Vec2, 3>;
 
-PerCorner velocities(const Model& model, const State& state, Index triangle) {
+PerCorner velocities(const State& state, Index triangle) {
     PerCorner v;
     for (Index k = 0; k < 3; ++k) v[k] = state.velocity[state.node_of_corner[3 * triangle + k]];
     return v;
@@ -36,7 +36,7 @@ double power(const Model& model, const State& state, Index triangle, const Eigen
 
 /// [J] 1/2 v' M v + 1/2 (u - h v)' K u of one triangle.
 double leapfrog_energy(const Model& model, const State& state, Index triangle) {
-    const PerCorner v = velocities(model, state, triangle);
+    const PerCorner v = velocities(state, triangle);
     PerCorner before;
     double kinetic = 0;
     for (Index k = 0; k < 3; ++k) {
@@ -57,7 +57,7 @@ std::vector<Vec2> short_waves(const Model& model, const State& state) {
     std::vector<Mean> means(mesh.vertices.size());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const double area = mesh.area(t);
-        const PerCorner v = velocities(model, state, t);
+        const PerCorner v = velocities(state, t);
         const Eigen::Matrix2d slope = gradient(mesh, t, v);
         for (int k = 0; k < 3; ++k) {
             Mean& mean = means[mesh.triangles[t][k]];
@@ -135,7 +135,7 @@ Vec2 Patches::free_mass(std::size_t fan) const {
 void Patches::restore_momentum() {
     const auto momentum = [](const Model& model, const State& state, Index triangle) {
         Vec2 sum = Vec2::Zero();
-        const PerCorner v = velocities(model, state, triangle);
+        const PerCorner v = velocities(state, triangle);
         for (Index k = 0; k < 3; ++k) sum += model.corner_mass[3 * triangle + k] * v[k];
         return sum;
     };
