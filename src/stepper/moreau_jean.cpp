@@ -65,6 +65,7 @@ StepReport MoreauJean::step(const State& begin, double h, State& end) {
 StepReport MoreauJean::close_leapfrog(const State& begin, State& end) {
     end.temperature = begin.temperature;
     StepReport report = advance(begin, closing_part * begin.last_step, end);
+    if (report.residual > max_residual) report.rejection = Rejection::not_converged;
     if (report.rejection != Rejection::none) return report;
     std::vector<Vec2> force;
     const double strain = elastic_energy(model_, end, force);

@@ -89,6 +89,8 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
     if (report.contact_residual > max_contact_residual)
         return because(CutbackReason::contact_residual, report.residual_place, report.contact_residual);
     if (limits_.changes()) {
+        // right after a change of scheme a body at rest has rates near rounding, which another step may resolve
+        if (report.residual > max_residual) return because(CutbackReason::not_converged);
         switch (has_end_velocities(begin) ? change_.fault(report) : StepFault::none) {
             case StepFault::motion: return because(CutbackReason::motion);
             case StepFault::cohesive_work: return because(CutbackReason::cohesive_work);

@@ -241,6 +241,23 @@ TEST_CASE("scheme change: what an implicit step does not resolve") {
     CHECK(change.fault(report) == StepFault::cohesive_work);
 }
 
+TEST_CASE("scheme change: an explicit step that misses the interface laws is repeated with half its size") {
+    StepControl control({.largest = 10,
+                         .cracking = 1,
+                         .smallest = 1e-6,
+                         .end = 100,
+                         .change = {.explicit_step = 0.01, .quiet_below = 1e-4, .quiet_for = 10}});
+    StepReport report;
+    report.residual = 2 * max_residual;
+    const auto cut = control.judge({}, 0.01, report);
+    REQUIRE(cut);
+    CHECK(cut->reason == CutbackReason::not_converged);
+    CHECK(cut->to == 0.005);
+    CHECK_FALSE(cut->changes_to_explicit);
+    report.residual = 0.5 * max_residual;
+    CHECK_FALSE(control.judge({}, 0.005, report));
+}
+
 TEST_CASE("scheme change: damage of the run that it starts from is no work of the first step") {
     StepReport damaged;
     damaged.strain = 1, damaged.dissipated = 0.5, damaged.recoverable = 0.1;
