@@ -140,17 +140,22 @@ const ElementMatrix& mass_matrix(Index order, MassMatrix mass) {
     return (order == 1 ? linear : quadratic)[static_cast<std::size_t>(mass)];
 }
 
+StableStep::StableStep(const std::vector<Elastic>& materials, PlaneModel plane) : materials_(materials), plane_(plane) {
+    for (const Elastic& material : materials) factor_.push_back(material.stiffness(plane).llt().matrixL());
+}
+
+double StableStep::operator()(const Mesh& mesh, Index triangle) const {
+    const Index m = mesh.region[triangle];
+    const double step =
+        2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, materials_[m], factor_[m])
+                                      : largest_eigenvalue_quadratic(mesh, triangle, materials_[m], plane_));
+    return materials_[m].has_bulk_viscosity() ? viscous_step(mesh, triangle, materials_[m], plane_, step) : step;
+}
+
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane) {
-    std::vector<Eigen::Matrix3d> L;
-    for (const Elastic& material : materials) L.push_back(material.stiffness(plane).llt().matrixL());
+    const StableStep stable_step(materials, plane);
     std::vector<double> steps;
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        const Index m = mesh.region[t];
-        double& step = steps.emplace_back(
-            2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, t, materials[m], L[m])
-                                          : largest_eigenvalue_quadratic(mesh, t, materials[m], plane)));
-        if (materials[m].has_bulk_viscosity()) step = viscous_step(mesh, t, materials[m], plane, step);
-    }
+    for (Index t = 0; t < mesh.n_triangles(); ++t) steps.push_back(stable_step(mesh, t));
     return steps;
 }
 

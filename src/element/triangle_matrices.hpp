@@ -21,8 +21,19 @@ double corner_share(Index order, Index k, double of_triangle);
 /// One row per corner, for a triangle of mass 1.
 const ElementMatrix& mass_matrix(Index order, MassMatrix mass);
 
-/// [s] per triangle: 2/omega_max with lumped mass and free boundaries, the stable step of central differences if every
+/// [s] of a triangle: 2/omega_max with lumped mass and free boundaries, the stable step of central differences if every
 /// interface is split. With bulk viscosity it is shorter (bulk_viscosity.hpp).
+class StableStep {
+public:
+    StableStep(const std::vector<Elastic>& materials, PlaneModel plane);
+    double operator()(const Mesh& mesh, Index triangle) const;
+
+private:
+    const std::vector<Elastic>& materials_;
+    PlaneModel plane_;
+    std::vector<Eigen::Matrix3d> factor_;  // Cholesky factor of the stiffness of each material
+};
+/// Of all triangles.
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane);
 
 }  // namespace knap

@@ -189,12 +189,8 @@ std::vector<std::uint8_t> coarse_fans(const Model& model, double size) {
 std::optional<RefinedMesh> refined_mesh(const Model& model, const State& state, const AdaptOptions& options,
                                         const std::vector<double>& requested, std::uint64_t seed) {
     const std::vector<std::uint8_t> frozen = frozen_triangles(model, state);
-    const auto is_stable = [&](const Mesh& mesh, Index t) {
-        const Mesh one{.vertices = {mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)},
-                       .triangles = {{0, 1, 2}},
-                       .region = {mesh.region[t]}};
-        return stable_steps(one, model.materials, model.plane).front() >= options.smallest_step;
-    };
+    const StableStep stable_step(model.materials, model.plane);
+    const auto is_stable = [&](const Mesh& mesh, Index t) { return stable_step(mesh, t) >= options.smallest_step; };
     return refined(model.mesh, {.size = requested, .frozen = frozen, .allowed = is_stable, .seed = seed});
 }
 

@@ -194,7 +194,7 @@ void Patches::restore_energy() {
     for (const Index t : added_) {
         Balance& balance = balances[patch_of_added(t)];
         balance.lost -= leapfrog_energy(after_, state_, t);
-        const PerCorner v = velocities(after_, state_, t);
+        const PerCorner v = velocities(state_, t);
         PerCorner w;
         for (Index k = 0; k < 3; ++k) {
             const Index c = 3 * t + k;
