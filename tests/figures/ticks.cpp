@@ -51,6 +51,7 @@ TEST_CASE("ticks: numbers of any size have a label") {
 }
 
 TEST_CASE("ticks: prefixes") {
+    CHECK(display_unit(25e3, "W").unit == "kW");
     CHECK(display_unit(3.08e6, "Pa").unit == "MPa");
     CHECK(display_unit(3.08e6, "Pa").factor == tests::relative(1e-6));
     CHECK(display_unit(0.1, "m").unit == "mm");
