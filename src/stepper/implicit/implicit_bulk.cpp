@@ -55,7 +55,7 @@ double ImplicitBulk::largest_elastic_impulse(const std::vector<Vec2>& rate) cons
     double largest = 0;
     for (Index c = 0; c < model_.mesh.n_corners(); ++c)
         largest = std::max(largest, elastic_impulse(c, rate[nodes_->node_of_corner[c]].norm()));
-    return largest;
+    return std::isfinite(largest) ? largest : 0;  // rates that overflow meet no tolerance
 }
 
 void ImplicitBulk::begin_step(const StepContext& step) {

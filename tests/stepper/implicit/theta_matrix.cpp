@@ -2,6 +2,7 @@
 #include "stepper/implicit/theta_matrix.hpp"
 #include "stepper/implicit/dissection.hpp"
 #include "stepper/implicit/gmres.hpp"
+#include "stepper/implicit/implicit_bulk.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>
@@ -163,6 +164,26 @@ TEST_CASE("the same bits for one and two and four threads") {
     };
     const std::vector<Vec2> one = solve(1);
     for (const int n_threads : {2, 4}) CHECK(same_bits(one, solve(n_threads)));
+}
+
+TEST_CASE("the scale of elastic impulses grows with the rates and rates that overflow have none") {
+    const Model model = plate();
+    const State state = initial_state(model);
+    CornerPartition nodes;
+    partition_corners(model, std::vector<std::uint8_t>(model.fans.size(), 0), nodes);
+    StepContext step;
+    step.h = 2, step.theta = 1, step.begin = &state;
+    ImplicitBulk bulk(model, MassMatrix::lumped);
+    bulk.begin_step(step);
+    std::vector<Vec2> rate;
+    bulk.set_nodes(nodes, std::vector<Vec2>(model.mesh.n_corners(), Vec2::Zero()), rate);
+    std::ranges::fill(rate, Vec2(1, 0));
+    const double scale = bulk.largest_elastic_impulse(rate);
+    CHECK(scale > 0);
+    rate.back() = {1e3, 0};
+    CHECK(bulk.largest_elastic_impulse(rate) > 10 * scale);
+    rate.back() = {1e300, 1e300};  // their norm is infinite, and so would be a tolerance
+    CHECK(bulk.largest_elastic_impulse(rate) == 0);
 }
 
 TEST_CASE("the factor of triangles of second order follows the changes too") {
