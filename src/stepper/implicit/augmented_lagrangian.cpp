@@ -20,7 +20,10 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
-constexpr std::size_t min_points = 16;  // of a problem for the active set
+constexpr double sweep_goal =
+    1e-4;  // of the scale of impulses: a smaller residual of the balance is left to Newton's steps
+constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
+constexpr std::size_t min_points = 16;    // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
 constexpr int max_piece_steps = 40, max_stalled_steps = 6;
 constexpr double min_length = 0.05;                      // of its steps
@@ -37,7 +40,7 @@ constexpr double max_series = 20;      // moves: q is uncertain near 1
 
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
                                          Iterate& iterate)
-    : bulk_(bulk), matrix_(matrix), x_(iterate), system_(model, bulk, matrix, iterate.rate) {
+    : bulk_(bulk), matrix_(matrix), x_(iterate), system_(model, bulk, matrix, iterate.rate), fans_(model, matrix) {
     reserve_capacity(model.mesh.n_corners(), force_, before_.rate, first_.rate, completed_.rate);
     reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, last_move_,
                      before_.points, first_.points, completed_.points);
@@ -57,11 +60,14 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         return false;
     };
     system_.begin(x_.points);
+    fans_.begin(x_.points);
     first_ = x_, final_augmentation_ = full_augmentation;
     // On ramps of secant unloading the active set found other solutions with friction than the method of multipliers,
     // which also ends nearer to rounding and is no slower for a few points.
     const bool by_pieces = x_.points.size() >= min_points &&
                            std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
+    sweeps_ = by_pieces;
+    if (sweeps_ && !friction && find_solution(max_newton_steps)) return true;
     if (by_pieces) {
         const Pieces pieces = find_pieces();
         if (pieces != Pieces::cycling && find_solution(max_cycling_steps) && (pieces == Pieces::found || !indefinite_))
@@ -99,7 +105,7 @@ void AugmentedLagrangian::restart_from(const Iterate& iterate) {
 /// ImplicitScheme::check_residual decides where it cannot.
 bool AugmentedLagrangian::find_solution(int max_steps) {
     for (int i = 0; i < max_completions; ++i) {
-        const bool found = find_multipliers(law_goal, max_steps);
+        const bool found = find_multipliers(law_goal, i == 0 && sweeps_ ? sweep_goal * unit_ : 0, max_steps);
         if (!found && i == 0) return false;
         if (!found) restart_from(completed_);
         if (!found) break;
@@ -192,20 +198,28 @@ double AugmentedLagrangian::step_length_of_pieces() {
 }
 
 /// The method of multipliers.
-bool AugmentedLagrangian::find_multipliers(double goal, int max_steps) {
+bool AugmentedLagrangian::find_multipliers(double goal, double first_tolerance, int max_steps) {
     const bool has_potential = std::ranges::none_of(
         x_.points, [](const ActivePoint& p) { return p.law.friction > 0 && p.multipliers.friction_follows; });
     last_move_.clear();
     set_augmentation(final_augmentation_);
+    double change = 0;
     for (int outer = 0, n_near = 0; outer < max_outer_steps; ++outer) {
         const int solves = counts_.linear_solves;
-        const double tolerance = balance_goal(unit_);
+        const double exact = balance_goal(unit_),
+                     tolerance = std::max(exact, outer == 0 ? first_tolerance : inexact_balance * change);
         const bool first = outer == 0 && has_potential;
         if (!(first ? continue_penalties(tolerance) : find_rates(tolerance, max_steps))) return false;
         if (!first) max_steps -= counts_.linear_solves - solves;
         for (const ActivePoint& point : x_.points)  // an impact may exceed the strengths
             unit_ = std::max(unit_, std::min(point.response.contact, largest_unit_));
-        const double unit = final_augmentation_ * unit_, change = update_multipliers();
+        const double unit = final_augmentation_ * unit_;
+        change = update_multipliers();
+        if (tolerance > exact) {
+            if (change <= goal * unit) change = 0;  // once more to the end
+            else extrapolate_multipliers(goal * unit);
+            continue;
+        }
         n_near += change <= law_tolerance * unit;
         if (change <= goal * unit || n_near == max_near) return true;
         extrapolate_multipliers(goal * unit);
@@ -232,10 +246,11 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     for (int i = 0; i < max_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         evaluate();
+        if (sweeps_ && i > 0 && residual() > sweep_goal * unit_) sweep_fans();
         const double norm = residual();
         if (norm <= tolerance) return true;
         stalled = norm > 0.5 * best ? stalled + 1 : 0;
-        const bool near = norm <= 1e3 * tolerance;
+        const bool near = norm <= 1e3 * balance_goal(unit_);
         if (stalled >= 3 && (near || norm <= 1e-12 * bulk_.largest_elastic_impulse(x_.rate))) return true;  // rounding
         best = std::min(best, norm);
         if (!find_direction()) return false;
@@ -251,7 +266,7 @@ void AugmentedLagrangian::iterate_friction() {
     double goal = 1e-4;
     for (int round = 0; round < max_friction_rounds; ++round) {
         const int factorisations = counts_.factorisations;
-        if (!find_multipliers(goal, max_newton_steps)) break;
+        if (!find_multipliers(goal, 0, max_newton_steps)) break;
         double largest_lag = 0;
         for (ActivePoint& p : x_.points) {
             const double lag = p.response.contact - p.multipliers.pressed;
@@ -272,6 +287,11 @@ void AugmentedLagrangian::evaluate() {
         point.response = respond(point.law, point.multipliers, point.rate.x(), point.rate.y());
         point.sides.add_force(-point.impulse(), system_.residual());
     }
+}
+
+void AugmentedLagrangian::sweep_fans() {
+    fans_.sweep(0.1 * sweep_goal * unit_, x_.points, x_.rate, system_.impulse());
+    evaluate();
 }
 
 void AugmentedLagrangian::make_tangents(Softening softening) {

@@ -19,6 +19,7 @@
 // 2022, for the exact line search and the proximal Newton step.)
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/condensed_system.hpp"
+#include "stepper/implicit/fan_sweep.hpp"
 
 #include <algorithm>
 
@@ -75,11 +76,12 @@ private:
     Pieces find_pieces();
     void restart_from(const Iterate& iterate);
     bool find_solution(int max_steps);
-    bool find_multipliers(double goal, int max_steps);
+    bool find_multipliers(double goal, double first_tolerance, int max_steps);
     bool continue_penalties(double tolerance);
     bool find_rates(double tolerance, int max_steps);
     void iterate_friction();
     void evaluate();
+    void sweep_fans();
     void make_tangents(Softening softening);
     bool prepare_matrix();
     void begin_slope();
@@ -95,6 +97,8 @@ private:
     ThetaMatrix& matrix_;
     Iterate& x_;
     CondensedSystem system_;
+    FanSweep fans_;
+    bool sweeps_ = false;                         // of the fans between Newton's steps
     Iterate completed_;                           // in find_solution
     Iterate before_, first_;                      // at the start of an attempt, of the step
     std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised

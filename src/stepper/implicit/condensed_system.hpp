@@ -34,6 +34,7 @@ public:
     void complete();
 
     const std::vector<Index>& near_nodes() const { return matrix_.near_nodes(); }
+    std::vector<Vec2>& impulse() { return impulse_; }    // [N s] per near node: r(w)
     std::vector<Vec2>& residual() { return residual_; }  // [N s] per node: r(w) - H' q
     const std::vector<Vec2>& residual() const { return residual_; }
     double residual(Index node) const;  // [N s] of its free components

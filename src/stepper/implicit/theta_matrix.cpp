@@ -36,6 +36,10 @@ Index ThetaMatrix::leaf_of_point(Index fan_point) const {
     return leaf_of_corner(at.before == rigid_support ? at.after : at.before);
 }
 
+ElementMatrix ThetaMatrix::element(Index triangle) const {
+    return theta_element(model_, triangle, stiffness_factor_, mass_);
+}
+
 bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor) {
     nodes_ = &nodes;
     const bool other_factor = stiffness_factor_ != stiffness_factor, other_nodes = active_ != nodes.active;
@@ -84,7 +88,7 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
     for (const Index t : dissection_.triangles_of(dissection_.parts[leaf])) {
         Element& made = elements.emplace_back(2 * n);
         for (int i = 0; i < 2 * n; ++i) made.unknown[i] = unknown(nodes_->node_of_corner[n * t + i / 2], i % 2);
-        made.matrix = theta_element(model_, t, stiffness_factor_, mass_);
+        made.matrix = element(t);
     }
     for (const Index i : points_of_leaf_[leaf])
         if (const PointSides at = nodes_->sides(model_, i); at.before != at.after) add_point(at, block_[i], elements);
@@ -162,11 +166,14 @@ void ThetaMatrix::each_unknown(const PointTangent& point, const Visit& visit) co
 }
 
 template <class Points, class SidesOf>
-void ThetaMatrix::find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts) {
+void ThetaMatrix::mark_parts(const Points& points, const SidesOf& sides_of) {
     std::ranges::fill(is_marked_, 0);
     for (const auto& point : points)
         sides_of(point).for_each_node(
             [&](Index node, double) { is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
+}
+
+void ThetaMatrix::find_marked_parts(std::vector<Index>& parts) {
     parts.clear();
     for (Index part = 0; part < static_cast<Index>(dissection_.parts.size()); ++part) {  // parents come later
         if (!is_marked_[part]) continue;
@@ -176,7 +183,14 @@ void ThetaMatrix::find_parts(const Points& points, const SidesOf& sides_of, std:
 }
 
 void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
-    find_parts(points, std::identity{}, near_parts_);
+    mark_parts(points, std::identity{});
+    for (const PointSides& point : points)
+        point.for_each_node([&](Index node, double) {
+            const Fan& fan = model_.fans[model_.fan_of_corner[nodes_->corner_of_node[node]]];
+            for (Index i = fan.first_corner; i < fan.first_corner + fan.n_corners; ++i)
+                is_marked_[leaf_of_corner(model_.fan_corners[i])] = 1;
+        });
+    find_marked_parts(near_parts_);
     far_parts_.clear(), near_nodes_.clear(), far_nodes_.clear();
     for (Index part = 0; part < static_cast<Index>(dissection_.parts.size()); ++part)
         if (!is_marked_[part]) far_parts_.push_back(part);
@@ -250,8 +264,8 @@ bool ThetaMatrix::solve_with_friction() {
         for (Eigen::Index j = 0; j < n / 2; ++j)
             each_unknown(friction_[j], [&](Index u, int k, double weight) { x[u] -= weight * y[2 * j + k]; });
     };
-    find_parts(
-        friction_, [](const PointTangent& point) -> const PointSides& { return point.sides; }, parts_of_friction_);
+    mark_parts(friction_, [](const PointTangent& point) -> const PointSides& { return point.sides; });
+    find_marked_parts(parts_of_friction_);
     const auto product = [&](const Eigen::Ref<const Eigen::VectorXd>& y, Eigen::Ref<Eigen::VectorXd> A_y) {
         factor_.set_zero(parts_of_friction_, y_);
         subtract(y, y_);

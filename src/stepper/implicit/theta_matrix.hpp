@@ -6,6 +6,7 @@
 // factorised and solved. From one factor to the next only what changed is computed anew (frontal_factor.hpp).
 #include "base/grouped.hpp"
 #include "element/mass_matrix.hpp"
+#include "element/triangle_matrices.hpp"
 #include "stepper/implicit/corner_partition.hpp"
 #include "stepper/implicit/frontal_factor.hpp"
 #include "stepper/implicit/gmres.hpp"
@@ -31,8 +32,8 @@ public:
     /// False: A without the friction that follows the contact impulses is not positive definite.
     bool factorise(const std::vector<PointTangent>& points);
 
-    /// Near nodes from now on: those of these points, which must be all that factorise() is given, and all nodes that
-    /// are eliminated with them or later. Before: all nodes. Far nodes know nothing of the points: they are eliminated
+    /// Near nodes from now on: those of these points, which must be all that factorise() is given, the nodes of all
+    /// triangles round them, and all nodes that are eliminated with these or later. Before: all nodes. Far nodes know nothing of the points: they are eliminated
     /// once (static condensation), and the equations of the near nodes are solved by themselves.
     void set_near(const std::vector<PointSides>& points);
     void set_all_near();
@@ -52,6 +53,8 @@ public:
                    std::vector<Vec2>& impulse) const;
 
     bool is_symmetric() const { return friction_.empty(); }
+    const CornerPartition& nodes() const { return *nodes_; }
+    ElementMatrix element(Index triangle) const;  // [kg] of M_hat
     bool is_free(Index node, int component) const { return !nodes_->prescribed[node][component]; }
     FactorSize size() const { return factor_.size(); }
 
@@ -69,9 +72,11 @@ private:
     void each_unknown(const std::vector<Index>& nodes, const Visit& visit) const;
     template <class Visit>
     void each_unknown(const PointTangent& point, const Visit& visit) const;
-    /// (parts that eliminate nodes of `points`, and all above), ascending
+    /// The parts that eliminate nodes of `points`.
     template <class Points, class SidesOf>
-    void find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts);
+    void mark_parts(const Points& points, const SidesOf& sides_of);
+    /// And all above, ascending.
+    void find_marked_parts(std::vector<Index>& parts);
     bool solve_with_friction();
 
     const Model& model_;

@@ -1,0 +1,226 @@
+#include "stepper/implicit/fan_sweep.hpp"
+
+#include "base/reserve_capacity.hpp"
+#include "base/secant.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr int max_steps_of_fan = 12, max_updates_of_fan = 10;
+constexpr double fan_goal = 0.1;  // of the tolerance of the sweep: residual of a fan that is solved
+
+Vec2 impulse_of(const ActivePoint& point, const PointResponse& response) {
+    return point.out_of_frame({response.normal(point.law), response.tangential});
+}
+
+}  // namespace
+
+FanSweep::FanSweep(const Model& model, const ThetaMatrix& matrix) : model_(model), matrix_(matrix) {
+    first_column_.resize(model.fan_corners.size());
+    reserve_capacity(model.mesh.n_corners(), touches_);
+    columns_.reserve(entries_of_corner() * model.fan_corners.size());
+}
+
+void FanSweep::begin(const std::vector<ActivePoint>& points) {
+    has_columns_ = false;
+    touches_.assign(matrix_.nodes().n_nodes(), 0);
+    for (const ActivePoint& point : points)
+        if (point.fan < 0) point.sides.for_each_node([&](Index node, double) { touches_[node] = 1; });
+}
+
+void FanSweep::find_columns(const std::vector<ActivePoint>& points) {
+    has_columns_ = true;
+    columns_.clear();
+    Index n = 0, last = -1;
+    for (const ActivePoint& point : points) {
+        if (point.fan < 0 || point.fan == last) continue;
+        last = point.fan;
+        const Fan& fan = model_.fans[last];
+        for (Index c = fan.first_corner; c < fan.first_corner + fan.n_corners; ++c) {
+            const Index corner = model_.fan_corners[c], k = model_.mesh.place_in_triangle(corner);
+            const ElementMatrix M_hat = matrix_.element(model_.mesh.triangle_of(corner));
+            first_column_[c] = n++;
+            for (Index j = 2 * k; j < 2 * k + 2; ++j)
+                columns_.insert(columns_.end(), M_hat.col(j).begin(), M_hat.col(j).end());
+        }
+    }
+}
+
+int FanSweep::place(Index node) const {
+    const auto end = node_.begin() + n_nodes_, at = std::find(node_.begin(), end, node);
+    return at == end ? -1 : static_cast<int>(at - node_.begin());
+}
+
+/// The nodes of the fan and their equations. False: they are left alone.
+bool FanSweep::load(std::span<const ActivePoint> points, const std::vector<Vec2>& impulse) {
+    fan_ = &model_.fans[points[0].fan];
+    if (points.size() > static_cast<std::size_t>(max_nodes)) return false;
+    n_nodes_ = 0;
+    for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
+        const Index node = matrix_.nodes().node_of_corner[model_.fan_corners[c]];
+        if (touches_[node]) return false;
+        if (place(node) >= 0) continue;
+        if (n_nodes_ == max_nodes) return false;
+        node_[n_nodes_++] = node;
+    }
+    inertia_.setZero(2 * n_nodes_, 2 * n_nodes_);
+    const Index n = 2 * model_.mesh.corners_per_triangle();
+    for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
+        const Index corner = model_.fan_corners[c];
+        const int i = place(matrix_.nodes().node_of_corner[corner]);
+        const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 2>> column(columns_of(c), n, 2);
+        inertia_.block<2, 2>(2 * i, 2 * i) += column.middleRows<2>(2 * model_.mesh.place_in_triangle(corner));
+    }
+    start_.resize(2 * n_nodes_);
+    move_.setZero(2 * n_nodes_);
+    for (int i = 0; i < n_nodes_; ++i) start_.segment<2>(2 * i) = impulse[node_[i]];
+    return true;
+}
+
+/// (N, T) of a motion of the nodes across a point.
+Vec2 FanSweep::turn(const ActivePoint& point, const Vector& x) const {
+    Vec2 jump = Vec2::Zero();
+    point.sides.for_each_node([&](Index node, double weight) { jump += weight * x.segment<2>(2 * place(node)); });
+    return point.in_frame(jump);
+}
+
+void FanSweep::add_impulse(const ActivePoint& point, const Vec2& impulse, Vector& x) const {
+    point.sides.for_each_node([&](Index node, double weight) { x.segment<2>(2 * place(node)) += weight * impulse; });
+}
+
+void FanSweep::clear_prescribed(Vector& x) const {
+    for (int i = 0; i < 2 * n_nodes_; ++i)
+        if (!matrix_.is_free(node_[i / 2], i % 2)) x[i] = 0;
+}
+
+void FanSweep::find_residual(std::span<const ActivePoint> points) {
+    residual_ = start_;
+    residual_.noalias() += inertia_ * move_;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        const ActivePoint& point = points[j];
+        const Vec2 rate = point.rate + turn(point, move_);
+        response_[j] = respond(point.law, point.multipliers, rate.x(), rate.y());
+        add_impulse(point, -impulse_of(point, response_[j]), residual_);
+    }
+    clear_prescribed(residual_);
+}
+
+/// Newton's. False: the matrix is not definite.
+bool FanSweep::find_direction(std::span<const ActivePoint> points, Softening softening) {
+    matrix_of_step_ = inertia_;
+    bool symmetric = true;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        const Eigen::Matrix2d D = tangent(points[j].law, points[j].multipliers, response_[j], softening);
+        if (D.isZero(0)) continue;
+        symmetric = symmetric && D(0, 1) == D(1, 0);
+        Eigen::Matrix2d axes;
+        axes << points[j].normal, turned_left(points[j].normal);
+        const Eigen::Matrix2d block = axes * D * axes.transpose();
+        points[j].sides.for_each_node([&](Index a, double weight_a) {
+            points[j].sides.for_each_node([&](Index b, double weight_b) {
+                matrix_of_step_.block<2, 2>(2 * place(a), 2 * place(b)) += weight_a * weight_b * block;
+            });
+        });
+    }
+    for (int i = 0; i < 2 * n_nodes_; ++i) {
+        if (matrix_.is_free(node_[i / 2], i % 2)) continue;
+        matrix_of_step_.row(i).setZero();
+        matrix_of_step_.col(i).setZero();
+        matrix_of_step_(i, i) = 1;
+    }
+    if (symmetric) {
+        const Eigen::LLT<Eigen::Ref<Matrix>> factor(matrix_of_step_);
+        if (factor.info() != Eigen::Success) return false;
+        step_ = factor.solve(-residual_);
+    } else {
+        step_ = matrix_of_step_.partialPivLu().solve(-residual_);
+    }
+    return step_.allFinite();
+}
+
+/// To the zero of the slope along the step, as for the body.
+double FanSweep::step_length(std::span<const ActivePoint> points) const {
+    const double slope_of_start = step_.dot(start_), slope_of_move = step_.dot(inertia_ * move_),
+                 curvature = step_.dot(inertia_ * step_);
+    std::array<Vec2, max_nodes> rate, along;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        rate[j] = points[j].rate + turn(points[j], move_);
+        along[j] = turn(points[j], step_);
+    }
+    const auto slope = [&](double a) {
+        double sum = slope_of_start + slope_of_move + a * curvature;
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const Vec2 at = rate[j] + a * along[j];
+            const PointResponse q = respond(points[j].law, points[j].multipliers, at.x(), at.y());
+            sum -= q.normal(points[j].law) * along[j].x() + q.tangential * along[j].y();
+        }
+        return sum;
+    };
+    const double at_start = slope(0), at_end = slope(1);
+    if (at_start >= 0 || at_end <= 0.1 * std::abs(at_start)) return 1;
+    return zero_between(0, at_start, 1, at_end, 1e-3 * std::abs(at_start), 20, slope);
+}
+
+/// Equations of the fan, by the method of multipliers. False: they are missed by more than before.
+bool FanSweep::solve(double tolerance, std::span<ActivePoint> points) {
+    std::array<Vec2, max_nodes> before;
+    for (std::size_t j = 0; j < points.size(); ++j)
+        before[j] = {points[j].multipliers.contact, points[j].multipliers.tangential};
+    double first = infinity, norm = infinity, augmentation = 1;
+    for (const ActivePoint& point : points) augmentation = std::max(augmentation, point.multipliers.rho_N / point.mass);
+    for (int step = 0, update = 0;;) {
+        find_residual(points);
+        norm = residual_.cwiseAbs().maxCoeff();
+        if (first == infinity && norm <= tolerance) return false;
+        first = std::min(first, norm);
+        if (norm <= fan_goal * tolerance) {
+            if (update++ == max_updates_of_fan) break;
+            double change = 0;
+            for (std::size_t j = 0; j < points.size(); ++j) {
+                Multipliers& at = points[j].multipliers;
+                change = std::max({change, std::abs(response_[j].contact - at.contact),
+                                   std::abs(response_[j].tangential - at.tangential)});
+                at.contact = response_[j].contact, at.tangential = response_[j].tangential;
+            }
+            if (change <= fan_goal * tolerance * augmentation) break;
+            continue;
+        }
+        if (step++ == max_steps_of_fan) break;
+        if (!find_direction(points, Softening::now) && !find_direction(points, Softening::none)) break;
+        move_ += step_length(points) * step_;
+    }
+    if (norm <= first || norm <= tolerance) return true;
+    for (std::size_t j = 0; j < points.size(); ++j)
+        points[j].multipliers.contact = before[j].x(), points[j].multipliers.tangential = before[j].y();
+    return false;
+}
+
+void FanSweep::sweep(double tolerance, std::vector<ActivePoint>& all, std::vector<Vec2>& rate,
+                     std::vector<Vec2>& impulse) {
+    if (!has_columns_) find_columns(all);
+    const CornerPartition& nodes = matrix_.nodes();
+    const Index n = model_.mesh.corners_per_triangle();
+    for (std::size_t first = 0, end; first < all.size(); first = end) {
+        for (end = first; end < all.size() && all[end].fan == all[first].fan;) ++end;
+        const std::span<ActivePoint> points = std::span(all).subspan(first, end - first);
+        if (points[0].fan < 0 || !load(points, impulse)) continue;
+        if (!solve(tolerance, points)) continue;
+        for (ActivePoint& point : points) point.rate += turn(point, move_);
+        for (int i = 0; i < n_nodes_; ++i) rate[node_[i]] += move_.segment<2>(2 * i);
+        for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
+            const Index corner = model_.fan_corners[c], first_corner = n * model_.mesh.triangle_of(corner);
+            const Vec2 d = move_.segment<2>(2 * place(nodes.node_of_corner[corner]));
+            const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 2>> column(columns_of(c), 2 * n, 2);
+            for (Index i = 0; i < n; ++i)
+                impulse[nodes.node_of_corner[first_corner + i]] += column.middleRows<2>(2 * i) * d;
+        }
+    }
+}
+
+}  // namespace knap
