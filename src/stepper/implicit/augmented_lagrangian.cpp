@@ -203,11 +203,13 @@ bool AugmentedLagrangian::find_multipliers(double goal, double first_tolerance, 
         x_.points, [](const ActivePoint& p) { return p.law.friction > 0 && p.multipliers.friction_follows; });
     last_move_.clear();
     set_augmentation(final_augmentation_);
+    // a few points are solved exactly: where their bounds contradict each other, the series of their moves must be precise
+    const double inexact = sweeps_ ? inexact_balance : 0;
     double change = 0;
     for (int outer = 0, n_near = 0; outer < max_outer_steps; ++outer) {
         const int solves = counts_.linear_solves;
         const double exact = balance_goal(unit_),
-                     tolerance = std::max(exact, outer == 0 ? first_tolerance : inexact_balance * change);
+                     tolerance = std::max(exact, outer == 0 ? first_tolerance : inexact * change);
         const bool first = outer == 0 && has_potential;
         if (!(first ? continue_penalties(tolerance) : find_rates(tolerance, max_steps))) return false;
         if (!first) max_steps -= counts_.linear_solves - solves;
