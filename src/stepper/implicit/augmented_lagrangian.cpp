@@ -248,7 +248,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     for (int i = 0; i < max_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         evaluate();
-        if (sweeps_ && i > 0 && residual() > sweep_goal * unit_) sweep_fans();
+        if (sweeps_ && residual() > sweep_goal * unit_) sweep_fans();
         const double norm = residual();
         if (norm <= tolerance) return true;
         stalled = norm > 0.5 * best ? stalled + 1 : 0;
