@@ -208,7 +208,7 @@ bool AugmentedLagrangian::find_multipliers(double goal, double first_tolerance, 
     double change = 0;
     for (int outer = 0, n_near = 0; outer < max_outer_steps; ++outer) {
         const int solves = counts_.linear_solves;
-        const double exact = balance_goal(unit_),
+        const double exact = std::max(balance_goal(unit_), sweeps_ ? goal * unit_ : 0),
                      tolerance = std::max(exact, outer == 0 ? first_tolerance : inexact * change);
         const bool first = outer == 0 && has_potential;
         if (!(first ? continue_penalties(tolerance) : find_rates(tolerance, max_steps))) return false;
