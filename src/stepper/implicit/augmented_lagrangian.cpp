@@ -20,6 +20,7 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
+constexpr int max_swept_steps = 12;  // of a round: where they do not end it, their moves of multipliers may be why
 constexpr double sweep_goal =
     1e-4;  // of the scale of impulses: a smaller residual of the balance is left to Newton's steps
 constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
@@ -248,7 +249,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     for (int i = 0; i < max_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         evaluate();
-        if (sweeps_ && residual() > sweep_goal * unit_) sweep_fans();
+        if (sweeps_ && i < max_swept_steps && residual() > sweep_goal * unit_) sweep_fans();
         const double norm = residual();
         if (norm <= tolerance) return true;
         stalled = norm > 0.5 * best ? stalled + 1 : 0;

@@ -24,7 +24,7 @@ Vec2 impulse_of(const ActivePoint& point, const PointResponse& response) {
 FanSweep::FanSweep(const Model& model, const ThetaMatrix& matrix) : model_(model), matrix_(matrix) {
     first_column_.resize(model.fan_corners.size());
     reserve_capacity(model.mesh.n_corners(), touches_);
-    columns_.reserve(entries_of_corner() * model.fan_corners.size());
+    columns_.reserve(4 * model.mesh.corners_per_triangle() * model.fan_corners.size());
 }
 
 void FanSweep::begin(const std::vector<ActivePoint>& points) {
@@ -52,6 +52,13 @@ void FanSweep::find_columns(const std::vector<ActivePoint>& points) {
     }
 }
 
+FanSweep::Columns FanSweep::columns(Index fan_corner) const {
+    const Index n = 2 * model_.mesh.corners_per_triangle();
+    return {&columns_[std::size_t(2 * n) * first_column_[fan_corner]], n, 2};
+}
+
+bool FanSweep::is_free(int unknown) const { return matrix_.is_free(node_[unknown / 2], unknown % 2); }
+
 int FanSweep::place(Index node) const {
     const auto end = node_.begin() + n_nodes_, at = std::find(node_.begin(), end, node);
     return at == end ? -1 : static_cast<int>(at - node_.begin());
@@ -70,12 +77,10 @@ bool FanSweep::load(std::span<const ActivePoint> points, const std::vector<Vec2>
         node_[n_nodes_++] = node;
     }
     inertia_.setZero(2 * n_nodes_, 2 * n_nodes_);
-    const Index n = 2 * model_.mesh.corners_per_triangle();
     for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
         const Index corner = model_.fan_corners[c];
         const int i = place(matrix_.nodes().node_of_corner[corner]);
-        const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 2>> column(columns_of(c), n, 2);
-        inertia_.block<2, 2>(2 * i, 2 * i) += column.middleRows<2>(2 * model_.mesh.place_in_triangle(corner));
+        inertia_.block<2, 2>(2 * i, 2 * i) += columns(c).middleRows<2>(2 * model_.mesh.place_in_triangle(corner));
     }
     start_.resize(2 * n_nodes_);
     move_.setZero(2 * n_nodes_);
@@ -94,9 +99,10 @@ void FanSweep::add_impulse(const ActivePoint& point, const Vec2& impulse, Vector
     point.sides.for_each_node([&](Index node, double weight) { x.segment<2>(2 * place(node)) += weight * impulse; });
 }
 
-void FanSweep::clear_prescribed(Vector& x) const {
-    for (int i = 0; i < 2 * n_nodes_; ++i)
-        if (!matrix_.is_free(node_[i / 2], i % 2)) x[i] = 0;
+double FanSweep::largest_residual() const {
+    double largest = 0;
+    for (int i = 0; i < 2 * n_nodes_; ++i) largest = std::max(largest, std::abs(residual_[i]));
+    return std::isfinite(residual_.sum()) ? largest : infinity;
 }
 
 void FanSweep::find_residual(std::span<const ActivePoint> points) {
@@ -108,7 +114,8 @@ void FanSweep::find_residual(std::span<const ActivePoint> points) {
         response_[j] = respond(point.law, point.multipliers, rate.x(), rate.y());
         add_impulse(point, -impulse_of(point, response_[j]), residual_);
     }
-    clear_prescribed(residual_);
+    for (int i = 0; i < 2 * n_nodes_; ++i)
+        if (!is_free(i)) residual_[i] = 0;
 }
 
 /// Newton's. False: the matrix is not definite.
@@ -129,7 +136,7 @@ bool FanSweep::find_direction(std::span<const ActivePoint> points, Softening sof
         });
     }
     for (int i = 0; i < 2 * n_nodes_; ++i) {
-        if (matrix_.is_free(node_[i / 2], i % 2)) continue;
+        if (is_free(i)) continue;
         matrix_of_step_.row(i).setZero();
         matrix_of_step_.col(i).setZero();
         matrix_of_step_(i, i) = 1;
@@ -167,59 +174,65 @@ double FanSweep::step_length(std::span<const ActivePoint> points) const {
     return zero_between(0, at_start, 1, at_end, 1e-3 * std::abs(at_start), 20, slope);
 }
 
-/// Equations of the fan, by the method of multipliers. False: they are missed by more than before.
+/// False: the fan stays where it is, since its balance is met within `tolerance`, or missed by more at the end.
 bool FanSweep::solve(double tolerance, std::span<ActivePoint> points) {
-    std::array<Vec2, max_nodes> before;
-    for (std::size_t j = 0; j < points.size(); ++j)
-        before[j] = {points[j].multipliers.contact, points[j].multipliers.tangential};
-    double first = infinity, norm = infinity, augmentation = 1;
-    for (const ActivePoint& point : points) augmentation = std::max(augmentation, point.multipliers.rho_N / point.mass);
-    for (int step = 0, update = 0;;) {
-        find_residual(points);
-        norm = residual_.cwiseAbs().maxCoeff();
-        if (first == infinity && norm <= tolerance) return false;
-        first = std::min(first, norm);
-        if (norm <= fan_goal * tolerance) {
-            if (update++ == max_updates_of_fan) break;
-            double change = 0;
-            for (std::size_t j = 0; j < points.size(); ++j) {
-                Multipliers& at = points[j].multipliers;
-                change = std::max({change, std::abs(response_[j].contact - at.contact),
-                                   std::abs(response_[j].tangential - at.tangential)});
-                at.contact = response_[j].contact, at.tangential = response_[j].tangential;
-            }
-            if (change <= fan_goal * tolerance * augmentation) break;
+    find_residual(points);
+    const double at_start = largest_residual();
+    if (at_start <= tolerance) return false;
+    std::array<Multipliers, max_nodes> before;
+    double augmentation = 1;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        before[j] = points[j].multipliers;
+        augmentation = std::max(augmentation, points[j].multipliers.rho_N / points[j].mass);
+    }
+    const double goal = fan_goal * tolerance;
+    for (int step = 0, update = 0; step < max_steps_of_fan && update < max_updates_of_fan; find_residual(points)) {
+        if (largest_residual() <= goal) {
+            if (update_multipliers(points) <= goal * augmentation) break;
+            ++update;
             continue;
         }
-        if (step++ == max_steps_of_fan) break;
         if (!find_direction(points, Softening::now) && !find_direction(points, Softening::none)) break;
         move_ += step_length(points) * step_;
+        ++step;
     }
-    if (norm <= first || norm <= tolerance) return true;
-    for (std::size_t j = 0; j < points.size(); ++j)
-        points[j].multipliers.contact = before[j].x(), points[j].multipliers.tangential = before[j].y();
+    if (largest_residual() <= at_start) return true;
+    for (std::size_t j = 0; j < points.size(); ++j) points[j].multipliers = before[j];
     return false;
 }
 
-void FanSweep::sweep(double tolerance, std::vector<ActivePoint>& all, std::vector<Vec2>& rate,
-                     std::vector<Vec2>& impulse) {
-    if (!has_columns_) find_columns(all);
-    const CornerPartition& nodes = matrix_.nodes();
+/// The largest change [N s].
+double FanSweep::update_multipliers(std::span<ActivePoint> points) const {
+    double change = 0;
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        Multipliers& at = points[j].multipliers;
+        const PointResponse& q = response_[j];
+        change = std::max({change, std::abs(q.contact - at.contact), std::abs(q.tangential - at.tangential)});
+        at.contact = q.contact, at.tangential = q.tangential;
+    }
+    return change;
+}
+
+/// The fan to its solution; the impulses of all nodes of its triangles follow.
+void FanSweep::move(std::span<ActivePoint> points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse) const {
+    for (ActivePoint& point : points) point.rate += turn(point, move_);
+    for (int i = 0; i < n_nodes_; ++i) rate[node_[i]] += move_.segment<2>(2 * i);
+    const std::vector<Index>& node_of_corner = matrix_.nodes().node_of_corner;
     const Index n = model_.mesh.corners_per_triangle();
-    for (std::size_t first = 0, end; first < all.size(); first = end) {
-        for (end = first; end < all.size() && all[end].fan == all[first].fan;) ++end;
-        const std::span<ActivePoint> points = std::span(all).subspan(first, end - first);
-        if (points[0].fan < 0 || !load(points, impulse)) continue;
-        if (!solve(tolerance, points)) continue;
-        for (ActivePoint& point : points) point.rate += turn(point, move_);
-        for (int i = 0; i < n_nodes_; ++i) rate[node_[i]] += move_.segment<2>(2 * i);
-        for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
-            const Index corner = model_.fan_corners[c], first_corner = n * model_.mesh.triangle_of(corner);
-            const Vec2 d = move_.segment<2>(2 * place(nodes.node_of_corner[corner]));
-            const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 2>> column(columns_of(c), 2 * n, 2);
-            for (Index i = 0; i < n; ++i)
-                impulse[nodes.node_of_corner[first_corner + i]] += column.middleRows<2>(2 * i) * d;
-        }
+    for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
+        const Index corner = model_.fan_corners[c], first = n * model_.mesh.triangle_of(corner);
+        const Vec2 d = move_.segment<2>(2 * place(node_of_corner[corner]));
+        for (Index i = 0; i < n; ++i) impulse[node_of_corner[first + i]] += columns(c).middleRows<2>(2 * i) * d;
+    }
+}
+
+void FanSweep::sweep(double tolerance, std::vector<ActivePoint>& points, std::vector<Vec2>& rate,
+                     std::vector<Vec2>& impulse) {
+    if (!has_columns_) find_columns(points);
+    for (std::size_t first = 0, end; first < points.size(); first = end) {
+        for (end = first; end < points.size() && points[end].fan == points[first].fan;) ++end;
+        const std::span<ActivePoint> of_fan = std::span(points).subspan(first, end - first);
+        if (of_fan[0].fan >= 0 && load(of_fan, impulse) && solve(tolerance, of_fan)) move(of_fan, rate, impulse);
     }
 }
 

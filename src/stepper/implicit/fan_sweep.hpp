@@ -35,33 +35,38 @@ private:
     static constexpr int max_unknowns = 32;  // twice as many
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_unknowns, max_unknowns>;
     using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_unknowns, 1>;
+    using Columns = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 2>>;
 
     void find_columns(const std::vector<ActivePoint>& points);
     bool load(std::span<const ActivePoint> points, const std::vector<Vec2>& impulse);
     int place(Index node) const;
     Vec2 turn(const ActivePoint& point, const Vector& x) const;
     void add_impulse(const ActivePoint& point, const Vec2& impulse, Vector& x) const;
-    void clear_prescribed(Vector& x) const;
+    bool is_free(int unknown) const;
+    double largest_residual() const;
     void find_residual(std::span<const ActivePoint> points);
     bool find_direction(std::span<const ActivePoint> points, Softening softening);
     double step_length(std::span<const ActivePoint> points) const;
     bool solve(double tolerance, std::span<ActivePoint> points);
-    double* columns_of(Index fan_corner) { return &columns_[entries_of_corner() * first_column_[fan_corner]]; }
-    std::size_t entries_of_corner() const { return 4 * static_cast<std::size_t>(model_.mesh.corners_per_triangle()); }
+    double update_multipliers(std::span<ActivePoint> points) const;
+    void move(std::span<ActivePoint> points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse) const;
+    Columns columns(Index fan_corner) const;
 
     const Model& model_;
     const ThetaMatrix& matrix_;
     bool has_columns_ = false;
-    std::vector<double> columns_;        // [kg] M_hat of the triangle of a corner, its two columns
-    std::vector<Index> first_column_;    // per corner of a fan in Model::fan_corners: place in columns_
+    std::vector<double> columns_;        // [kg] M_hat of the triangle of a corner: the two columns of the corner
+    std::vector<Index> first_column_;    // per entry of Model::fan_corners: its place among these
     std::vector<std::uint8_t> touches_;  // [0/1] per node: it touches an obstacle
 
     // of the present fan
     const Fan* fan_ = nullptr;
     Index n_nodes_ = 0;
     std::array<Index, max_nodes> node_{};
-    Matrix inertia_, matrix_of_step_;        // [kg] M_hat of its nodes; with the points
-    Vector start_, move_, residual_, step_;  // [N s] r(w) before the fan moves, [m/s], [N s], [m/s]
+    Matrix inertia_, matrix_of_step_;  // [kg] M_hat of its nodes; with the points
+    Vector start_;                     // [N s] r(w) before the fan moves
+    Vector move_, step_;               // [m/s]
+    Vector residual_;                  // [N s]
     std::array<PointResponse, max_nodes> response_{};
 };
 
