@@ -134,6 +134,23 @@ TEST_CASE("a problem whose inequalities contradict each other ends with a ray th
     CHECK(n_solved >= 15);
 }
 
+TEST_CASE("problems with a skew matrix end with a solution or with a ray that proves that there is none") {
+    Random random(12, "skew lcp");  // solvable where the inequalities do not contradict each other
+    int n_solved = 0, n_proven = 0;
+    for (int trial = 0; trial < 800; ++trial) {
+        const int n = 2 + trial % 14;
+        const Eigen::MatrixXd half = Eigen::MatrixXd::NullaryExpr(n, n, [&] { return random.uniform(-1, 1); });
+        const Eigen::VectorXd q = Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-1, 1); });
+        const LcpProblem problem = lcp_problem(half - half.transpose(), q);
+        const LcpSolution found = solve_by_default(problem);
+        n_solved += found.status == LcpStatus::solved;
+        n_proven += found.status == LcpStatus::ray && proves_infeasibility(problem, found.ray);
+    }
+    CHECK(n_solved + n_proven == 800);
+    CHECK(n_solved >= 300);
+    CHECK(n_proven >= 300);
+}
+
 TEST_CASE("Newton on the box form converges after a few sweeps") {
     for (const char* name : {"line_4", "all_2", "line_16_si", "trajH_s020"}) {
         CAPTURE(std::string(name));
