@@ -31,15 +31,12 @@ double power_of_two(double x) {
     return std::ldexp(1.0, mantissa < std::numbers::sqrt2 / 2 ? exponent - 1 : exponent);
 }
 
-/// The factors of rows without a diagonal entry, which are 0 at first: they start from their couplings to rows of known
-/// factor, so that other units give the same scaled problem, and are balanced with their largest entries.
-void scale_bounds(const LcpMatrix& M, const Eigen::VectorXd& diagonal, Eigen::VectorXd& factor) {
-    LcpMatrix of_bounds = M;  // their entries, in rows and columns
-    of_bounds.prune([&](int row, int column, double) { return diagonal[row] == 0 || diagonal[column] == 0; });
+/// Factors of rows without one (0) from their couplings to rows that have one, in turns.
+void follow_couplings(const LcpMatrix& M, Eigen::VectorXd& factor) {
     for (bool changed = true; changed;) {
         Eigen::VectorXd coupling = Eigen::VectorXd::Zero(M.rows());
-        for (int i = 0; i < of_bounds.outerSize(); ++i)
-            for (LcpMatrix::InnerIterator entry(of_bounds, i); entry; ++entry) {
+        for (int i = 0; i < M.outerSize(); ++i)
+            for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry) {
                 const auto j = entry.col();
                 coupling[i] = std::max(coupling[i], std::abs(entry.value()) * factor[j]);
                 coupling[j] = std::max(coupling[j], std::abs(entry.value()) * factor[i]);
@@ -47,6 +44,22 @@ void scale_bounds(const LcpMatrix& M, const Eigen::VectorXd& diagonal, Eigen::Ve
         changed = false;
         for (int i = 0; i < M.rows(); ++i)
             if (factor[i] == 0 && coupling[i] > 0) factor[i] = 1 / coupling[i], changed = true;
+    }
+}
+
+/// The factors of rows without a diagonal entry, which are 0 at first: they start from their couplings to rows of known
+/// factor, so that other units give the same scaled problem, and are balanced with their largest entries. Rows that no
+/// coupling joins to a diagonal (the slip of a point whose two sides are prescribed, and its bound) start from their q.
+void scale_bounds(const LcpProblem& problem, const Eigen::VectorXd& diagonal, Eigen::VectorXd& factor) {
+    const LcpMatrix& M = problem.M;
+    LcpMatrix of_bounds = M;  // their entries, in rows and columns
+    of_bounds.prune([&](int row, int column, double) { return diagonal[row] == 0 || diagonal[column] == 0; });
+    follow_couplings(of_bounds, factor);
+    if ((factor.array() == 0).any()) {
+        const double largest = problem.q.cwiseProduct(factor).cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1;
+        for (int i = 0; i < M.rows(); ++i)
+            if (factor[i] == 0 && problem.q[i] != 0) factor[i] = unit / std::abs(problem.q[i]);
+        follow_couplings(of_bounds, factor);
     }
     for (double& f : factor)
         if (f == 0) f = 1;
@@ -62,10 +75,11 @@ void scale_bounds(const LcpMatrix& M, const Eigen::VectorXd& diagonal, Eigen::Ve
     }
 }
 
-Eigen::VectorXd factors(const LcpMatrix& M) {
+Eigen::VectorXd factors(const LcpProblem& problem) {
+    const LcpMatrix& M = problem.M;
     const Eigen::VectorXd diagonal = M.diagonal();
     Eigen::VectorXd factor = diagonal.unaryExpr([](double d) { return d != 0 ? 1 / std::sqrt(std::abs(d)) : 0.0; });
-    if ((diagonal.array() == 0).any()) scale_bounds(M, diagonal, factor);
+    if ((diagonal.array() == 0).any()) scale_bounds(problem, diagonal, factor);
     const Eigen::VectorXd largest = largest_entries(M, factor);
     for (int i = 0; i < M.rows(); ++i)
         if (largest[i] > near_one) factor[i] /= std::sqrt(largest[i]);
@@ -75,7 +89,7 @@ Eigen::VectorXd factors(const LcpMatrix& M) {
 }  // namespace
 
 LcpScaling equilibrate(LcpProblem& problem) {
-    LcpScaling scaling{.factor = factors(problem.M)};
+    LcpScaling scaling{.factor = factors(problem)};
     for (int i = 0; i < problem.M.outerSize(); ++i)
         for (LcpMatrix::InnerIterator entry(problem.M, i); entry; ++entry)
             entry.valueRef() *= scaling.factor[i] * scaling.factor[entry.col()];

@@ -5,6 +5,7 @@
 // rows (an energy in the problems of knap), other units give the same scaled problem, bit by bit.
 //     rows with a diagonal entry     |D M D| = 1 there
 //     rows without one (bounds)      the largest coupling is 1 (Ruiz, RAL-TR-2001-034)
+//     bounds among themselves        the same, and their largest |D q| is that of the other rows before it is balanced
 // The diagonal is scaled first because the sizes of the entries alone leave a common factor (x, 1/x) to an impulse and
 // its bound (r_T and chi, p_T and zeta), which in a short step can hide the rate of a point. Where a diagonal entry is
 // small compared with its row (M not monotone), the largest entry of the row scales it.

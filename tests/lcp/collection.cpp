@@ -279,6 +279,38 @@ TEST_CASE("the scaled residual shows the rate of a point with a bound however sh
     }
 }
 
+TEST_CASE("bounds that no coupling joins to a diagonal have the same bits in all units and hide nothing") {
+    // a contact, and the slip of a point whose two sides are prescribed: r_T+, r_T- and chi, in units of their own
+    Eigen::MatrixXd M(4, 4);
+    M << 2, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, -1, 0;
+    const LcpProblem problem = lcp_problem(M, Eigen::Vector4d(-3, 0.7, -0.7, 0.4));
+    const Eigen::Vector4d solution(1.5, 0, 0.4, 0.7);
+    LcpProblem first = problem;
+    equilibrate(first);
+    for (const int exponent : {-80, -20, 0, 30, 80})  // of the energy z w, of each unknown
+        for (const int of_impulse : {-20, 0, 30})
+            for (const int of_force : {-40, 0, 10}) {
+                const double energy = std::ldexp(1, exponent), force = std::ldexp(1, of_force);
+                const Eigen::Vector4d unit(std::ldexp(1, of_impulse), force, force, energy / force);
+                LcpProblem other = problem;
+                const Eigen::Vector4d of_row = energy * unit.cwiseInverse();
+                other.M = LcpMatrix(of_row.asDiagonal() * problem.M * unit.cwiseInverse().asDiagonal());
+                other.q = of_row.cwiseProduct(problem.q);
+                CAPTURE(exponent);
+                CAPTURE(of_impulse);
+                CAPTURE(of_force);
+                CHECK(scaled_residual(other, unit.cwiseProduct(solution)) <= 1e-15);
+                for (int i = 0; i < 4; ++i) {
+                    Eigen::Vector4d wrong = solution;
+                    wrong[i] += 1e-3;
+                    CHECK(scaled_residual(other, unit.cwiseProduct(wrong)) >= 1e-5);
+                }
+                equilibrate(other);
+                CHECK((Eigen::MatrixXd(other.M) - Eigen::MatrixXd(first.M)).isZero(0));
+                CHECK(other.q == first.q);
+            }
+}
+
 TEST_CASE("generated problems have the structure of the stored ones") {
     for (const bool every_edge : {true, false}) {
         const CohesiveBody body({.n_x = 4, .n_y = 2, .every_edge = every_edge});
