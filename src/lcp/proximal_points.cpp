@@ -14,8 +14,9 @@
 namespace knap {
 namespace {
 
-constexpr int max_rounds = 40, sweeps_per_round = 20, newton_steps_per_round = 8;
-constexpr double inner_tolerance = 1e-10;  // of a round; the last round is a Newton iteration on the problem itself
+constexpr int max_rounds = 40, sweeps_per_round = 20;
+constexpr int newton_steps_per_round = 60;  // a round whose problem is not solved leads hardly nearer
+constexpr double inner_tolerance = 1e-10;   // of a round; the last round is a Newton iteration on the problem itself
 
 /// D from the sums of the rows: couplings among capped unknowns, directly and through the pairs that they bound.
 Eigen::VectorXd majorant(const BoxLcp& box) {

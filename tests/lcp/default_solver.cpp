@@ -191,6 +191,15 @@ TEST_CASE("steps beyond Assumption 1 are solved") {
     CHECK(n_beyond >= 8);
 }
 
+TEST_CASE("a large step far beyond Assumption 1 with friction takes few rounds of proximal points") {
+    const CohesiveBody body(
+        {.n_x = 8, .n_y = 5, .step = 100, .theta = 0.5, .stiffness = 1, .stretch = 0, .shear = 0.5, .noise = 0.01});
+    const LcpProblem problem = body.problem();
+    const LcpSolution solution = solve_by_default(problem);
+    check_solved(problem, solution);
+    CHECK(solution.iterations <= 400);  // 6382 where a round ended before its convex problem was solved
+}
+
 TEST_CASE("solvers that use a start need no iterations from the solution") {
     const LcpProblem problem = stored("all_2");
     const Eigen::VectorXd z = solve_by_lemke(problem).z;
