@@ -33,10 +33,20 @@ void MoreauJean::make_scheme(bool implicit) {
     if (give_up_ != nullptr) give_up_when(give_up_);
 }
 
-StepScheme& MoreauJean::scheme_of(const State& begin) {
+/// That of a first implicit step after explicit ones reverses no rate of a contact (scheme_change.hpp).
+double MoreauJean::theta_of(const State& begin, double h) const {
+    if (begin.split_fans.empty() || !begins_implicit_stage(begin, h)) return options_.theta;
+    double restitution = 0;
+    for (const CohesiveLaw& law : model_.laws) restitution = std::max(restitution, law.restitution);
+    for (const Obstacle& obstacle : model_.obstacles) restitution = std::max(restitution, obstacle.contact.restitution);
+    return 1 / (1 + restitution);
+}
+
+StepScheme& MoreauJean::scheme_of(const State& begin, double h) {
     const bool implicit = is_implicit(begin);
     const std::unique_ptr<StepScheme>& scheme = implicit ? implicit_ : explicit_;
     if (!scheme) make_scheme(implicit);
+    if (implicit && changes()) scheme->set_theta(theta_of(begin, h));
     return *scheme;
 }
 
@@ -77,7 +87,7 @@ StepReport MoreauJean::close_leapfrog(const State& begin, State& end) {
 
 /// With the temperatures of the end already there.
 StepReport MoreauJean::advance(const State& begin, double h, State& end) {
-    StepReport report = scheme_of(begin).step(begin, h, end);
+    StepReport report = scheme_of(begin, h).step(begin, h, end);
     if (heat_) end.temperature_before = begin.temperature;
     if (model_.laws_follow_temperature) account_law_change(model_, begin, report);
     if (report.rejection != Rejection::none) return report;

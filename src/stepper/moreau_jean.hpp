@@ -44,8 +44,9 @@ public:
 private:
     bool changes() const { return options_.bulk == BulkScheme::automatic; }
     bool is_implicit(const State& begin) const;
+    double theta_of(const State& begin, double h) const;
     void make_scheme(bool implicit);
-    StepScheme& scheme_of(const State& begin);
+    StepScheme& scheme_of(const State& begin, double h);
     StepReport advance(const State& begin, double h, State& end);
 
     const Model& model_;

@@ -38,6 +38,12 @@ inline constexpr double closing_part = 1. / 1024;
 /// Whether the next step from a state is one of the implicit scheme.
 inline bool has_end_velocities(const State& state) { return !state.rate.empty(); }
 
+/// Whether an implicit step over h [s] from a state is the first one after explicit steps: others are at most twice as
+/// long as the step before.
+inline bool begins_implicit_stage(const State& state, double h) {
+    return state.last_step > 0 && state.last_step <= closing_part * h;
+}
+
 /// A state with velocities of this moment goes on with explicit steps.
 void begin_leapfrog(State& state);
 /// Likewise with implicit steps.

@@ -219,6 +219,37 @@ TEST_CASE("scheme change: the same steps from a state in the middle of either st
     }
 }
 
+TEST_CASE("scheme change: the first implicit step after explicit ones reverses no rate of a contact") {
+    for (const double restitution : {0.0, 1.0}) {
+        ModelInput input = bar({.sigma_c = 1e-3, .G_c = 1e-7, .gamma = 1, .restitution = restitution});
+        input.loads = {load(Load::Kind::velocity, "left", -1e-5, std::nullopt),
+                       load(Load::Kind::velocity, "right", 1e-5, std::nullopt)};
+        const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
+        const StepLimits limits{.largest = 5,
+                                .cracking = 100 * stable,
+                                .smallest = 1e-6 * stable,
+                                .end = 90,
+                                .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-2, .quiet_for = 2}};
+        Changing run(std::move(input), limits, {.bulk = BulkScheme::automatic, .damping = 1});
+        while (run.control.changes().size() < 2) run.step();
+        REQUIRE(!run.body.now.split_fans.empty());
+        CHECK(run.body.ledger.row().scheme_dissipation == 0);
+        const double theta = 1 / (1 + restitution);  // the largest one without gain of energy
+        const State begin = run.body.now;
+        run.step();
+        REQUIRE(run.body.now.n_steps == begin.n_steps + 1);
+        for (std::size_t node = 0; node < begin.velocity.size(); ++node)
+            CHECK((theta * run.body.now.velocity[node] + (1 - theta) * begin.velocity[node] - run.body.now.rate[node])
+                      .norm() <= 1e-17);
+        const double dissipated = run.body.ledger.row().scheme_dissipation;
+        CHECK((dissipated > 0) == (theta > 0.5));
+        CHECK(dissipated <= 1e-2 * 1e-7 * height);
+        run.step();  // and all others have theta = 1/2
+        CHECK(run.body.ledger.row().scheme_dissipation == dissipated);
+        CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
+    }
+}
+
 TEST_CASE("scheme change: what an implicit step does not resolve") {
     SchemeChange change({.explicit_step = 1, .quiet_below = 1e-4, .quiet_for = 10});
     StepReport report;

@@ -50,6 +50,7 @@ public:
     virtual StepReport step(const State& begin, double h, State& end) = 0;
     virtual FactorSize factor_size() const { return {}; }
     virtual void give_up_when(GiveUp) {}  // ignored by a scheme with short steps
+    virtual void set_theta(double) {}     // of the implicit bulk, from now on; at first that of the options
 };
 
 }  // namespace knap

@@ -131,8 +131,10 @@ bool ImplicitScheme::lemke_is_cheap() const {
 /// Rates and multipliers from the step's complementarity problem, with all fans active. The method of
 /// multipliers starts again from them, so the step is found to its tolerance and judged like any other.
 bool ImplicitScheme::start_from_lemke() {
+    SchemeOptions options = options_;
+    options.theta = step_.theta;
     const std::optional<StepLcpEnd> found =
-        StepLcp(model_, *step_.begin, step_.h, options_, step_.end_temperature).solve();
+        StepLcp(model_, *step_.begin, step_.h, options, step_.end_temperature).solve();
     if (!found) return false;
     corner_rate_ = found->rate;
     active_.assign(model_.fans.size(), 1);

@@ -34,6 +34,7 @@ public:
     ImplicitScheme(const Model& model, const SchemeOptions& options);
 
     StepReport step(const State& begin, double h, State& end) override;
+    void set_theta(double theta) override { step_.theta = theta; }
     void give_up_when(GiveUp condition) override { solver_.give_up_when(condition); }
     FactorSize factor_size() const override { return matrix_.size(); }
 
