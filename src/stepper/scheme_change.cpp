@@ -40,13 +40,19 @@ void SchemeChange::after_step(const State& begin, double h, const StepReport& re
     surface_ = surface_of(report), strain_ = report.strain;
     const bool quiet = report.softened == 0 && report.released == 0 &&
                        report.kinetic <= options_.quiet_below * (report.strain + surface_);
-    if (!quiet) quiet_since_ = begin.time + h;
+    const double now = begin.time + h;
+    if (!quiet) quiet_since_ = now;
+    at_rest_ = report.kinetic <= options_.quiet_below * report.strain;
+    if (now < look_again_) return;
+    calms_down_ = report.kinetic < 0.5 * kinetic_;
+    kinetic_ = report.kinetic, look_again_ = now + options_.quiet_for;
 }
 
 void SchemeChange::to_explicit(double time) {
     const bool was_short = time - changed_ <= waiting_time();
     patience_ = was_short ? std::min(2 * patience_, max_patience) : 1;
     changed_ = quiet_since_ = time;
+    calms_down_ = true, kinetic_ = infinity, look_again_ = time + options_.quiet_for;
 }
 
 void SchemeChange::to_implicit(double time, const StepReport& closing) {

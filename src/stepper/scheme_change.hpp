@@ -10,14 +10,20 @@
 //                              leaves the body in motion: kinetic energy > 10 quiet_below U, in a step in which a
 //                                load only begins 100 quiet_below U; U: strain energy and what interfaces consumed
 //     explicit -> implicit   for quiet_for after that step, nothing has softened or split, and the kinetic energy was
-//                            at most quiet_below U. An implicit stage that lasts no longer than this waiting time
-//                            doubles the next one, up to 16 times.
+//                            at most quiet_below U. As long as it is above quiet_below times the strain energy alone
+//                            (pieces hardly have any) and halves within every quiet_for, damping and contacts still
+//                            bring them to rest, and explicit steps go on. An implicit stage that lasts no longer
+//                            than this waiting time doubles the next one, up to 16 times.
 //
 // Between steps the explicit scheme has velocities of the middle of the last step, the implicit one those of its end:
 //
 //     implicit -> explicit   last step 0: the first kick is that of half a step, v+ = v + h/2 M^-1 (f + ...)
 //     explicit -> implicit   a last explicit step of nearly no length (closing_part of a step) has the kick of the
 //                            other half; then 1/2 u_n' K u_n+1 becomes 1/2 u' K u
+//
+// The first implicit step has theta = 1/(1 + e), the others 1/2: with 1/2 a touching pair keeps half of its approach,
+// w_N >= -|V_N|/2, and round a vertex these bounds contradict each other by the rounding of the explicit rates (1e-10
+// m/s), which has no solution but sliding of all its points. With theta = 1/(1 + e) the bounds of touching pairs are 0.
 //
 // Both are steps of the leapfrog with a change of its size, whose energy is booked in step_change_work: the energy
 // identity holds to rounding, and every impulse is counted once.
@@ -71,11 +77,14 @@ public:
     /// The closing step was not possible.
     void stay_explicit(double time) { quiet_since_ = time; }
 
-    bool is_quiet(double time) const { return time >= std::max(quiet_since_, busy_until_) + waiting_time(); }
+    bool is_quiet(double time) const {
+        return time >= std::max(quiet_since_, busy_until_) + waiting_time() && (at_rest_ || !calms_down_);
+    }
 
     template <class Archive>
     void serialize(Archive& archive) {
         archive(surface_, strain_, quiet_since_, busy_until_, changed_, patience_);
+        archive(at_rest_, calms_down_, kinetic_, look_again_);
     }
 
 private:
@@ -87,6 +96,10 @@ private:
     double busy_until_ = 0;            // [s] the end of the last implicit step that did not count
     double changed_ = -infinity;       // [s] the last change
     double patience_ = 1;              // [-]
+    bool at_rest_ = false;             // the kinetic energy is below a part of the strain energy alone
+    bool calms_down_ = true;           // it has halved within quiet_for
+    double kinetic_ = infinity;        // [J] when that was looked at
+    double look_again_ = 0;            // [s]
 };
 
 }  // namespace knap

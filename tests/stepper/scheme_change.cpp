@@ -299,6 +299,28 @@ TEST_CASE("scheme change: damage of the run that it starts from is no work of th
     CHECK(next.fault(damaged) == StepFault::none);
 }
 
+TEST_CASE("scheme change: explicit steps go on while the pieces come to rest") {
+    constexpr double quiet_for = 10;
+    const auto length = [&](double decay, double strain) {  // [s] of an explicit stage; kinetic energy exp(-decay t)
+        SchemeChange change({.explicit_step = 1, .quiet_below = 1e-2, .quiet_for = quiet_for});
+        change.to_explicit(0);
+        double time = 0;
+        while (!change.is_quiet(time) && time < 1000) {
+            State begin;
+            begin.time = time++;
+            StepReport report;
+            report.strain = strain, report.dissipated = 1000;  // so that U alone allows any of these energies
+            report.kinetic = std::exp(-decay * time);
+            change.after_step(begin, 1, report);
+        }
+        return time;
+    };
+    CHECK(length(0, 1000) == quiet_for);                     // below a part of the strain energy at once
+    CHECK(length(0, 1e-9) == 2 * quiet_for);                 // it does not fall any more: pieces that fly
+    CHECK(length(0.06, 1e-9) == 2 * quiet_for);              // by less than a half
+    CHECK(length(0.1, 1) == std::ceil(10 * std::log(100)));  // until it is below 1e-2 of the strain energy
+}
+
 TEST_CASE("scheme change: short implicit stages make the explicit ones longer") {
     SchemeChange change({.explicit_step = 1, .quiet_below = 1e-4, .quiet_for = 10});
     StepReport quiet;
