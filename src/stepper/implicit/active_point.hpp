@@ -20,6 +20,7 @@ struct ActivePoint {
 
     Vec2 in_frame(const Vec2& a) const { return {normal.dot(a), turned_left(normal).dot(a)}; }
     Vec2 out_of_frame(const Vec2& a) const { return a.x() * normal + a.y() * turned_left(normal); }
+    Eigen::Matrix2d axes() const { return (Eigen::Matrix2d() << normal, turned_left(normal)).finished(); }
     /// (N, T) of the difference of a nodal field between the two sides.
     Vec2 across(const std::vector<Vec2>& of_node) const { return in_frame(sides.jump(of_node)); }
     Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - support_rate; }
@@ -46,6 +47,12 @@ struct ActivePoint {
         return response.closed && response.sticks && law.contact.rate == 0 && response.kink == 0;
     }
 };
+
+/// Of a tangent: all but the friction that follows the contact impulse.
+inline Eigen::Matrix2d symmetric_part(Eigen::Matrix2d D) {
+    if (D(1, 0) != D(0, 1)) D(0, 1) = D(1, 0) = 0;
+    return D;
+}
 
 /// Of a fan, with its law over the step; all but its mass.
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 namespace knap {
@@ -26,9 +25,10 @@ constexpr double sweep_goal =
 constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
 constexpr std::size_t min_points = 16;    // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
-constexpr int max_piece_steps = 40, max_stalled_steps = 6;
-constexpr double min_length = 0.05;                      // of its steps
-constexpr double near_balance = 1e-6, slow_ratio = 0.3;  // of the scale; of a residual to the one before
+constexpr int max_piece_steps = 40, max_stalled_steps = 6, first_local_step = 2, max_marching_steps = 2;
+constexpr double min_length = 0.05;                  // of its steps
+constexpr double near_balance = 1e-6;                // of the scale
+constexpr double slow_ratio = 0.3, same_move = 0.7;  // of a residual, a move of multipliers to the one before
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 
 // extrapolation of multipliers
@@ -41,16 +41,19 @@ constexpr double max_series = 20;      // moves: q is uncertain near 1
 
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
                                          Iterate& iterate)
-    : bulk_(bulk), matrix_(matrix), x_(iterate), system_(model, bulk, matrix, iterate.rate), fans_(model, matrix) {
+    : bulk_(bulk),
+      matrix_(matrix),
+      x_(iterate),
+      system_(model, bulk, matrix, iterate.rate),
+      fans_(model, matrix),
+      local_(model, matrix) {
     reserve_capacity(model.mesh.n_corners(), force_, before_.rate, first_.rate, completed_.rate);
     reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, last_move_,
                      before_.points, first_.points, completed_.points);
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {
-    counts_ = {};
-    unit_ = scale > 0 ? scale : 1;
-    largest_unit_ = largest_scale;
+    counts_ = {}, unit_ = scale > 0 ? scale : 1, largest_unit_ = largest_scale;
     if (!std::isfinite(unit_ + bulk_.largest_impulse())) return false;  // every tolerance would be met
     const bool friction = std::ranges::any_of(x_.points, [](const ActivePoint& p) { return p.law.friction > 0; });
     const bool obstacles = std::ranges::any_of(x_.points, [](const ActivePoint& p) { return p.fan < 0; });
@@ -70,7 +73,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     sweeps_ = by_pieces;
     if (sweeps_ && !friction && find_solution(max_newton_steps)) return true;
     if (by_pieces) {
-        const Pieces pieces = find_pieces();
+        const Pieces pieces = find_pieces(friction);
         if (pieces != Pieces::cycling && find_solution(max_cycling_steps) && (pieces == Pieces::found || !indefinite_))
             return true;
         // Where it cycles, the energy of the springs may lead on; within Assumption 1 the solution is the same one.
@@ -123,12 +126,11 @@ bool AugmentedLagrangian::find_solution(int max_steps) {
 /// Newton's method on the laws themselves. An augmentation of the size of inertia and stiffness shows on which piece of
 /// its law a point is; a step solves the equations of these pieces, on stiff springs, with multipliers that follow at
 /// once. (Stiff springs would stop it at the first point that changes its piece.)
-AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces() {
-    set_augmentation(final_augmentation_);
-    pieces_.assign(x_.points.size(), ~0u);
-    move_.resize(x_.points.size());
+AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
+    set_augmentation(final_augmentation_), local_.forget();
+    pieces_.assign(x_.points.size(), ~0u), move_.resize(x_.points.size());
     double move = infinity, best = infinity, norm = infinity, unit = unit_;
-    int n_found = 0, stalled = 0;
+    int n_found = 0, stalled = 0, marching = 0;
     std::size_t fewest = x_.points.size() + 1;
     for (int i = 0; i < max_piece_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
@@ -162,20 +164,28 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces() {
             unit_ = unit;
             return indefinite_ ? Pieces::cycling : Pieces::found;
         }
-        // nearly redundant points: the multipliers converge linearly, and their extrapolation is quicker
-        if (n_changed == 0 && norm <= near_balance * unit && norm > slow_ratio * last_norm && n_found == 0) break;
+        // nearly redundant points, contradictory bounds: the multipliers converge linearly or move by the same step for
+        // ever, and their extrapolation is quicker
+        const bool slow = (n_changed == 0 && norm > slow_ratio * last_norm) || marching >= max_marching_steps;
+        if (slow && norm <= near_balance * unit && n_found == 0) break;
         if (n_changed < fewest || (n_changed == fewest && norm < 0.5 * best)) stalled = 0;
         else if (++stalled == max_stalled_steps) break;
         fewest = std::min(fewest, n_changed), best = std::min(best, norm);
         if (!find_direction()) break;
-        move = 0;
+        const Softening softening = indefinite_ ? Softening::none : Softening::now;
+        if (friction && i >= first_local_step &&
+            local_.solve(x_.points, system_.direction(), softening, unit_, system_.residual()) && !find_direction())
+            break;
+        const double last_move = std::exchange(move, 0.0);
         for (std::size_t j = 0; j < move_.size(); ++j) {
             const ActivePoint& point = x_.points[j];
-            const Vec2 q = point.impulse_of_piece(point.rate + point.across(system_.direction()));
+            const Vec2 q = local_.has(j) ? local_.impulse(j)
+                                         : point.impulse_of_piece(point.rate + point.across(system_.direction()));
             move_[j] = q - Vec2(point.multipliers.contact, point.multipliers.tangential);
             if (std::isinf(point.multipliers.rho_T)) move_[j].y() = 0;
             move = std::max(move, move_[j].cwiseAbs().maxCoeff());
         }
+        marching = friction && move > same_move * last_move ? marching + 1 : 0;
         const double a = step_length_of_pieces();
         system_.step(a);
         for (std::size_t j = 0; j < move_.size(); ++j) {
@@ -302,12 +312,10 @@ void AugmentedLagrangian::make_tangents(Softening softening) {
     for (const ActivePoint& point : x_.points) {
         const Eigen::Matrix2d D = tangent(point.law, point.multipliers, point.response, softening);
         if (D.isZero(0)) continue;
-        Eigen::Matrix2d axes, symmetric = D;
-        axes << point.normal, turned_left(point.normal);
-        if (D(1, 0) != D(0, 1)) symmetric(0, 1) = symmetric(1, 0) = 0;
+        const Eigen::Matrix2d axes = point.axes();
         tangents_.push_back({.sides = point.sides,
                              .block = axes * D * axes.transpose(),
-                             .symmetric_block = axes * symmetric * axes.transpose()});
+                             .symmetric_block = axes * symmetric_part(D) * axes.transpose()});
     }
 }
 
@@ -396,8 +404,7 @@ double AugmentedLagrangian::update_multipliers() {
         Multipliers& multipliers = x_.points[j].multipliers;
         move_[j] = {q.contact - multipliers.contact, q.tangential - multipliers.tangential};
         longest = std::max(longest, move_[j].cwiseAbs().maxCoeff());
-        multipliers.contact = q.contact;
-        multipliers.tangential = q.tangential;
+        multipliers.contact = q.contact, multipliers.tangential = q.tangential;
     }
     return longest;
 }
@@ -411,21 +418,19 @@ double AugmentedLagrangian::update_multipliers() {
 /// Contacts with obstacles are left out: they couple the whole body and may jam it.
 void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
     std::vector<ActivePoint>& points = x_.points;
-    std::vector<Vec2>& force = force_;  // H' d
-    force.resize(x_.rate.size());
-    for (const Index node : system_.near_nodes()) force[node].setZero();
+    force_.resize(x_.rate.size());  // H' d
+    for (const Index node : system_.near_nodes()) force_[node].setZero();
     last_move_.resize(points.size(), Vec2::Zero());
-    for (std::size_t j = 0; j < points.size(); ++j) points[j].sides.add_force(points[j].out_of_frame(move_[j]), force);
+    for (std::size_t j = 0; j < points.size(); ++j) points[j].sides.add_force(points[j].out_of_frame(move_[j]), force_);
     const auto force_on = [&](Index node) {
         double largest = 0;
         for (int k = 0; node >= 0 && k < 2; ++k)
-            if (matrix_.is_free(node, k)) largest = std::max(largest, std::abs(force[node][k]));
+            if (matrix_.is_free(node, k)) largest = std::max(largest, std::abs(force_[node][k]));
         return largest;
     };
     for (std::size_t first = 0, end; first < points.size(); first = end) {
-        double longest = 0, strongest = 0;
-        double square = 0, product = 0, length = 0;  // of the previous move and this one
-        double to_bound = infinity;                  // moves until a contact, or a sticking point, is at its bound
+        double longest = 0, strongest = 0, square = 0, product = 0, length = 0;  // of the previous move and this one
+        double to_bound = infinity;  // moves until a contact, or a sticking point, is at its bound
         for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
             const ActivePoint& point = points[end];
             const Vec2& d = move_[end];

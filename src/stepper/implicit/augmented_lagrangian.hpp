@@ -13,13 +13,15 @@
 // strength.
 //
 // Before that it asks a primal-dual active set (find_pieces), whose multipliers follow in every Newton step. It solves
-// most steps in fewer Newton steps; where it cycles, the method of multipliers decides.
+// most steps in fewer Newton steps, with friction by the points of a few fans in addition (LocalPoints); where it
+// cycles, the method of multipliers decides.
 // (S. Hueber, G. Stadler, B. Wohlmuth, SIAM J. Sci. Comput. 30, 2008, from memory; D. Bertsekas, Constrained
 // Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog. Comp.
 // 2022, for the exact line search and the proximal Newton step.)
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/condensed_system.hpp"
 #include "stepper/implicit/fan_sweep.hpp"
+#include "stepper/implicit/local_points.hpp"
 
 #include <algorithm>
 
@@ -73,7 +75,7 @@ private:
         return std::max(1e-12 * unit, 4e-18 * final_augmentation_ * bulk_.largest_impulse());
     }
     enum class Pieces { found, nearly, cycling };
-    Pieces find_pieces();
+    Pieces find_pieces(bool friction);
     void restart_from(const Iterate& iterate);
     bool find_solution(int max_steps);
     bool find_multipliers(double goal, double first_tolerance, int max_steps);
@@ -98,7 +100,8 @@ private:
     Iterate& x_;
     CondensedSystem system_;
     FanSweep fans_;
-    bool sweeps_ = false;                         // of the fans between Newton's steps
+    bool sweeps_ = false;  // of the fans between Newton's steps
+    LocalPoints local_;
     Iterate completed_;                           // in find_solution
     Iterate before_, first_;                      // at the start of an attempt, of the step
     std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised

@@ -8,6 +8,12 @@
 #include <numeric>
 
 namespace knap {
+namespace {
+
+constexpr std::size_t max_half_entries = 1'000'000;  // of find_compliance()
+constexpr Eigen::Index half_rows_at_once = 64;       // likewise: their product needs no memory of its own
+
+}  // namespace
 
 ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
     : model_(model),
@@ -26,8 +32,10 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
       x_(2 * model.mesh.n_corners(), 0),
       y_(x_.size(), 0) {
     reserve_capacity(model.fan_points.size(), with_block_, friction_, points_);
-    reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_);
+    reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_, local_parts_, path_);
     reserve_capacity(model.mesh.n_corners(), near_nodes_, far_nodes_);
+    reserve_capacity(2 * model.mesh.n_corners(), local_unknowns_);
+    half_.reserve(std::min(max_half_entries, 240 * static_cast<std::size_t>(model.mesh.n_corners())));
     far_part_.reserve(x_.size());
 }
 
@@ -182,6 +190,12 @@ void ThetaMatrix::find_marked_parts(std::vector<Index>& parts) {
     }
 }
 
+template <class Points, class SidesOf>
+void ThetaMatrix::find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts) {
+    mark_parts(points, sides_of);
+    find_marked_parts(parts);
+}
+
 void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
     mark_parts(points, std::identity{});
     for (const PointSides& point : points)
@@ -248,6 +262,36 @@ void ThetaMatrix::bulk_part(const std::vector<Vec2>& right_side, const std::vect
         friction_[j].sides.add_force(-gmres_.solution().segment<2>(2 * j), impulse);
 }
 
+/// With A = L L':   G' A^-1 G = (L^-1 G)' (L^-1 G).
+bool ThetaMatrix::find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance) {
+    find_parts(points, std::identity{}, local_parts_);
+    local_unknowns_.clear();
+    each_unknown(near_nodes_, [&](Index u, Index, int) {
+        if (is_marked_[eliminated_in_[u]]) local_unknowns_.push_back(u);
+    });
+    const Eigen::Index n = 2 * static_cast<Eigen::Index>(points.size()),
+                       n_rows = static_cast<Eigen::Index>(local_unknowns_.size());
+    if (static_cast<std::size_t>(n * n_rows) > half_.capacity()) return false;
+    half_.resize(n * n_rows);
+    Eigen::Map<Eigen::MatrixXd> half(half_.data(), n_rows, n);
+    for (Eigen::Index j = 0; j < n; ++j) {
+        const int k = static_cast<int>(j % 2);
+        if (k == 0) find_parts(points.subspan(j / 2, 1), std::identity{}, path_);
+        factor_.set_zero(local_parts_, y_);
+        points[j / 2].for_each_node([&](Index node, double weight) {
+            if (is_free(node, k)) y_[unknown(node, k)] += weight;
+        });
+        factor_.substitute(path_, y_);
+        for (Eigen::Index i = 0; i < n_rows; ++i) half(i, j) = y_[local_unknowns_[i]];
+    }
+    compliance.setZero();
+    for (Eigen::Index i = 0; i < n_rows; i += half_rows_at_once) {
+        const auto some = half.middleRows(i, std::min(half_rows_at_once, n_rows - i));
+        compliance.noalias() += some.transpose() * some;
+    }
+    return true;
+}
+
 bool ThetaMatrix::solve_with_friction() {
     // A = S + G E G' with the factor of S known and E the friction that follows the contact impulses:
     //     x = S^-1 (b - G y),     y + E G' S^-1 G y = E G' S^-1 b
@@ -264,8 +308,8 @@ bool ThetaMatrix::solve_with_friction() {
         for (Eigen::Index j = 0; j < n / 2; ++j)
             each_unknown(friction_[j], [&](Index u, int k, double weight) { x[u] -= weight * y[2 * j + k]; });
     };
-    mark_parts(friction_, [](const PointTangent& point) -> const PointSides& { return point.sides; });
-    find_marked_parts(parts_of_friction_);
+    find_parts(
+        friction_, [](const PointTangent& point) -> const PointSides& { return point.sides; }, parts_of_friction_);
     const auto product = [&](const Eigen::Ref<const Eigen::VectorXd>& y, Eigen::Ref<Eigen::VectorXd> A_y) {
         factor_.set_zero(parts_of_friction_, y_);
         subtract(y, y_);

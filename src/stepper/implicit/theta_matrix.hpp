@@ -52,6 +52,10 @@ public:
     void bulk_part(const std::vector<Vec2>& right_side, const std::vector<Vec2>& solution,
                    std::vector<Vec2>& impulse) const;
 
+    /// Relative rates (x, y) of `points` for unit impulses on each of them, by the symmetric blocks. False: too many
+    /// unknowns are eliminated behind these points.
+    bool find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance);
+
     bool is_symmetric() const { return friction_.empty(); }
     const CornerPartition& nodes() const { return *nodes_; }
     ElementMatrix element(Index triangle) const;  // [kg] of M_hat
@@ -75,8 +79,10 @@ private:
     /// The parts that eliminate nodes of `points`.
     template <class Points, class SidesOf>
     void mark_parts(const Points& points, const SidesOf& sides_of);
-    /// And all above, ascending.
+    /// All marked parts, and those above them, ascending.
     void find_marked_parts(std::vector<Index>& parts);
+    template <class Points, class SidesOf>
+    void find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts);  // both
     bool solve_with_friction();
 
     const Model& model_;
@@ -97,6 +103,10 @@ private:
     std::vector<PointTangent> friction_;    // points whose blocks are not symmetric
     std::vector<PointTangent> points_;      // all
     std::vector<Index> parts_of_friction_;  // with unknowns of friction_, and all parts above
+
+    // of find_compliance()
+    std::vector<Index> local_parts_, path_, local_unknowns_;
+    std::vector<double> half_;
 
     std::vector<Index> near_parts_, far_parts_, near_nodes_, far_nodes_;
     std::vector<std::uint8_t> is_marked_;  // [0/1] per part
