@@ -31,12 +31,6 @@ constexpr double near_balance = 1e-6;                // of the scale
 constexpr double slow_ratio = 0.3, same_move = 0.7;  // of a residual, a move of multipliers to the one before
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
 
-// extrapolation of multipliers
-constexpr double no_force = 1e-3;      // of the move: a smaller nodal force leaves the rates as they are
-constexpr double min_ratio = 0.1;      // of a series worth extrapolating
-constexpr double max_deviation = 0.1;  // of a move from q times the previous one
-constexpr double max_series = 20;      // moves: q is uncertain near 1
-
 }  // namespace
 
 AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
@@ -46,10 +40,11 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
       x_(iterate),
       system_(model, bulk, matrix, iterate.rate),
       fans_(model, matrix),
-      local_(model, matrix) {
-    reserve_capacity(model.mesh.n_corners(), force_, before_.rate, first_.rate, completed_.rate);
-    reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, last_move_,
-                     before_.points, first_.points, completed_.points);
+      local_(model, matrix),
+      series_(model, matrix) {
+    reserve_capacity(model.mesh.n_corners(), before_.rate, first_.rate, completed_.rate);
+    reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, before_.points,
+                     first_.points, completed_.points);
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {
@@ -212,7 +207,7 @@ double AugmentedLagrangian::step_length_of_pieces() {
 bool AugmentedLagrangian::find_multipliers(double goal, double first_tolerance, int max_steps) {
     const bool has_potential = std::ranges::none_of(
         x_.points, [](const ActivePoint& p) { return p.law.friction > 0 && p.multipliers.friction_follows; });
-    last_move_.clear();
+    series_.forget();
     set_augmentation(final_augmentation_);
     // a few points are solved exactly: where their bounds contradict each other, the series of their moves must be precise
     const double inexact = sweeps_ ? inexact_balance : 0;
@@ -230,12 +225,12 @@ bool AugmentedLagrangian::find_multipliers(double goal, double first_tolerance, 
         change = update_multipliers();
         if (tolerance > exact) {
             if (change <= goal * unit) change = 0;  // once more to the end
-            else extrapolate_multipliers(goal * unit);
+            else series_.extrapolate(move_, goal * unit, x_.points);
             continue;
         }
         n_near += change <= law_tolerance * unit;
         if (change <= goal * unit || n_near == max_near) return true;
-        extrapolate_multipliers(goal * unit);
+        series_.extrapolate(move_, goal * unit, x_.points);
     }
     return false;
 }
@@ -407,62 +402,6 @@ double AugmentedLagrangian::update_multipliers() {
         multipliers.contact = q.contact, multipliers.tangential = q.tangential;
     }
     return longest;
-}
-
-/// Vector Aitken extrapolation, fan by fan, of fans whose multipliers moved by more than `min_move` [N s]. A move d
-/// that is q times the previous one will be followed by q d, q^2 d, ...:
-///     q < 1   nearly redundant points: the rest of the series is q/(1 - q) moves;
-///     q = 1   contradictory bounds round a vertex: the nodal forces H' d cancel, no rate responds, and the same move
-///             would repeat for ever. Since w = 0 satisfies all bounds, a point must open or slip: the first to reach
-///             its bound along d.
-/// Contacts with obstacles are left out: they couple the whole body and may jam it.
-void AugmentedLagrangian::extrapolate_multipliers(double min_move) {
-    std::vector<ActivePoint>& points = x_.points;
-    force_.resize(x_.rate.size());  // H' d
-    for (const Index node : system_.near_nodes()) force_[node].setZero();
-    last_move_.resize(points.size(), Vec2::Zero());
-    for (std::size_t j = 0; j < points.size(); ++j) points[j].sides.add_force(points[j].out_of_frame(move_[j]), force_);
-    const auto force_on = [&](Index node) {
-        double largest = 0;
-        for (int k = 0; node >= 0 && k < 2; ++k)
-            if (matrix_.is_free(node, k)) largest = std::max(largest, std::abs(force_[node][k]));
-        return largest;
-    };
-    for (std::size_t first = 0, end; first < points.size(); first = end) {
-        double longest = 0, strongest = 0, square = 0, product = 0, length = 0;  // of the previous move and this one
-        double to_bound = infinity;  // moves until a contact, or a sticking point, is at its bound
-        for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
-            const ActivePoint& point = points[end];
-            const Vec2& d = move_[end];
-            longest = std::max(longest, d.cwiseAbs().maxCoeff());
-            strongest = std::max({strongest, force_on(point.sides.before), force_on(point.sides.after)});
-            square += last_move_[end].squaredNorm();
-            product += last_move_[end].dot(d);
-            length += d.squaredNorm();
-            const PointLaw& law = point.law;
-            const Multipliers& multipliers = point.multipliers;
-            if (point.response.closed && d.x() < 0) to_bound = std::min(to_bound, multipliers.contact / -d.x());
-            if (!point.response.sticks || d.y() == 0) continue;
-            const double bound =
-                law.friction * multipliers.contact + law.material->gamma * law.strength * point.response.cohesion_theta;
-            const double left = bound - std::copysign(multipliers.tangential, multipliers.tangential * d.y());
-            to_bound = std::min(to_bound, std::max(0.0, left) / std::abs(d.y()));
-        }
-        if (longest <= min_move || points[first].fan < 0) continue;
-        double series = 0;  // moves
-        const double q = product / square, deviation2 = length - product * product / square;
-        if (strongest <= no_force * longest) series = infinity;
-        else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
-            series = std::min(q / (1 - q), max_series);
-        const double multiple = std::min(series, to_bound);
-        const bool extrapolates = multiple > 0 && multiple < infinity;
-        for (std::size_t j = first; j < end; ++j) {
-            last_move_[j] = extrapolates ? Vec2::Zero() : move_[j];
-            if (!extrapolates) continue;
-            points[j].multipliers.contact = std::max(0.0, points[j].multipliers.contact + multiple * move_[j].x());
-            points[j].multipliers.tangential += multiple * move_[j].y();
-        }
-    }
 }
 
 void AugmentedLagrangian::set_augmentation(double augmentation) {

@@ -22,6 +22,7 @@
 #include "stepper/implicit/condensed_system.hpp"
 #include "stepper/implicit/fan_sweep.hpp"
 #include "stepper/implicit/local_points.hpp"
+#include "stepper/implicit/multiplier_series.hpp"
 
 #include <algorithm>
 
@@ -92,7 +93,6 @@ private:
     double step_length_of_pieces();
     bool find_direction();
     double update_multipliers();
-    void extrapolate_multipliers(double min_move);
     void set_augmentation(double augmentation);
 
     const ImplicitBulk& bulk_;
@@ -102,6 +102,7 @@ private:
     FanSweep fans_;
     bool sweeps_ = false;  // of the fans between Newton's steps
     LocalPoints local_;
+    MultiplierSeries series_;
     Iterate completed_;                           // in find_solution
     Iterate before_, first_;                      // at the start of an attempt, of the step
     std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised
@@ -109,8 +110,7 @@ private:
     double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
     std::vector<PointTangent> tangents_;          // in the factor
-    std::vector<Vec2> force_;                     // per node, of the moves of the multipliers
-    std::vector<Vec2> turn_, move_, last_move_;   // per point, (N, T)
+    std::vector<Vec2> turn_, move_;               // per point, (N, T)
     double slope_at_start_ = 0, bulk_slope_ = 0;  // of the bulk along the direction
     std::vector<std::uint32_t> pieces_;           // per point, in find_pieces
     SolverCounts counts_;

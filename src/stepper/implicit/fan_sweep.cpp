@@ -126,9 +126,7 @@ bool FanSweep::find_direction(std::span<const ActivePoint> points, Softening sof
         const Eigen::Matrix2d D = tangent(points[j].law, points[j].multipliers, response_[j], softening);
         if (D.isZero(0)) continue;
         symmetric = symmetric && D(0, 1) == D(1, 0);
-        Eigen::Matrix2d axes;
-        axes << points[j].normal, turned_left(points[j].normal);
-        const Eigen::Matrix2d block = axes * D * axes.transpose();
+        const Eigen::Matrix2d axes = points[j].axes(), block = axes * D * axes.transpose();
         points[j].sides.for_each_node([&](Index a, double weight_a) {
             points[j].sides.for_each_node([&](Index b, double weight_b) {
                 matrix_of_step_.block<2, 2>(2 * place(a), 2 * place(b)) += weight_a * weight_b * block;

@@ -1,0 +1,71 @@
+#include "stepper/implicit/multiplier_series.hpp"
+
+#include "base/reserve_capacity.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr double no_force = 1e-3;      // of the move: a smaller nodal force leaves the rates as they are
+constexpr double min_ratio = 0.1;      // of a series worth extrapolating
+constexpr double max_deviation = 0.1;  // of a move from q times the previous one
+constexpr double max_series = 20;      // moves: q is uncertain near 1
+
+}  // namespace
+
+MultiplierSeries::MultiplierSeries(const Model& model, const ThetaMatrix& matrix) : matrix_(matrix) {
+    reserve_capacity(model.mesh.n_corners(), force_);
+    reserve_capacity(model.fan_points.size() + 1, last_move_);
+}
+
+void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_move, std::vector<ActivePoint>& points) {
+    force_.resize(matrix_.nodes().n_nodes());  // H' d
+    for (const Index node : matrix_.near_nodes()) force_[node].setZero();
+    last_move_.resize(points.size(), Vec2::Zero());
+    for (std::size_t j = 0; j < points.size(); ++j) points[j].sides.add_force(points[j].out_of_frame(move[j]), force_);
+    const auto force_on = [&](Index node) {
+        double largest = 0;
+        for (int k = 0; node >= 0 && k < 2; ++k)
+            if (matrix_.is_free(node, k)) largest = std::max(largest, std::abs(force_[node][k]));
+        return largest;
+    };
+    for (std::size_t first = 0, end; first < points.size(); first = end) {
+        double longest = 0, strongest = 0, square = 0, product = 0, length = 0;  // of the previous move and this one
+        double to_bound = infinity;  // moves until a contact, or a sticking point, is at its bound
+        for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
+            const ActivePoint& point = points[end];
+            const Vec2& d = move[end];
+            longest = std::max(longest, d.cwiseAbs().maxCoeff());
+            strongest = std::max({strongest, force_on(point.sides.before), force_on(point.sides.after)});
+            square += last_move_[end].squaredNorm();
+            product += last_move_[end].dot(d);
+            length += d.squaredNorm();
+            const PointLaw& law = point.law;
+            const Multipliers& multipliers = point.multipliers;
+            if (point.response.closed && d.x() < 0) to_bound = std::min(to_bound, multipliers.contact / -d.x());
+            if (!point.response.sticks || d.y() == 0) continue;
+            const double bound =
+                law.friction * multipliers.contact + law.material->gamma * law.strength * point.response.cohesion_theta;
+            const double left = bound - std::copysign(multipliers.tangential, multipliers.tangential * d.y());
+            to_bound = std::min(to_bound, std::max(0.0, left) / std::abs(d.y()));
+        }
+        if (longest <= min_move || points[first].fan < 0) continue;
+        double series = 0;  // moves
+        const double q = product / square, deviation2 = length - product * product / square;
+        if (strongest <= no_force * longest) series = infinity;
+        else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
+            series = std::min(q / (1 - q), max_series);
+        const double multiple = std::min(series, to_bound);
+        const bool extrapolates = multiple > 0 && multiple < infinity;
+        for (std::size_t j = first; j < end; ++j) {
+            last_move_[j] = extrapolates ? Vec2::Zero() : move[j];
+            if (!extrapolates) continue;
+            points[j].multipliers.contact = std::max(0.0, points[j].multipliers.contact + multiple * move[j].x());
+            points[j].multipliers.tangential += multiple * move[j].y();
+        }
+    }
+}
+
+}  // namespace knap
