@@ -266,6 +266,29 @@ TEST_CASE("far nodes that are eliminated once leave the solution as it is") {
     }
 }
 
+TEST_CASE("the compliance of points is that of the inverse matrix") {
+    const Model model = plate();
+    ThetaMatrix matrix(model, MassMatrix::consistent);
+    Setting setting{.model = model};
+    for (std::size_t f = 0; f < model.fans.size() / 3; ++f) setting.active[f] = true;
+    setting.give(matrix);
+    REQUIRE(matrix.factorise(setting.points));
+    std::vector<PointSides> all, some;
+    for (const PointTangent& point : setting.points) all.push_back(point.sides);
+    REQUIRE(all.size() > 20);
+    matrix.set_near(all);
+    for (std::size_t i = 0; i < all.size(); i += 5) some.push_back(all[i]);
+    const Eigen::Index n = 2 * static_cast<Eigen::Index>(some.size());
+    Eigen::MatrixXd G = Eigen::MatrixXd::Zero(2 * setting.partition.n_nodes(), n), compliance(n, n);
+    for (Eigen::Index j = 0; j < n; ++j)
+        some[j / 2].for_each_node([&](Index node, double weight) {
+            if (!setting.partition.prescribed[node][j % 2]) G(2 * node + j % 2, j) += weight;
+        });
+    REQUIRE(matrix.find_compliance(some, compliance));
+    const Eigen::MatrixXd exact = G.transpose() * setting.dense().ldlt().solve(G);
+    CHECK((compliance - exact).norm() < 1e-12 * exact.norm());
+}
+
 TEST_CASE("gmres solves in as many products as the matrix has eigenvalues") {
     Eigen::MatrixXd A = Eigen::MatrixXd::Identity(9, 9);
     A(2, 5) = 3, A(5, 2) = -4, A(0, 0) = 2;
