@@ -131,13 +131,11 @@ bool ImplicitScheme::lemke_is_cheap() const {
 /// Rates and multipliers from the step's complementarity problem, with all fans active. The method of
 /// multipliers starts again from them, so the step is found to its tolerance and judged like any other.
 bool ImplicitScheme::start_from_lemke() {
-    SchemeOptions options = options_;
-    options.theta = step_.theta;
-    const std::optional<StepLcpEnd> found =
-        StepLcp(model_, *step_.begin, step_.h, options, step_.end_temperature).solve();
+    SchemeOptions of_step = options_;
+    of_step.theta = step_.theta;
+    const auto found = StepLcp(model_, *step_.begin, step_.h, of_step, step_.end_temperature).solve();
     if (!found) return false;
-    corner_rate_ = found->rate;
-    active_.assign(model_.fans.size(), 1);
+    corner_rate_ = found->rate, active_.assign(model_.fans.size(), 1);
     for (std::size_t i = 0; i < model_.fan_points.size(); ++i) {
         const Index point = model_.fan_points[i].point;
         guess_[i] = step_.theta * Vec2(found->contact[point], found->impulse[point].y());

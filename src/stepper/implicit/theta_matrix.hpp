@@ -33,8 +33,9 @@ public:
     bool factorise(const std::vector<PointTangent>& points);
 
     /// Near nodes from now on: those of these points, which must be all that factorise() is given, the nodes of all
-    /// triangles round them, and all nodes that are eliminated with these or later. Before: all nodes. Far nodes know nothing of the points: they are eliminated
-    /// once (static condensation), and the equations of the near nodes are solved by themselves.
+    /// triangles round them, and all nodes that are eliminated with these or later. Before: all nodes. Far nodes know
+    /// nothing of the points: they are eliminated once (static condensation), and the equations of the near nodes are
+    /// solved by themselves.
     void set_near(const std::vector<PointSides>& points);
     void set_all_near();
     bool has_far_nodes() const { return !far_parts_.empty(); }
