@@ -12,9 +12,9 @@
 // at the start of the step and lowers it only as far as the openings require, so it never breaks a point below its
 // strength.
 //
-// Before that it asks a primal-dual active set (find_pieces), whose multipliers follow in every Newton step. It solves
-// most steps in fewer Newton steps, with friction by the points of a few fans in addition (LocalPoints); where it
-// cycles, the method of multipliers decides.
+// Between Newton's steps the fans are swept one by one (FanSweep), so that the step length is not bound by the worst of
+// them. With friction a primal-dual active set (find_pieces), whose multipliers follow in every Newton step, is asked
+// first; the points of a few fans that cycle are solved in addition (LocalPoints).
 // (S. Hueber, G. Stadler, B. Wohlmuth, SIAM J. Sci. Comput. 30, 2008, from memory; D. Bertsekas, Constrained
 // Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog. Comp.
 // 2022, for the exact line search and the proximal Newton step.)
