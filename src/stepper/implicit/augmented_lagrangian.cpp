@@ -66,7 +66,8 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     const bool by_pieces = x_.points.size() >= min_points &&
                            std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
     sweeps_ = by_pieces;
-    if (sweeps_ && !friction && find_solution(max_newton_steps)) return true;
+    if (sweeps_ && !friction && attempt(max_newton_steps)) return true;
+    unit_ = scale > 0 ? scale : 1;
     if (by_pieces) {
         const Pieces pieces = find_pieces(friction);
         if (pieces != Pieces::cycling && find_solution(max_cycling_steps) && (pieces == Pieces::found || !indefinite_))
