@@ -145,6 +145,25 @@ Vibration vibrate(Stages stages) {
     return found;
 }
 
+/// A bar that is pulled apart, breaks, and is quiet again before its end at 90 s.
+struct PulledBar {
+    ModelInput input;
+    StepLimits limits;
+    SchemeOptions scheme{.bulk = BulkScheme::automatic, .damping = 1};
+
+    explicit PulledBar(double restitution = 0)
+        : input(bar({.sigma_c = 1e-3, .G_c = 1e-7, .gamma = 1, .restitution = restitution})) {
+        input.loads = {load(Load::Kind::velocity, "left", -1e-5, std::nullopt),
+                       load(Load::Kind::velocity, "right", 1e-5, std::nullopt)};
+        const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
+        limits = {.largest = 5,
+                  .cracking = 100 * stable,
+                  .smallest = 1e-6 * stable,
+                  .end = 90,
+                  .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-2, .quiet_for = 2}};
+    }
+};
+
 }  // namespace
 
 TEST_CASE("scheme change: an elastic bar keeps its energy and momentum through both schemes") {
@@ -194,16 +213,7 @@ TEST_CASE("scheme change: a bar that is pulled slowly breaks in explicit steps b
 }
 
 TEST_CASE("scheme change: the same steps from a state in the middle of either stage") {
-    ModelInput input = bar({.sigma_c = 1e-3, .G_c = 1e-7, .gamma = 1});
-    input.loads = {load(Load::Kind::velocity, "left", -1e-5, std::nullopt),
-                   load(Load::Kind::velocity, "right", 1e-5, std::nullopt)};
-    const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
-    const StepLimits limits{.largest = 5,
-                            .cracking = 100 * stable,
-                            .smallest = 1e-6 * stable,
-                            .end = 90,
-                            .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-2, .quiet_for = 2}};
-    const SchemeOptions scheme{.bulk = BulkScheme::automatic, .damping = 1};
+    const auto [input, limits, scheme] = PulledBar();
     Changing whole(ModelInput(input), limits, scheme), reference(ModelInput(input), limits, scheme);
     reference.run_until(90);
     REQUIRE(reference.control.changes().size() == 2);
@@ -221,16 +231,8 @@ TEST_CASE("scheme change: the same steps from a state in the middle of either st
 
 TEST_CASE("scheme change: the first implicit step after explicit ones reverses no rate of a contact") {
     for (const double restitution : {0.0, 1.0}) {
-        ModelInput input = bar({.sigma_c = 1e-3, .G_c = 1e-7, .gamma = 1, .restitution = restitution});
-        input.loads = {load(Load::Kind::velocity, "left", -1e-5, std::nullopt),
-                       load(Load::Kind::velocity, "right", 1e-5, std::nullopt)};
-        const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
-        const StepLimits limits{.largest = 5,
-                                .cracking = 100 * stable,
-                                .smallest = 1e-6 * stable,
-                                .end = 90,
-                                .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-2, .quiet_for = 2}};
-        Changing run(std::move(input), limits, {.bulk = BulkScheme::automatic, .damping = 1});
+        PulledBar bar(restitution);
+        Changing run(std::move(bar.input), bar.limits, bar.scheme);
         while (run.control.changes().size() < 2) run.step();
         REQUIRE(!run.body.now.split_fans.empty());
         CHECK(run.body.ledger.row().scheme_dissipation == 0);

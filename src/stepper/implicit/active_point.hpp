@@ -54,6 +54,13 @@ inline Eigen::Matrix2d symmetric_part(Eigen::Matrix2d D) {
     return D;
 }
 
+/// The end of the points of the fan whose first one is `first`.
+inline std::size_t end_of_fan(const std::vector<ActivePoint>& points, std::size_t first) {
+    std::size_t end = first;
+    while (end < points.size() && points[end].fan == points[first].fan) ++end;
+    return end;
+}
+
 /// Of a fan, with its law over the step; all but its mass.
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
                             Index fan_point);

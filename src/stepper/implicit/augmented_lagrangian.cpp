@@ -19,9 +19,8 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
-constexpr int max_swept_steps = 12;  // of a round: where they do not end it, their moves of multipliers may be why
-constexpr double sweep_goal =
-    1e-4;  // of the scale of impulses: a smaller residual of the balance is left to Newton's steps
+constexpr int max_swept_steps = 12;       // of a round: where they do not end it, their moves of multipliers may be why
+constexpr double sweep_goal = 1e-4;       // of the scale: a smaller residual of the balance is left to Newton's steps
 constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
 constexpr std::size_t min_points = 16;    // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
@@ -48,7 +47,8 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {
-    counts_ = {}, unit_ = scale > 0 ? scale : 1, largest_unit_ = largest_scale;
+    const double first_unit = scale > 0 ? scale : 1;
+    counts_ = {}, unit_ = first_unit, largest_unit_ = largest_scale;
     if (!std::isfinite(unit_ + bulk_.largest_impulse())) return false;  // every tolerance would be met
     const bool friction = std::ranges::any_of(x_.points, [](const ActivePoint& p) { return p.law.friction > 0; });
     const bool obstacles = std::ranges::any_of(x_.points, [](const ActivePoint& p) { return p.fan < 0; });
@@ -58,17 +58,19 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         restart_from(before_);
         return false;
     };
+    const auto begin_again = [&] { restart_from(first_), unit_ = first_unit; };
     system_.begin(x_.points);
     fans_.begin(x_.points);
     first_ = x_, final_augmentation_ = full_augmentation;
     // On ramps of secant unloading the active set found other solutions with friction than the method of multipliers,
     // which also ends nearer to rounding and is no slower for a few points.
-    const bool by_pieces = x_.points.size() >= min_points &&
-                           std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
-    sweeps_ = by_pieces;
-    if (sweeps_ && !friction && attempt(max_newton_steps)) return true;
-    unit_ = scale > 0 ? scale : 1;
-    if (by_pieces) {
+    sweeps_ = x_.points.size() >= min_points &&
+              std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
+    if (sweeps_) {
+        if (!friction) {
+            if (find_solution(max_newton_steps)) return true;
+            begin_again();
+        }
         const Pieces pieces = find_pieces(friction);
         if (pieces != Pieces::cycling && find_solution(max_cycling_steps) && (pieces == Pieces::found || !indefinite_))
             return true;
@@ -76,18 +78,18 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         if (pieces != Pieces::found && !friction && !indefinite_ && find_solution(max_newton_steps) && !indefinite_)
             return true;
     }
-    restart_from(first_), unit_ = scale > 0 ? scale : 1;
+    begin_again();
     // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.
     const int n_attempts = !friction ? 1 : effort == Effort::little ? 3 : 4;
     for (int i = 1; i <= n_attempts; ++i) {
-        const bool cycles = by_pieces && friction && i == 1;
+        const bool cycles = sweeps_ && friction && i == 1;
         if (!cycles && attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
         if (friction && i < n_attempts) iterate_friction();
     }
     // obstacles couple the whole body and may jam it: a smaller step is the better answer
     if (effort == Effort::little || obstacles) return false;
     for (const double other : other_augmentations) {
-        restart_from(first_), unit_ = scale > 0 ? scale : 1, final_augmentation_ = other;
+        begin_again(), final_augmentation_ = other;
         if (attempt(max_newton_steps)) return true;
         if (!friction) continue;
         iterate_friction();
@@ -251,7 +253,8 @@ bool AugmentedLagrangian::continue_penalties(double tolerance) {
 /// Newton's method with line search, for given multipliers. Where it stalls, ImplicitScheme::check_residual decides.
 bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     double best = infinity;
-    int stalled = 0, n_met = 0;
+    int stalled = 0;
+    bool met = false;
     for (int i = 0; i < max_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         evaluate();
@@ -259,8 +262,9 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         const double norm = residual();
         // Where find_solution adds no step of the whole body, one more than the tolerance asks for takes the error to
         // rounding; it costs no factor.
-        const bool adds = sweeps_ && !matrix_.has_far_nodes() && n_met == 0 && tolerance <= balance_goal(unit_);
-        if (norm <= tolerance && (n_met++, !adds || norm <= 0.1 * tolerance)) return true;
+        const bool adds = sweeps_ && !matrix_.has_far_nodes() && !met && tolerance <= balance_goal(unit_);
+        met = met || norm <= tolerance;
+        if (norm <= (adds ? 0.1 : 1) * tolerance) return true;
         stalled = norm > 0.5 * best ? stalled + 1 : 0;
         const bool near = norm <= 1e3 * balance_goal(unit_);
         if (stalled >= 3 && (near || norm <= 1e-12 * bulk_.largest_elastic_impulse(x_.rate))) return true;  // rounding

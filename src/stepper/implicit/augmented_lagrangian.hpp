@@ -100,7 +100,7 @@ private:
     Iterate& x_;
     CondensedSystem system_;
     FanSweep fans_;
-    bool sweeps_ = false;  // of the fans between Newton's steps
+    bool sweeps_ = false;  // of the fans between Newton's steps, and the active set
     LocalPoints local_;
     MultiplierSeries series_;
     Iterate completed_;                           // in find_solution

@@ -228,7 +228,7 @@ void FanSweep::sweep(double tolerance, std::vector<ActivePoint>& points, std::ve
                      std::vector<Vec2>& impulse) {
     if (!has_columns_) find_columns(points);
     for (std::size_t first = 0, end; first < points.size(); first = end) {
-        for (end = first; end < points.size() && points[end].fan == points[first].fan;) ++end;
+        end = end_of_fan(points, first);
         const std::span<ActivePoint> of_fan = std::span(points).subspan(first, end - first);
         if (of_fan[0].fan >= 0 && load(of_fan, impulse) && solve(tolerance, of_fan)) move(of_fan, rate, impulse);
     }

@@ -35,21 +35,16 @@ LocalPoints::LocalPoints(const Model& model, ThetaMatrix& matrix) : matrix_(matr
 
 /// Whole fans, those farthest from their laws first. Contacts with obstacles are left out.
 void LocalPoints::choose(const std::vector<ActivePoint>& points, double unit) {
-    const auto end_of_fan = [&](std::size_t first) {
-        std::size_t end = first;
-        while (end < points.size() && points[end].fan == points[first].fan) ++end;
-        return end;
-    };
     fans_.clear(), chosen_.clear();
     for (std::size_t first = 0, end; first < points.size(); first = end) {
-        end = end_of_fan(first);
+        end = end_of_fan(points, first);
         double distance = 0;
         for (std::size_t j = first; j < end; ++j) distance = std::max(distance, distance_from_law(points[j]));
         if (points[first].fan >= 0 && distance > far_from_law * unit) fans_.emplace_back(-distance, first);
     }
     std::ranges::sort(fans_);
     for (const auto& [distance, first] : fans_) {
-        const std::size_t end = end_of_fan(first);
+        const std::size_t end = end_of_fan(points, first);
         if (chosen_.size() + end - first > max_points) continue;
         for (std::size_t j = first; j < end; ++j) chosen_.push_back(j);
     }

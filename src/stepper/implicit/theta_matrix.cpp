@@ -173,14 +173,6 @@ void ThetaMatrix::each_unknown(const PointTangent& point, const Visit& visit) co
         });
 }
 
-template <class Points, class SidesOf>
-void ThetaMatrix::mark_parts(const Points& points, const SidesOf& sides_of) {
-    std::ranges::fill(is_marked_, 0);
-    for (const auto& point : points)
-        sides_of(point).for_each_node(
-            [&](Index node, double) { is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
-}
-
 void ThetaMatrix::find_marked_parts(std::vector<Index>& parts) {
     parts.clear();
     for (Index part = 0; part < static_cast<Index>(dissection_.parts.size()); ++part) {  // parents come later
@@ -192,12 +184,16 @@ void ThetaMatrix::find_marked_parts(std::vector<Index>& parts) {
 
 template <class Points, class SidesOf>
 void ThetaMatrix::find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts) {
-    mark_parts(points, sides_of);
+    std::ranges::fill(is_marked_, 0);
+    for (const auto& point : points)
+        sides_of(point).for_each_node(
+            [&](Index node, double) { is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
     find_marked_parts(parts);
 }
 
+/// All nodes of a triangle are eliminated in its leaf or above.
 void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
-    mark_parts(points, std::identity{});
+    std::ranges::fill(is_marked_, 0);
     for (const PointSides& point : points)
         point.for_each_node([&](Index node, double) {
             const Fan& fan = model_.fans[model_.fan_of_corner[nodes_->corner_of_node[node]]];

@@ -77,13 +77,11 @@ private:
     void each_unknown(const std::vector<Index>& nodes, const Visit& visit) const;
     template <class Visit>
     void each_unknown(const PointTangent& point, const Visit& visit) const;
-    /// The parts that eliminate nodes of `points`.
-    template <class Points, class SidesOf>
-    void mark_parts(const Points& points, const SidesOf& sides_of);
-    /// All marked parts, and those above them, ascending.
+    /// (marked parts, and all above), ascending
     void find_marked_parts(std::vector<Index>& parts);
+    /// (parts that eliminate nodes of `points`, and all above), ascending
     template <class Points, class SidesOf>
-    void find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts);  // both
+    void find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts);
     bool solve_with_friction();
 
     const Model& model_;
