@@ -74,10 +74,10 @@ struct Tile {
             for (std::ptrdiff_t i = 0; i < n; ++i) to[c * stride + i] = some[i];
         }
     }
-    /// Minus the product of the first `n` columns of L, from `row` on, and of those from `row_of_column` on.
-    [[gnu::always_inline]] void subtract_product(const double* row, const double* row_of_column, std::ptrdiff_t size,
+    /// Minus the product of `n` columns, `stride` apart, from `row` on, and of those from `row_of_column` on.
+    [[gnu::always_inline]] void subtract_product(const double* row, const double* row_of_column, std::ptrdiff_t stride,
                                                  std::ptrdiff_t n) {
-        for (std::ptrdiff_t k = 0; k < n; ++k, row += size, row_of_column += size) {
+        for (std::ptrdiff_t k = 0; k < n; ++k, row += stride, row_of_column += stride) {
             Rows<lanes> a;
             a.load(row);
 #pragma GCC unroll 4
@@ -92,14 +92,14 @@ struct Pivot {
     double entry[width][width] = {}, inverse[width] = {};  // column, row
 };
 
-/// Rows from `begin` to before `end` of columns j to j + width of L, from the columns before and their own pivot.
+/// Rows from `begin` to before `end` of columns j to j + width of L, from those since column `first` and their pivot.
 template <int lanes, int width>
-void eliminate_rows(double* L, std::ptrdiff_t size, std::ptrdiff_t j, const Pivot<width>& pivot, std::ptrdiff_t begin,
-                    std::ptrdiff_t end) {
+void eliminate_rows(double* L, std::ptrdiff_t size, std::ptrdiff_t first, std::ptrdiff_t j, const Pivot<width>& pivot,
+                    std::ptrdiff_t begin, std::ptrdiff_t end) {
     for (std::ptrdiff_t i = begin; i < end; i += n_rows) {
         Tile<lanes, width> tile;
         tile.load(L + i + size * j, size);
-        tile.subtract_product(L + i, L + j, size, j);
+        tile.subtract_product(L + i + size * first, L + j + size * first, size, j - first);
 #pragma GCC unroll 4
         for (int c = 0; c < width; ++c) {
 #pragma GCC unroll 4
@@ -110,57 +110,70 @@ void eliminate_rows(double* L, std::ptrdiff_t size, std::ptrdiff_t j, const Pivo
     }
 }
 
-/// Columns j to j + width of L in the rows to before `end`, from the columns before.
+/// Columns j to j + width of L in the rows to before `end`, from those since column `first`.
 template <int lanes, int width>
-bool eliminate_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t j, std::ptrdiff_t end) {
+bool eliminate_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t first, std::ptrdiff_t j, std::ptrdiff_t end) {
     Tile<lanes, width> tile;
     tile.load(L + j + size * j, size);
-    tile.subtract_product(L + j, L + j, size, j);
-    double first[width][n_rows];
-    tile.store(&first[0][0], n_rows, n_rows);
+    tile.subtract_product(L + j + size * first, L + j + size * first, size, j - first);
+    double top[width][n_rows];
+    tile.store(&top[0][0], n_rows, n_rows);
     Pivot<width> pivot;
     for (int c = 0; c < width; ++c) {
         for (int b = 0; b < c; ++b)
-            for (int r = c; r < width; ++r) first[c][r] -= first[b][r] * first[b][c];
-        if (!(first[c][c] > 0) || first[c][c] > largest) return false;
-        const double root = __builtin_sqrt(first[c][c]);
+            for (int r = c; r < width; ++r) top[c][r] -= top[b][r] * top[b][c];
+        if (!(top[c][c] > 0) || top[c][c] > largest) return false;
+        const double root = __builtin_sqrt(top[c][c]);
         pivot.inverse[c] = 1 / root;
-        first[c][c] = root;
-        for (int r = c + 1; r < width; ++r) first[c][r] *= pivot.inverse[c];
-        for (int r = c; r < width; ++r) pivot.entry[c][r] = first[c][r];
+        top[c][c] = root;
+        for (int r = c + 1; r < width; ++r) top[c][r] *= pivot.inverse[c];
+        for (int r = c; r < width; ++r) pivot.entry[c][r] = top[c][r];
     }
     for (int c = 0; c < width; ++c) {
         for (int b = 0; b < c; ++b)
-            for (int r = width; r < n_rows; ++r) first[c][r] -= first[b][r] * pivot.entry[b][c];
-        for (int r = width; r < n_rows; ++r) first[c][r] *= pivot.inverse[c];
+            for (int r = width; r < n_rows; ++r) top[c][r] -= top[b][r] * pivot.entry[b][c];
+        for (int r = width; r < n_rows; ++r) top[c][r] *= pivot.inverse[c];
     }
-    tile.load(&first[0][0], n_rows);
+    tile.load(&top[0][0], n_rows);
     tile.store(L + j + size * j, size, end - j < n_rows ? end - j : n_rows);
-    eliminate_rows<lanes, width>(L, size, j, pivot, j + n_rows, end);
+    eliminate_rows<lanes, width>(L, size, first, j, pivot, j + n_rows, end);
     return true;
 }
 
 /// The same columns in further rows.
 template <int lanes, int width>
-void continue_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t j, std::ptrdiff_t begin, std::ptrdiff_t end) {
+void continue_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t first, std::ptrdiff_t j, std::ptrdiff_t begin,
+                      std::ptrdiff_t end) {
     Pivot<width> pivot;
     for (int c = 0; c < width; ++c) {
         for (int r = c; r < width; ++r) pivot.entry[c][r] = L[j + r + size * (j + c)];
         pivot.inverse[c] = 1 / pivot.entry[c][c];
     }
-    eliminate_rows<lanes, width>(L, size, j, pivot, begin, end);
+    eliminate_rows<lanes, width>(L, size, first, j, pivot, begin, end);
 }
 
-/// Columns j to j + width of the Schur complement minus L_B L_B'.
+template <int lanes>
+void pack(const double* L, std::ptrdiff_t size, std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_t first_row,
+          std::ptrdiff_t end_of_rows, double* packed) {
+    for (std::ptrdiff_t i = first_row; i < end_of_rows; i += n_rows)
+        for (std::ptrdiff_t k = begin; k < end; ++k, packed += n_rows) {
+            Rows<lanes> rows;
+            rows.load(L + i + size * k);
+            rows.store(packed);
+        }
+}
+
+/// Columns j to j + width, which are of one panel, in the rows from this panel on.
 template <int lanes, int width>
-void update_columns(const double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n, std::ptrdiff_t j) {
-    const std::ptrdiff_t n_left = size - n;
-    for (std::ptrdiff_t i = j; i < n_left; i += n_rows) {
-        const std::ptrdiff_t n_valid = n_left - i < n_rows ? n_left - i : n_rows;
+void subtract_products_from(const double* packed, std::ptrdiff_t n, double* columns, std::ptrdiff_t stride,
+                            std::ptrdiff_t end_of_rows, std::ptrdiff_t j) {
+    const std::ptrdiff_t place = j % n_rows, begin = j - place;
+    for (std::ptrdiff_t i = begin; i < end_of_rows; i += n_rows) {
+        double* at = columns + i + stride * j;
         Tile<lanes, width> tile;
-        tile.load(schur + i + n_left * j, n_left);
-        tile.subtract_product(L + n + i, L + n + j, size, n);
-        tile.store(schur + i + n_left * j, n_left, n_valid);
+        tile.load(at, stride);
+        tile.subtract_product(packed + n * i, packed + n * begin + place, n_rows, n);
+        tile.store(at, stride, end_of_rows - i < n_rows ? end_of_rows - i : n_rows);
     }
 }
 
@@ -168,11 +181,11 @@ template <int lanes>
 bool eliminate(double* L, std::ptrdiff_t size, std::ptrdiff_t begin, std::ptrdiff_t end, std::ptrdiff_t end_of_rows) {
     std::ptrdiff_t j = begin;
     for (; j + n_columns <= end; j += n_columns)
-        if (!eliminate_columns<lanes, n_columns>(L, size, j, end_of_rows)) return false;
+        if (!eliminate_columns<lanes, n_columns>(L, size, begin, j, end_of_rows)) return false;
     for (; j + 2 <= end; j += 2)
-        if (!eliminate_columns<lanes, 2>(L, size, j, end_of_rows)) return false;
+        if (!eliminate_columns<lanes, 2>(L, size, begin, j, end_of_rows)) return false;
     for (; j < end; ++j)
-        if (!eliminate_columns<lanes, 1>(L, size, j, end_of_rows)) return false;
+        if (!eliminate_columns<lanes, 1>(L, size, begin, j, end_of_rows)) return false;
     return true;
 }
 
@@ -180,18 +193,20 @@ template <int lanes>
 void eliminate_further_rows(double* L, std::ptrdiff_t size, std::ptrdiff_t begin, std::ptrdiff_t end,
                             std::ptrdiff_t first_row, std::ptrdiff_t end_of_rows) {
     std::ptrdiff_t j = begin;
-    for (; j + n_columns <= end; j += n_columns) continue_columns<lanes, n_columns>(L, size, j, first_row, end_of_rows);
-    for (; j + 2 <= end; j += 2) continue_columns<lanes, 2>(L, size, j, first_row, end_of_rows);
-    for (; j < end; ++j) continue_columns<lanes, 1>(L, size, j, first_row, end_of_rows);
+    for (; j + n_columns <= end; j += n_columns)
+        continue_columns<lanes, n_columns>(L, size, begin, j, first_row, end_of_rows);
+    for (; j + 2 <= end; j += 2) continue_columns<lanes, 2>(L, size, begin, j, first_row, end_of_rows);
+    for (; j < end; ++j) continue_columns<lanes, 1>(L, size, begin, j, first_row, end_of_rows);
 }
 
 template <int lanes>
-void update_schur(const double* L, double* schur, std::ptrdiff_t size, std::ptrdiff_t n, std::ptrdiff_t begin,
-                  std::ptrdiff_t end) {
+void subtract_products(const double* packed, std::ptrdiff_t n, double* columns, std::ptrdiff_t stride,
+                       std::ptrdiff_t end_of_rows, std::ptrdiff_t begin, std::ptrdiff_t end) {
     std::ptrdiff_t j = begin;
-    for (; j + n_columns <= end; j += n_columns) update_columns<lanes, n_columns>(L, schur, size, n, j);
-    for (; j + 2 <= end; j += 2) update_columns<lanes, 2>(L, schur, size, n, j);
-    for (; j < end; ++j) update_columns<lanes, 1>(L, schur, size, n, j);
+    for (; j + n_columns <= end; j += n_columns)
+        subtract_products_from<lanes, n_columns>(packed, n, columns, stride, end_of_rows, j);
+    for (; j + 2 <= end; j += 2) subtract_products_from<lanes, 2>(packed, n, columns, stride, end_of_rows, j);
+    for (; j < end; ++j) subtract_products_from<lanes, 1>(packed, n, columns, stride, end_of_rows, j);
 }
 
 /// x <- L^-1 x for `width` unknowns from j on, and minus L_B times them below.
@@ -260,8 +275,8 @@ void substitute_back(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, dou
 
 template <int lanes>
 FrontKernel front_kernel_of() {
-    return {eliminate<lanes>, eliminate_further_rows<lanes>, update_schur<lanes>, substitute<lanes>,
-            substitute_back<lanes>};
+    return {eliminate<lanes>,  eliminate_further_rows<lanes>, pack<lanes>, subtract_products<lanes>,
+            substitute<lanes>, substitute_back<lanes>};
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ FrontKernel fastest_kernel_of_fronts() {
 constexpr Index large_front = 128;           // unknowns: several threads share it
 constexpr std::size_t min_parts = 128;       // of a body for several threads
 constexpr std::size_t columns_at_once = 16;  // of a thread in a large front
-constexpr std::ptrdiff_t pivots_at_once = 32, rows_at_once = 32;
+constexpr std::ptrdiff_t pivots_at_once = 64, rows_at_once = 32;
 
 }  // namespace
 
@@ -88,7 +88,7 @@ bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const Elemen
     const auto finish = [&](Index part, Threads threads, Workspace& work) {
         assemble(part, threads, work);
         for (const Index u : fronts_[part].unknown.entries()) work.place[u] = -1;
-        if (eliminate(fronts_[part], threads)) stale_[part] = false;
+        if (eliminate(fronts_[part], threads, work)) stale_[part] = false;
         else positive = false;  // this front and those above it stay stale
     };
     for (std::size_t level = first_of_level_.size() - 1; level-- > 0 && positive;) {
@@ -174,21 +174,30 @@ void FrontalFactor::add_half(const Front& half, Threads threads, Workspace& work
     });
 }
 
-bool FrontalFactor::eliminate(Front& front, Threads threads) const {
+/// Block by block of its columns, each of which changes all columns behind it. The first block takes the remainder, so
+/// that the columns behind the others, and those of the Schur complement, start with a panel of packed rows.
+bool FrontalFactor::eliminate(Front& front, Threads threads, Workspace& work) {
     const std::ptrdiff_t size = front.size(), n = front.n_eliminated;
     double *L = front.L.first(), *schur = front.schur.first();
-    const std::ptrdiff_t block = threads == Threads::all ? pivots_at_once : n;
-    for (std::ptrdiff_t j = 0, end; j < n; j = end) {
-        end = std::min(n, j + block);
-        const std::ptrdiff_t done = threads == Threads::all ? end : size;  // rows
-        if (!kernel_.eliminate(L, size, j, end, done)) return false;
+    for (std::ptrdiff_t begin = 0, end; begin < n; begin = end) {
+        end = begin == 0 && n % pivots_at_once > 0 ? n % pivots_at_once : begin + pivots_at_once;
+        const std::ptrdiff_t done = threads == Threads::all ? end : size, n_pivots = end - begin;  // done: rows
+        if (!kernel_.eliminate(L, size, begin, end, done)) return false;
         divide(threads, size - done, rows_at_once, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-            kernel_.eliminate_further_rows(L, size, j, end, done + first, done + last);
+            kernel_.eliminate_further_rows(L, size, begin, end, done + first, done + last);
+        });
+        work.packed.resize(arena_, n_pivots * (size - end + front_padding));
+        double* packed = work.packed.first();
+        divide(threads, size - end, rows_at_once, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+            kernel_.pack(L, size, begin, end, end + first, end + last, packed + n_pivots * first);
+        });
+        divide(threads, n - end, columns_at_once, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+            kernel_.subtract_products(packed, n_pivots, L + end * (size + 1), size, size - end, first, last);
+        });
+        divide(threads, size - n, columns_at_once, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+            kernel_.subtract_products(packed + n_pivots * (n - end), n_pivots, schur, size - n, size - n, first, last);
         });
     }
-    if (n == 0) return true;
-    divide(threads, size - n, columns_at_once,
-           [&](std::ptrdiff_t first, std::ptrdiff_t last) { kernel_.update_schur(L, schur, size, n, first, last); });
     return true;
 }
 

@@ -90,6 +90,7 @@ private:
         std::vector<double*> column;    // Front::column, of each of its unknowns
         std::vector<Element> elements;  // of the leaf
         std::vector<double> local;      // right-hand side
+        ArenaList<double> packed;       // columns of L
     };
     enum class Threads { one, all };
     template <class Work>
@@ -102,7 +103,7 @@ private:
     void find_unknowns(Index part, const std::vector<Index>& eliminated_in, Workspace& work);
     void assemble(Index part, Threads threads, Workspace& work);
     static void add_half(const Front& half, Threads threads, Workspace& work);
-    bool eliminate(Front& front, Threads threads) const;
+    bool eliminate(Front& front, Threads threads, Workspace& work);
     void substitute_in_front(const Front& front, std::vector<double>& x);
     void substitute_back_in_front(const Front& front, std::vector<double>& x);
     double* load(const Front& front, const std::vector<double>& x);

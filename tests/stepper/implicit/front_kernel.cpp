@@ -25,17 +25,25 @@ struct Front {
             for (int i = j; i < size; ++i) (j < n ? L[i + size * j] : schur[i - n + (size - n) * (j - n)]) = A(i, j);
         for (int i = 0; i < size; ++i) x.push_back(1 + i % 7);
     }
-    /// `block`: eliminated at once, in their own rows first, and columns of the Schur complement; 0: all in all rows.
+    /// `block`: pivots at once, a multiple of eight, first in their own rows, and rows and columns behind them eight at
+    /// once; 0: all pivots at once in all rows.
     bool solve(const FrontKernel& kernel, int block = 0) {
-        for (int j = 0, end; j < n; j = end) {
-            end = block > 0 ? std::min(n, j + block) : n;
-            if (!kernel.eliminate(L.data(), size, j, end, block > 0 ? end : size)) return false;
+        const int left = size - n;
+        std::vector<double> packed(n * (size + 8) + front_padding);
+        for (int begin = 0, end; begin < n; begin = end) {
+            end = block == 0 ? n : begin == 0 && n % block > 0 ? n % block : begin + block;
+            const int at_once = block > 0 ? 8 : size, n_pivots = end - begin;
+            if (!kernel.eliminate(L.data(), size, begin, end, block > 0 ? end : size)) return false;
             for (int i = end; block > 0 && i < size; i += 8)
-                kernel.eliminate_further_rows(L.data(), size, j, end, i, std::min(size, i + 8));
-        }
-        for (int j = 0, end; j < size - n; j = end) {
-            end = block > 0 ? std::min(size - n, j + block) : size - n;
-            kernel.update_schur(L.data(), schur.data(), size, n, j, end);
+                kernel.eliminate_further_rows(L.data(), size, begin, end, i, std::min(size, i + 8));
+            for (int i = end; i < size; i += at_once)
+                kernel.pack(L.data(), size, begin, end, i, std::min(size, i + at_once), &packed[n_pivots * (i - end)]);
+            for (int j = 0; j < n - end; j += at_once)
+                kernel.subtract_products(packed.data(), n_pivots, &L[end * (size + 1)], size, size - end, j,
+                                         std::min(n - end, j + at_once));
+            for (int j = 0; j < left; j += at_once)
+                kernel.subtract_products(&packed[n_pivots * (n - end)], n_pivots, schur.data(), left, left, j,
+                                         std::min(left, j + at_once));
         }
         kernel.substitute(L.data(), size, n, x.data());
         kernel.substitute_back(L.data(), size, n, x.data());
