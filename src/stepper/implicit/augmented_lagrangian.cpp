@@ -19,10 +19,11 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
-constexpr int max_swept_steps = 12;       // of a round: where they do not end it, their moves of multipliers may be why
-constexpr double sweep_goal = 1e-4;       // of the scale: a smaller residual of the balance is left to Newton's steps
-constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
-constexpr std::size_t min_points = 16;    // of a problem for the active set
+constexpr int max_swept_steps = 12;  // of a round: where they do not end it, their moves of multipliers may be why
+constexpr double sweep_goal = 1e-4;  // of the scale: a smaller residual of the balance is left to Newton's steps
+constexpr double preliminary_goal = 1e-4;  // of the laws and of the balance
+constexpr double inexact_balance = 1e-3;   // of the last move of the multipliers
+constexpr std::size_t min_points = 16;     // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
 constexpr int max_piece_steps = 40, max_stalled_steps = 6, first_local_step = 2, max_marching_steps = 2;
 constexpr double min_length = 0.05;                  // of its steps
@@ -46,7 +47,7 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
                      first_.points, completed_.points);
 }
 
-bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort) {
+bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort, Precision precision) {
     const double first_unit = scale > 0 ? scale : 1;
     counts_ = {}, unit_ = first_unit, largest_unit_ = largest_scale;
     if (!std::isfinite(unit_ + bulk_.largest_impulse())) return false;  // every tolerance would be met
@@ -66,6 +67,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     // which also ends nearer to rounding and is no slower for a few points.
     sweeps_ = x_.points.size() >= min_points &&
               std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
+    precision_ = sweeps_ ? precision : Precision::full;
     if (sweeps_) {
         if (!friction) {
             if (find_solution(max_newton_steps)) return true;
@@ -106,6 +108,12 @@ void AugmentedLagrangian::restart_from(const Iterate& iterate) {
 /// Rates of all nodes by the method of multipliers; one step of the whole body removes what rounding added on the way.
 /// ImplicitScheme::check_residual decides where it cannot.
 bool AugmentedLagrangian::find_solution(int max_steps) {
+    if (is_preliminary()) {
+        if (!find_multipliers(preliminary_goal, 0, max_steps)) return false;
+        if (system_.is_condensed()) system_.complete();
+        evaluate();
+        return true;
+    }
     for (int i = 0; i < max_completions; ++i) {
         const bool found = find_multipliers(law_goal, i == 0 && sweeps_ ? sweep_goal * unit_ : 0, max_steps);
         if (!found && i == 0) return false;
@@ -150,14 +158,16 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         unit = std::max(unit_, std::min(pressing, largest_unit_));
         const double multiplier_unit = final_augmentation_ * unit, tolerance = balance_goal(unit);
         // one step more than the tolerance asks for: it costs no factor and takes the error to rounding
-        const bool found = (norm <= tolerance && move <= law_goal * multiplier_unit) ||
-                           (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
+        const bool found =
+            (is_preliminary() && norm <= preliminary_goal * unit && move <= preliminary_goal * multiplier_unit) ||
+            (norm <= tolerance && move <= law_goal * multiplier_unit) ||
+            (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
         if (found && system_.is_condensed()) {
             system_.complete();
             continue;
         }
-        n_found += found;
-        if (n_found == 2) {
+        if (found) n_found += is_preliminary() ? 2 : 1;
+        if (n_found >= 2) {
             for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
             unit_ = unit;
             return indefinite_ ? Pieces::cycling : Pieces::found;
@@ -396,7 +406,7 @@ double AugmentedLagrangian::step_length() {
         low = high, slope_low = slope_high;
         high *= 2, slope_high = at(high);
     }
-    return zero_between(low, slope_low, high, slope_high, 1e-3 * std::abs(slope_at_start), 30, at);
+    return zero_between(low, slope_low, high, slope_high, 1e-2 * std::abs(slope_at_start), 30, at);
 }
 
 double AugmentedLagrangian::update_multipliers() {

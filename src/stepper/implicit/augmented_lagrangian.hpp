@@ -31,8 +31,14 @@ namespace knap {
 /// With friction Newton's method may cycle through the pieces of the laws, round after round.
 enum class Effort { little, all };
 
+/// Preliminary: tells which bonded fans open, at a part of the price. Problems of few points are solved to the end.
+enum class Precision { preliminary, full };
+
 struct SolverCounts {
     int factorisations = 0, linear_solves = 0;
+    void add_to(StepReport& report) const {
+        report.factorisations += factorisations, report.linear_solves += linear_solves;
+    }
 };
 
 /// Unknowns of a step: rates of the nodes [m/s], and the points with their multipliers.
@@ -51,7 +57,8 @@ public:
 
     /// From an initial guess in `iterate` to the solution; false: not converged. Scale of impulses [N s]: `scale` is
     /// known beforehand, contact impulses may raise it to `largest_scale`.
-    bool solve(double scale, double largest_scale, Effort effort);
+    bool solve(double scale, double largest_scale, Effort effort, Precision precision = Precision::full);
+    bool is_preliminary() const { return precision_ == Precision::preliminary; }  // of the last solution
 
     void give_up_when(GiveUp condition) { given_up_ = condition; }
     const SolverCounts& counts() const { return counts_; }
@@ -100,6 +107,7 @@ private:
     Iterate& x_;
     CondensedSystem system_;
     FanSweep fans_;
+    Precision precision_ = Precision::full;
     bool sweeps_ = false;  // of the fans between Newton's steps, and the active set
     LocalPoints local_;
     MultiplierSeries series_;

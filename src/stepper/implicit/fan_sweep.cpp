@@ -169,7 +169,7 @@ double FanSweep::step_length(std::span<const ActivePoint> points) const {
     };
     const double at_start = slope(0), at_end = slope(1);
     if (at_start >= 0 || at_end <= 0.1 * std::abs(at_start)) return 1;
-    return zero_between(0, at_start, 1, at_end, 1e-3 * std::abs(at_start), 20, slope);
+    return zero_between(0, at_start, 1, at_end, 1e-2 * std::abs(at_start), 20, slope);
 }
 
 /// False: the fan stays where it is, since its balance is met within `tolerance`, or missed by more at the end.

@@ -88,27 +88,28 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     }
 }
 
-/// All active points, until no further fan opens. Where friction makes the method of multipliers cycle in a small body,
-/// Lemke's algorithm is tried before the method is driven to its limits.
+/// All active points, until no further fan opens: preliminary solutions tell which fans do. Where friction makes the
+/// method of multipliers cycle in a small body, Lemke's algorithm is tried before the method is driven to its limits.
 void ImplicitScheme::solve_points(StepReport& report) {
     enum { quickly, from_lemke, thoroughly } attempt = lemke_is_cheap() ? quickly : thoroughly;
-    for (int pass = 0;; ++pass) {
-        set_partition();
-        guess_multipliers();
-        const Effort effort = attempt == quickly ? Effort::little : Effort::all;
-        const bool solved = solver_.solve(scale_, max_pressing * momentum_scale_, effort);
-        report.linear_solves += solver_.counts().linear_solves;
-        report.factorisations += solver_.counts().factorisations;
-        if (!solved && attempt != thoroughly) {
+    Precision precision = Precision::preliminary;
+    for (int pass = 0; pass <= max_passes;) {
+        if (precision == Precision::preliminary) set_partition(), guess_multipliers();
+        const bool solved = solver_.solve(scale_, max_pressing * momentum_scale_,
+                                          attempt == quickly ? Effort::little : Effort::all, precision);
+        solver_.counts().add_to(report);
+        precision = Precision::preliminary;
+        if (solved && activate_opening_fans(report)) ++pass;
+        else if (solved && solver_.is_preliminary()) precision = Precision::full;
+        else if (solved) return void(report.fan_fallbacks += attempt == from_lemke);
+        else if (attempt == thoroughly) break;
+        else {
             if (attempt == quickly) own_guess_ = {corner_rate_, active_, guess_};
             else std::tie(corner_rate_, active_, guess_) = own_guess_;
             attempt = attempt == quickly && start_from_lemke() ? from_lemke : thoroughly;
-            continue;
         }
-        if (!solved || pass == max_passes) return void(report.rejection = Rejection::not_converged);
-        if (!activate_opening_fans(report)) break;
     }
-    report.fan_fallbacks += attempt == from_lemke;
+    report.rejection = Rejection::not_converged;
 }
 
 /// The motion of a free obstacle depends on the body: the body is solved for given rates until both agree.
@@ -315,8 +316,7 @@ void ImplicitScheme::check_residual(StepReport& report) const {
             std::max({report.residual, std::abs(again.normal(point.law) - point.response.normal(point.law)) / unit,
                       std::abs(again.tangential - point.response.tangential) / unit});
     }
-    // the balance is a sum of momenta, loads and elastic terms: the strength of a weak interface is no measure of its
-    // rounding
+    // the balance sums momenta, loads, and elastic terms: the strength of interfaces is no measure of its rounding
     double balance_unit = std::max(unit, 0.1 * momentum_scale_);
     const double balance = solver_.residual();
     if (balance > max_residual * balance_unit)
