@@ -316,8 +316,7 @@ void AugmentedLagrangian::evaluate() {
 }
 
 void AugmentedLagrangian::sweep_fans() {
-    fans_.sweep(0.1 * sweep_goal * unit_, x_.points, x_.rate, system_.impulse());
-    evaluate();
+    fans_.sweep(0.1 * sweep_goal * unit_, x_.points, x_.rate, system_.impulse(), system_.residual());
 }
 
 void AugmentedLagrangian::make_tangents(Softening softening) {

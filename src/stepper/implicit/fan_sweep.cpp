@@ -64,9 +64,18 @@ int FanSweep::place(Index node) const {
     return at == end ? -1 : static_cast<int>(at - node_.begin());
 }
 
+bool FanSweep::is_balanced(double tolerance, const std::vector<Vec2>& residual) const {
+    const std::span corners(&model_.fan_corners[fan_->first_corner], fan_->n_corners);
+    return std::ranges::all_of(corners, [&](Index corner) {
+        const Index node = matrix_.nodes().node_of_corner[corner];
+        for (int k = 0; k < 2; ++k)
+            if (matrix_.is_free(node, k) && !(std::abs(residual[node][k]) <= tolerance)) return false;
+        return true;
+    });
+}
+
 /// The nodes of the fan and their equations. False: they are left alone.
 bool FanSweep::load(std::span<const ActivePoint> points, const std::vector<Vec2>& impulse) {
-    fan_ = &model_.fans[points[0].fan];
     if (points.size() > static_cast<std::size_t>(max_nodes)) return false;
     n_nodes_ = 0;
     for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
@@ -172,11 +181,10 @@ double FanSweep::step_length(std::span<const ActivePoint> points) const {
     return zero_between(0, at_start, 1, at_end, 1e-2 * std::abs(at_start), 20, slope);
 }
 
-/// False: the fan stays where it is, since its balance is met within `tolerance`, or missed by more at the end.
+/// False: the fan stays where it is, since its balance would be missed by more.
 bool FanSweep::solve(double tolerance, std::span<ActivePoint> points) {
     find_residual(points);
     const double at_start = largest_residual();
-    if (at_start <= tolerance) return false;
     std::array<Multipliers, max_nodes> before;
     double augmentation = 1;
     for (std::size_t j = 0; j < points.size(); ++j) {
@@ -184,9 +192,11 @@ bool FanSweep::solve(double tolerance, std::span<ActivePoint> points) {
         augmentation = std::max(augmentation, points[j].multipliers.rho_N / points[j].mass);
     }
     const double goal = fan_goal * tolerance;
-    for (int step = 0, update = 0; step < max_steps_of_fan && update < max_updates_of_fan; find_residual(points)) {
+    bool found = false;
+    for (int step = 0, update = 0; !found && step < max_steps_of_fan && update < max_updates_of_fan;
+         find_residual(points)) {
         if (largest_residual() <= goal) {
-            if (update_multipliers(points) <= goal * augmentation) break;
+            found = update_multipliers(points) <= goal * augmentation;
             ++update;
             continue;
         }
@@ -211,26 +221,39 @@ double FanSweep::update_multipliers(std::span<ActivePoint> points) const {
     return change;
 }
 
-/// The fan to its solution; the impulses of all nodes of its triangles follow.
-void FanSweep::move(std::span<ActivePoint> points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse) const {
-    for (ActivePoint& point : points) point.rate += turn(point, move_);
+/// The fan to its solution; the impulses and residuals of all nodes of its triangles follow.
+void FanSweep::move(std::span<ActivePoint> points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse,
+                    std::vector<Vec2>& residual) const {
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        ActivePoint& point = points[j];
+        point.sides.add_force(impulse_of(point, point.response) - impulse_of(point, response_[j]), residual);
+        point.rate += turn(point, move_);
+        point.response = response_[j];
+    }
     for (int i = 0; i < n_nodes_; ++i) rate[node_[i]] += move_.segment<2>(2 * i);
     const std::vector<Index>& node_of_corner = matrix_.nodes().node_of_corner;
     const Index n = model_.mesh.corners_per_triangle();
     for (Index c = fan_->first_corner; c < fan_->first_corner + fan_->n_corners; ++c) {
         const Index corner = model_.fan_corners[c], first = n * model_.mesh.triangle_of(corner);
         const Vec2 d = move_.segment<2>(2 * place(node_of_corner[corner]));
-        for (Index i = 0; i < n; ++i) impulse[node_of_corner[first + i]] += columns(c).middleRows<2>(2 * i) * d;
+        for (Index i = 0; i < n; ++i) {
+            const Vec2 change = columns(c).middleRows<2>(2 * i) * d;
+            impulse[node_of_corner[first + i]] += change;
+            residual[node_of_corner[first + i]] += change;
+        }
     }
 }
 
 void FanSweep::sweep(double tolerance, std::vector<ActivePoint>& points, std::vector<Vec2>& rate,
-                     std::vector<Vec2>& impulse) {
+                     std::vector<Vec2>& impulse, std::vector<Vec2>& residual) {
     if (!has_columns_) find_columns(points);
     for (std::size_t first = 0, end; first < points.size(); first = end) {
         end = end_of_fan(points, first);
         const std::span<ActivePoint> of_fan = std::span(points).subspan(first, end - first);
-        if (of_fan[0].fan >= 0 && load(of_fan, impulse) && solve(tolerance, of_fan)) move(of_fan, rate, impulse);
+        if (of_fan[0].fan < 0) continue;
+        fan_ = &model_.fans[of_fan[0].fan];
+        if (is_balanced(tolerance, residual) || !load(of_fan, impulse)) continue;
+        if (solve(tolerance, of_fan)) move(of_fan, rate, impulse, residual);
     }
 }
 

@@ -26,9 +26,10 @@ public:
 
     /// Of these points, whose nodes the matrix knows.
     void begin(const std::vector<ActivePoint>& points);
-    /// Fans whose balance is missed by more than `tolerance` [N s] move: their `points`, `rate` [m/s], and `impulse`
-    /// [N s], which is r(w) per near node and follows.
-    void sweep(double tolerance, std::vector<ActivePoint>& points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse);
+    /// Fans whose balance is missed by more than `tolerance` [N s] move: their `points`, `rate` [m/s], and, per near
+    /// node, `impulse` r(w) and `residual` r(w) - H' q [N s], which follow.
+    void sweep(double tolerance, std::vector<ActivePoint>& points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse,
+               std::vector<Vec2>& residual);
 
 private:
     static constexpr Index max_nodes = 16;   // of a fan, and points: larger ones are left to the steps of the body
@@ -47,9 +48,11 @@ private:
     void find_residual(std::span<const ActivePoint> points);
     bool find_direction(std::span<const ActivePoint> points, Softening softening);
     double step_length(std::span<const ActivePoint> points) const;
+    bool is_balanced(double tolerance, const std::vector<Vec2>& residual) const;
     bool solve(double tolerance, std::span<ActivePoint> points);
     double update_multipliers(std::span<ActivePoint> points) const;
-    void move(std::span<ActivePoint> points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse) const;
+    void move(std::span<ActivePoint> points, std::vector<Vec2>& rate, std::vector<Vec2>& impulse,
+              std::vector<Vec2>& residual) const;
     Columns columns(Index fan_corner) const;
 
     const Model& model_;
