@@ -26,7 +26,7 @@ constexpr std::ptrdiff_t pivots_at_once = 64, rows_at_once = 32;
 }  // namespace
 
 FrontalFactor::Workspace::Workspace(std::size_t n_numbers) : place(n_numbers, -1), local(n_numbers) {
-    reserve_capacity(n_numbers, own, left, row, column);
+    reserve_capacity(n_numbers, own, left, half[0].row, half[1].row, half[0].column, half[1].column);
 }
 
 FrontalFactor::FrontalFactor(const Dissection& dissection, std::size_t n_numbers)
@@ -127,6 +127,8 @@ void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminat
     for (const Element& element : work.elements) std::for_each_n(element.unknown.begin(), element.n_unknowns, add);
     for (const Index child : dissection_.parts[part].child)
         if (child >= 0) std::ranges::for_each(fronts_[child].left(), add);
+    std::ranges::sort(work.own);
+    std::ranges::sort(work.left, {}, [&](Index u) { return std::pair(eliminated_in[u], u); });
     Front& front = fronts_[part];
     front.n_eliminated = static_cast<Index>(work.own.size());
     front.unknown.resize(arena_, work.own.size() + work.left.size());
@@ -139,13 +141,29 @@ void FrontalFactor::assemble(Index part, Threads threads, Workspace& work) {
     Front& front = fronts_[part];
     front.L.resize(arena_, front.size() * std::size_t(front.n_eliminated) + front_padding);
     front.schur.resize(arena_, front.n_left() * std::size_t(front.n_left()) + front_padding);
-    work.column.clear();
-    for (Index k = 0; k < front.size(); ++k) work.column.push_back(front.column(k));
+    const bool has_halves = !dissection_.parts[part].is_leaf();
+    for (int i = 0; has_halves && i < 2; ++i) {
+        Half& half = work.half[i];
+        half.front = &fronts_[dissection_.parts[part].child[i]];
+        half.row.clear();
+        half.column.assign(front.size(), -1);
+        for (const Index u : half.front->left()) {
+            half.column[work.place[u]] = static_cast<Index>(half.row.size());
+            half.row.push_back(work.place[u]);
+        }
+    }
     divide(threads, front.size(), columns_at_once, [&](std::size_t first, std::size_t end) {
         for (std::size_t k = first; k < end; ++k) {  // with the rows above the diagonal that the kernel reads
             const std::size_t top = k < std::size_t(front.n_eliminated) ? 0 : front.n_eliminated;
-            std::fill(work.column[k] + std::max(top, k - std::min(k, front_padding)), work.column[k] + front.size(),
-                      0.0);
+            double* column = front.column(static_cast<Index>(k));
+            std::fill(column + std::max(top, k - std::min(k, front_padding)), column + front.size(), 0.0);
+            for (int i = 0; has_halves && i < 2; ++i) {
+                const Half& half = work.half[i];
+                const std::size_t j = half.column[k], n = half.row.size();
+                if (half.column[k] < 0) continue;
+                const double* from = half.front->schur.first() + n * j;
+                for (std::size_t r = j; r < n; ++r) column[half.row[r]] += from[r];
+            }
         }
     });
     for (const Element& element : work.elements)
@@ -153,25 +171,8 @@ void FrontalFactor::assemble(Index part, Threads threads, Workspace& work) {
             for (int i = 0; i < element.n_unknowns; ++i) {
                 if (element.unknown[i] < 0 || element.unknown[j] < 0) continue;
                 const Index row = work.place[element.unknown[i]], column = work.place[element.unknown[j]];
-                if (row >= column) work.column[column][row] += element.matrix(i, j);
+                if (row >= column) front.column(column)[row] += element.matrix(i, j);
             }
-    for (const Index child : dissection_.parts[part].child)
-        if (child >= 0) add_half(fronts_[child], threads, work);
-}
-
-/// Different entries of a half belong to different entries of the front.
-void FrontalFactor::add_half(const Front& half, Threads threads, Workspace& work) {
-    const std::size_t n = half.n_left();
-    work.row.clear();
-    for (const Index u : half.left()) work.row.push_back(work.place[u]);
-    divide(threads, n, columns_at_once, [&](std::size_t first, std::size_t end) {
-        for (std::size_t j = first; j < end; ++j) {
-            const double* from = half.schur.first() + n * j;
-            const Index own_row = work.row[j];
-            for (std::size_t i = j; i < n; ++i)
-                work.column[std::min(work.row[i], own_row)][std::max(work.row[i], own_row)] += from[i];
-        }
-    });
 }
 
 /// Block by block of its columns, each of which changes all columns behind it. The first block takes the remainder, so

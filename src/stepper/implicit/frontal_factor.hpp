@@ -68,7 +68,7 @@ public:
 
 private:
     struct Front {
-        ArenaList<Index> unknown;  // eliminated ones first
+        ArenaList<Index> unknown;  // in the order of their elimination
         Index n_eliminated = 0;
         ArenaList<double> L;      // lower half, column by column: L, and L_B below it
         ArenaList<double> schur;  // likewise
@@ -81,13 +81,18 @@ private:
             return schur.first() + n_left() * std::size_t(k - n_eliminated) - n_eliminated;
         }
     };
+    /// A half of the part in work, whose unknowns have the same order in both.
+    struct Half {
+        const Front* front;
+        std::vector<Index> row;     // in the front of the part, of the unknowns that it leaves
+        std::vector<Index> column;  // per column of this front: of these, or -1
+    };
     /// Of a thread, for the front in work.
     struct alignas(128) Workspace {  // no cache line of two threads
         explicit Workspace(std::size_t n_numbers);
-        std::vector<Index> place;       // per unknown: in the front, or -1
-        std::vector<Index> own, left;   // its unknowns
-        std::vector<Index> row;         // in it, of the unknowns that a half leaves
-        std::vector<double*> column;    // Front::column, of each of its unknowns
+        std::vector<Index> place;      // per unknown: in the front, or -1
+        std::vector<Index> own, left;  // its unknowns
+        std::array<Half, 2> half;
         std::vector<Element> elements;  // of the leaf
         std::vector<double> local;      // right-hand side
         ArenaList<double> packed;       // columns of L
@@ -102,7 +107,6 @@ private:
     bool is_large(Index part) const;
     void find_unknowns(Index part, const std::vector<Index>& eliminated_in, Workspace& work);
     void assemble(Index part, Threads threads, Workspace& work);
-    static void add_half(const Front& half, Threads threads, Workspace& work);
     bool eliminate(Front& front, Threads threads, Workspace& work);
     void substitute_in_front(const Front& front, std::vector<double>& x);
     void substitute_back_in_front(const Front& front, std::vector<double>& x);
