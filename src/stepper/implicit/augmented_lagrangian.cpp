@@ -1,7 +1,6 @@
 #include "stepper/implicit/augmented_lagrangian.hpp"
 
 #include "base/reserve_capacity.hpp"
-#include "base/secant.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -19,14 +18,12 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
-constexpr int max_swept_steps = 12;  // of a round: where they do not end it, their moves of multipliers may be why
-constexpr double sweep_goal = 1e-4;  // of the scale: a smaller residual of the balance is left to Newton's steps
-constexpr double preliminary_goal = 1e-4;  // of the laws and of the balance
-constexpr double inexact_balance = 1e-3;   // of the last move of the multipliers
-constexpr std::size_t min_points = 16;     // of a problem for the active set
+constexpr int max_swept_steps = 12;       // of a round: where they do not end it, their moves of multipliers may be why
+constexpr double sweep_goal = 1e-4;       // of the scale: a smaller residual of the balance is left to Newton's steps
+constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
+constexpr std::size_t min_points = 16;    // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
 constexpr int max_piece_steps = 40, max_stalled_steps = 6, first_local_step = 2, max_marching_steps = 2;
-constexpr double min_length = 0.05;                  // of its steps
 constexpr double near_balance = 1e-6;                // of the scale
 constexpr double slow_ratio = 0.3, same_move = 0.7;  // of a residual, a move of multipliers to the one before
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
@@ -40,10 +37,11 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
       x_(iterate),
       system_(model, bulk, matrix, iterate.rate),
       fans_(model, matrix),
+      line_search_(model),
       local_(model, matrix),
       series_(model, matrix) {
     reserve_capacity(model.mesh.n_corners(), before_.rate, first_.rate, completed_.rate);
-    reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, turn_, move_, before_.points,
+    reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, move_, before_.points,
                      first_.points, completed_.points);
 }
 
@@ -60,22 +58,32 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         return false;
     };
     const auto begin_again = [&] { restart_from(first_), unit_ = first_unit; };
-    system_.begin(x_.points);
-    fans_.begin(x_.points);
     first_ = x_, final_augmentation_ = full_augmentation;
     // On ramps of secant unloading the active set found other solutions with friction than the method of multipliers,
     // which also ends nearer to rounding and is no slower for a few points.
     sweeps_ = x_.points.size() >= min_points &&
               std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
-    precision_ = sweeps_ ? precision : Precision::full;
+    Pieces pieces = Pieces::cycling;
+    const auto solve_pieces = [&] {
+        pieces = find_pieces(friction);
+        if (pieces == Pieces::found && pieces_are_right()) return true;
+        return pieces != Pieces::cycling && find_solution(max_cycling_steps) &&
+               (pieces == Pieces::found || !indefinite_);
+    };
+    precision_ = Precision::full;
+    if (sweeps_ && system_.begin_reduced(x_.points)) {  // on the dense matrix of a few points
+        if (solve_pieces()) return true;
+        begin_again();
+    }
+    system_.begin(x_.points);
+    fans_.begin(x_.points);
     if (sweeps_) {
+        precision_ = precision;
         if (!friction) {
             if (find_solution(max_newton_steps)) return true;
             begin_again();
         }
-        const Pieces pieces = find_pieces(friction);
-        if (pieces != Pieces::cycling && find_solution(max_cycling_steps) && (pieces == Pieces::found || !indefinite_))
-            return true;
+        if (solve_pieces()) return true;
         // Where it cycles, the energy of the springs may lead on; within Assumption 1 the solution is the same one.
         if (pieces != Pieces::found && !friction && !indefinite_ && find_solution(max_newton_steps) && !indefinite_)
             return true;
@@ -129,6 +137,13 @@ bool AugmentedLagrangian::find_solution(int max_steps) {
     return true;
 }
 
+/// The laws on stiff springs, whose rates and multipliers find_pieces found, agree with its pieces.
+bool AugmentedLagrangian::pieces_are_right() {
+    const double balance = std::max(2 * residual(), balance_goal(unit_));
+    evaluate();
+    return update_multipliers() <= law_goal * final_augmentation_ * unit_ && residual() <= balance;
+}
+
 /// Newton's method on the laws themselves. An augmentation of the size of inertia and stiffness shows on which piece of
 /// its law a point is; a step solves the equations of these pieces, on stiff springs, with multipliers that follow at
 /// once. (Stiff springs would stop it at the first point that changes its piece.)
@@ -136,6 +151,8 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
     set_augmentation(final_augmentation_), local_.forget();
     pieces_.assign(x_.points.size(), ~0u), move_.resize(x_.points.size());
     double move = infinity, best = infinity, norm = infinity, unit = unit_;
+    double whole = infinity;  // balance of the whole body after the last completion
+    bool completed = false;
     int n_found = 0, stalled = 0, marching = 0;
     std::size_t fewest = x_.points.size() + 1;
     for (int i = 0; i < max_piece_steps; ++i) {
@@ -164,17 +181,23 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
             (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
         if (found && system_.is_condensed()) {
             system_.complete();
+            completed = true;
             continue;
         }
-        if (found) n_found += is_preliminary() ? 2 : 1;
-        if (n_found >= 2) {
+        const bool of_whole_body = std::exchange(completed, false);
+        // the balance of the whole body no longer falls: what is left is rounding
+        const bool rounding = of_whole_body && norm > 0.5 * std::exchange(whole, norm) && norm <= 1e3 * tolerance &&
+                              move <= law_tolerance * multiplier_unit;
+        n_found = rounding || (found && is_preliminary()) ? 2 : n_found + found;
+        if (n_found == 2) {
             for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
             unit_ = unit;
             return indefinite_ ? Pieces::cycling : Pieces::found;
         }
         // nearly redundant points, contradictory bounds: the multipliers converge linearly or move by the same step for
         // ever, and their extrapolation is quicker
-        const bool slow = (n_changed == 0 && norm > slow_ratio * last_norm) || marching >= max_marching_steps;
+        const bool slow =
+            (n_changed == 0 && !of_whole_body && norm > slow_ratio * last_norm) || marching >= max_marching_steps;
         if (slow && norm <= near_balance * unit && n_found == 0) break;
         if (n_changed < fewest || (n_changed == fewest && norm < 0.5 * best)) stalled = 0;
         else if (++stalled == max_stalled_steps) break;
@@ -194,7 +217,7 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
             move = std::max(move, move_[j].cwiseAbs().maxCoeff());
         }
         marching = friction && move > same_move * last_move ? marching + 1 : 0;
-        const double a = step_length_of_pieces();
+        const double a = line_search_.length_on_soft_springs(system_, x_.points, move_);
         system_.step(a);
         for (std::size_t j = 0; j < move_.size(); ++j) {
             x_.points[j].multipliers.contact += a * move_[j].x();
@@ -203,17 +226,6 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
     }
     for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
     return norm <= near_balance * unit ? Pieces::nearly : Pieces::cycling;
-}
-
-/// Its zero where the points change so much on the way that the step goes too far.
-double AugmentedLagrangian::step_length_of_pieces() {
-    begin_slope();
-    const auto at = [&](double a) { return slope(a, true); };
-    const double slope_at_start = at(0), slope_at_end = at(1);
-    if (slope_at_end <= 0.1 * std::abs(slope_at_start)) return 1;
-    if (slope_at_start >= 0) return 0.5;
-    return std::clamp(zero_between(0, slope_at_start, 1, slope_at_end, 1e-2 * std::abs(slope_at_start), 30, at),
-                      min_length, 1.0);
 }
 
 /// The method of multipliers.
@@ -280,7 +292,9 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         if (stalled >= 3 && (near || norm <= 1e-12 * bulk_.largest_elastic_impulse(x_.rate))) return true;  // rounding
         best = std::min(best, norm);
         if (!find_direction()) return false;
-        system_.step(stalled > 0 && near ? 1 : step_length());  // near the solution rounding hides the slope
+        system_.step(stalled > 0 && near
+                         ? 1
+                         : line_search_.length(system_, x_.points));  // near the solution rounding hides the slope
     }
     return false;
 }
@@ -316,7 +330,9 @@ void AugmentedLagrangian::evaluate() {
 }
 
 void AugmentedLagrangian::sweep_fans() {
+    if (matrix_.is_reduced()) return;
     fans_.sweep(0.1 * sweep_goal * unit_, x_.points, x_.rate, system_.impulse(), system_.residual());
+    if (!system_.is_condensed()) evaluate();  // the impulses of corners, too
 }
 
 void AugmentedLagrangian::make_tangents(Softening softening) {
@@ -334,7 +350,7 @@ void AugmentedLagrangian::make_tangents(Softening softening) {
 bool AugmentedLagrangian::prepare_matrix() {
     const std::vector<ActivePoint>& points = x_.points;
     // one entry more than points: "no points" differs from "no factor"
-    bool same = factored_states_.size() == points.size() + 1;
+    bool same = matrix_.has_factor() && factored_states_.size() == points.size() + 1;
     for (std::size_t i = 0; same && i < points.size(); ++i) same = factored_states_[i] == points[i].response.state;
     if (same) return true;
     factored_states_.resize(points.size() + 1);
@@ -367,45 +383,6 @@ bool AugmentedLagrangian::find_direction() {
     if (!prepare_matrix() || !system_.find_direction()) return false;
     ++counts_.linear_solves;
     return true;
-}
-
-void AugmentedLagrangian::begin_slope() {
-    slope_at_start_ = system_.slope(), bulk_slope_ = system_.curvature();
-    turn_.resize(x_.points.size());
-    for (std::size_t j = 0; j < turn_.size(); ++j) turn_[j] = x_.points[j].across(system_.direction());
-}
-
-/// Slope along the step d,   d . (r(w) + a M_hat d - H' q(w + a d)):   monotone and piecewise linear in a where the
-/// problem is convex. With multipliers that move by a move_, on soft springs.
-double AugmentedLagrangian::slope(double a, bool multipliers_move) const {
-    double sum = slope_at_start_ + a * bulk_slope_;
-    for (std::size_t j = 0; j < turn_.size(); ++j) {
-        if (turn_[j].isZero(0)) continue;
-        const ActivePoint& point = x_.points[j];
-        const Vec2 rate = point.rate + a * turn_[j];
-        Multipliers at = point.multipliers;
-        if (multipliers_move) {
-            at = point.softened();
-            at.contact += a * move_[j].x(), at.tangential += a * move_[j].y();
-        }
-        const PointResponse r = respond(point.law, at, rate.x(), rate.y());
-        sum -= r.normal(point.law) * turn_[j].x() + r.tangential * turn_[j].y();
-    }
-    return sum;
-}
-
-double AugmentedLagrangian::step_length() {
-    begin_slope();
-    const auto at = [&](double a) { return slope(a, false); };
-    const double slope_at_start = at(0);
-    double low = 0, slope_low = slope_at_start, high = 1, slope_high = at(1);
-    if (slope_low >= 0 || std::abs(slope_high) <= 0.1 * std::abs(slope_low)) return 1;
-    for (int i = 0; slope_high < 0; ++i) {  // still downhill: a majorised step was too short
-        if (i == 10) return high;
-        low = high, slope_low = slope_high;
-        high *= 2, slope_high = at(high);
-    }
-    return zero_between(low, slope_low, high, slope_high, 1e-2 * std::abs(slope_at_start), 30, at);
 }
 
 double AugmentedLagrangian::update_multipliers() {

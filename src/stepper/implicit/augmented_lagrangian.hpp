@@ -21,6 +21,7 @@
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/condensed_system.hpp"
 #include "stepper/implicit/fan_sweep.hpp"
+#include "stepper/implicit/line_search.hpp"
 #include "stepper/implicit/local_points.hpp"
 #include "stepper/implicit/multiplier_series.hpp"
 
@@ -76,14 +77,16 @@ public:
     }
 
 private:
-    static constexpr double law_goal = 1e-13;       // of the scale: natural residual of the laws
-    static constexpr double law_tolerance = 5e-11;  // likewise, where rounding prevents more
+    static constexpr double law_goal = 1e-13;         // of the scale: natural residual of the laws
+    static constexpr double law_tolerance = 5e-11;    // likewise, where rounding prevents more
+    static constexpr double preliminary_goal = 1e-4;  // of the laws and of the balance
     /// [N s] of the balance, for a scale of the impulses.
     double balance_goal(double unit) const {
         return std::max(1e-12 * unit, 4e-18 * final_augmentation_ * bulk_.largest_impulse());
     }
     enum class Pieces { found, nearly, cycling };
     Pieces find_pieces(bool friction);
+    bool pieces_are_right();
     void restart_from(const Iterate& iterate);
     bool find_solution(int max_steps);
     bool find_multipliers(double goal, double first_tolerance, int max_steps);
@@ -94,10 +97,6 @@ private:
     void sweep_fans();
     void make_tangents(Softening softening);
     bool prepare_matrix();
-    void begin_slope();
-    double slope(double a, bool multipliers_move) const;
-    double step_length();
-    double step_length_of_pieces();
     bool find_direction();
     double update_multipliers();
     void set_augmentation(double augmentation);
@@ -109,6 +108,7 @@ private:
     FanSweep fans_;
     Precision precision_ = Precision::full;
     bool sweeps_ = false;  // of the fans between Newton's steps, and the active set
+    LineSearch line_search_;
     LocalPoints local_;
     MultiplierSeries series_;
     Iterate completed_;                           // in find_solution
@@ -117,10 +117,9 @@ private:
     double final_augmentation_ = 0;               // of the attempt
     double augmentation_ = 0;                     // with which the matrix is factorised
     bool indefinite_ = false;
-    std::vector<PointTangent> tangents_;          // in the factor
-    std::vector<Vec2> turn_, move_;               // per point, (N, T)
-    double slope_at_start_ = 0, bulk_slope_ = 0;  // of the bulk along the direction
-    std::vector<std::uint32_t> pieces_;           // per point, in find_pieces
+    std::vector<PointTangent> tangents_;  // in the factor
+    std::vector<Vec2> move_;              // [N s] per point, (N, T): of its multipliers
+    std::vector<std::uint32_t> pieces_;   // per point, in find_pieces
     SolverCounts counts_;
     GiveUp given_up_ = nullptr;
     double unit_ = 1, largest_unit_ = 1;

@@ -19,7 +19,15 @@ void CondensedSystem::begin(const std::vector<ActivePoint>& points) {
     for (const ActivePoint& point : points) sides_.push_back(point.sides);
     if (points.size() < min_points) matrix_.set_all_near();
     else matrix_.set_near(sides_);
-    condensed_ = false;
+    forget();
+}
+
+bool CondensedSystem::begin_reduced(const std::vector<ActivePoint>& points) {
+    if (points.size() < min_points) return false;
+    sides_.clear();
+    for (const ActivePoint& point : points) sides_.push_back(point.sides);
+    forget();
+    return matrix_.set_reduced(sides_);
 }
 
 void CondensedSystem::evaluate() {
@@ -27,8 +35,11 @@ void CondensedSystem::evaluate() {
         for (const Index node : near_nodes()) residual_[node] = impulse_[node];
         return;
     }
-    bulk_.impulse(rate_, corner_impulse_);
-    bulk_.sum_to_nodes(corner_impulse_, impulse_);
+    if (!is_evaluated_) {
+        bulk_.impulse(rate_, corner_impulse_);
+        bulk_.sum_to_nodes(corner_impulse_, impulse_);
+    }
+    is_evaluated_ = true;
     residual_ = impulse_;
 }
 
@@ -37,6 +48,7 @@ bool CondensedSystem::find_direction() {
     if (!condensed_ && matrix_.has_far_nodes()) {
         for (const Index node : near_nodes()) residual_[node] -= impulse_[node];
         matrix_.condense(impulse_);
+        is_evaluated_ = false;
         for (const Index node : near_nodes()) residual_[node] += impulse_[node];
         condensed_at_ = rate_;
         condensed_ = true;
@@ -48,6 +60,7 @@ bool CondensedSystem::find_direction() {
 }
 
 void CondensedSystem::step(double a) {
+    is_evaluated_ = false;
     for (const Index node : near_nodes()) {
         rate_[node] += a * direction_[node];
         impulse_[node] += a * change_[node];
@@ -58,7 +71,7 @@ void CondensedSystem::complete() {
     if (!condensed_) return;
     for (const Index node : near_nodes()) right_side_[node] = rate_[node] - condensed_at_[node];
     matrix_.add_change_of_far_nodes(right_side_, rate_);
-    condensed_ = false;
+    forget();
 }
 
 double CondensedSystem::residual(Index node) const {

@@ -20,8 +20,10 @@ public:
 
     /// Of these points, whose nodes the matrix knows.
     void begin(const std::vector<ActivePoint>& points);
+    /// The same with a dense matrix on the nodes of the points alone. False: they are too many or too few.
+    bool begin_reduced(const std::vector<ActivePoint>& points);
     /// The rates have changed otherwise than by a step.
-    void forget() { condensed_ = false; }
+    void forget() { condensed_ = is_evaluated_ = false; }
     /// Only the near nodes are up to date.
     bool is_condensed() const { return condensed_; }
 
@@ -34,7 +36,11 @@ public:
     void complete();
 
     const std::vector<Index>& near_nodes() const { return matrix_.near_nodes(); }
-    std::vector<Vec2>& impulse() { return impulse_; }    // [N s] per near node: r(w)
+    /// [N s] per near node: r(w), which may change with the rates.
+    std::vector<Vec2>& impulse() {
+        is_evaluated_ = false;
+        return impulse_;
+    }
     std::vector<Vec2>& residual() { return residual_; }  // [N s] per node: r(w) - H' q
     const std::vector<Vec2>& residual() const { return residual_; }
     double residual(Index node) const;  // [N s] of its free components
@@ -51,6 +57,7 @@ private:
     std::vector<Vec2>& rate_;
     static constexpr std::size_t min_points = 16;
     bool condensed_ = false;
+    bool is_evaluated_ = false;  // r(w) of all nodes
     std::vector<PointSides> sides_;
     std::vector<Vec2> corner_impulse_, impulse_, residual_, right_side_, direction_, change_;
     std::vector<Vec2> condensed_at_;  // rates

@@ -28,13 +28,16 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
       eliminated_in_(2 * model.mesh.n_corners(), -1),
       block_(model.fan_points.size(), Eigen::Matrix2d::Zero()),
       kept_(model.fan_points.size(), 0),
+      reduced_(std::make_unique<ReducedMatrix>(model.mesh.n_corners())),
       is_marked_(dissection_.parts.size(), 0),
       x_(2 * model.mesh.n_corners(), 0),
       y_(x_.size(), 0) {
     reserve_capacity(model.fan_points.size(), with_block_, friction_, points_);
-    reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_, local_parts_, path_);
-    reserve_capacity(model.mesh.n_corners(), near_nodes_, far_nodes_);
-    reserve_capacity(2 * model.mesh.n_corners(), local_unknowns_);
+    reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_, local_parts_, path_,
+                     reduced_parts_);
+    reserve_capacity(model.mesh.n_corners(), near_nodes_, far_nodes_, condensed_, reduced_impulse_);
+    reserve_capacity(2 * model.mesh.n_corners(), local_unknowns_, reduced_unknowns_);
+    reserve_capacity(ReducedMatrix::max_size, reduced_nodes_);
     half_.reserve(std::min(max_half_entries, 240 * static_cast<std::size_t>(model.mesh.n_corners())));
     far_part_.reserve(x_.size());
 }
@@ -57,10 +60,12 @@ bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor) {
         if (active_.empty() || active_[f] != nodes.active[f]) place_fan(model_.fans[f]);
     active_ = nodes.active;
     set_all_near();
+    if (other_factor || other_nodes) reduced_->forget();
     return other_factor || other_nodes;
 }
 
 void ThetaMatrix::set_all_near() {
+    is_reduced_ = false;
     near_parts_.resize(dissection_.parts.size());
     near_nodes_.resize(nodes_->n_nodes());
     std::iota(near_parts_.begin(), near_parts_.end(), 0);
@@ -139,6 +144,13 @@ void ThetaMatrix::set_contacts(std::span<const PointTangent> points) {
 }
 
 bool ThetaMatrix::factorise(const std::vector<PointTangent>& points) {
+    factor_of_ = is_reduced_ ? FactorOf::near_nodes : FactorOf::body;
+    if (!is_reduced_) return factorise_body(points);
+    points_ = points;
+    return reduced_->factorise(points_);
+}
+
+bool ThetaMatrix::factorise_body(const std::vector<PointTangent>& points) {
     points_ = points;
     friction_.clear();
     set_contacts(points);
@@ -193,6 +205,7 @@ void ThetaMatrix::find_parts(const Points& points, const SidesOf& sides_of, std:
 
 /// All nodes of a triangle are eliminated in its leaf or above.
 void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
+    is_reduced_ = false;
     std::ranges::fill(is_marked_, 0);
     for (const PointSides& point : points)
         point.for_each_node([&](Index node, double) {
@@ -208,27 +221,77 @@ void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
         (is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] ? near_nodes_ : far_nodes_).push_back(node);
 }
 
+bool ThetaMatrix::set_reduced(const std::vector<PointSides>& points) {
+    set_all_near();
+    const bool known = reduced_->knows(points);
+    if (!known && !reduced_->set_nodes(points, *nodes_)) return false;
+    const bool body_alone = known && with_block_.empty() && contacts_.empty();
+    if (!body_alone) factor_of_ = FactorOf::none;
+    if ((!body_alone && !factorise_body({})) || (!known && !find_reduced_matrix())) {
+        reduced_->forget();
+        return false;
+    }
+    std::swap(near_parts_, far_parts_);
+    near_nodes_ = reduced_->nodes();
+    for (Index node = 0; node < nodes_->n_nodes(); ++node)
+        if (!reduced_->has(node)) far_nodes_.push_back(node);
+    condensed_.resize(nodes_->n_nodes()), reduced_impulse_.resize(nodes_->n_nodes());
+    return is_reduced_ = true;
+}
+
+/// All nodes are near; the factor is that of the body without points.
+bool ThetaMatrix::find_reduced_matrix() {
+    reduced_nodes_.clear();
+    for (const Index node : reduced_->nodes()) reduced_nodes_.push_back({.fan_point = -1, .before = -1, .after = node});
+    const Eigen::Index n = 2 * static_cast<Eigen::Index>(reduced_nodes_.size());
+    ReducedMatrix::Matrix compliance(n, n);
+    if (!find_compliance(reduced_nodes_, compliance) || !reduced_->set_compliance(compliance)) return false;
+    reduced_parts_ = local_parts_, reduced_unknowns_ = local_unknowns_;
+    return true;
+}
+
 // With O the far unknowns and R the near ones, A = L L' and b the impulse:
 //     y_O = L_OO^-1 b_O,    b_R - L_RO y_O    condensed;    change_O = -L_OO^-T (y_O + L_RO' change_R)
 // The blocks of points change neither L_OO nor L_RO.
+// Reduced, with the factor of all unknowns and S = ((A^-1)_RR)^-1:
+//     y = L^-1 b,    g = S (L^-T y)_R    condensed;    change_O = (L^-T (L^-1 (g + S change_R) - y))_O
 void ThetaMatrix::condense(std::vector<Vec2>& impulse) {
     if (far_parts_.empty()) return;
     each_unknown(far_nodes_, [&](Index u, Index node, int k) { x_[u] = impulse[node][k]; });
     each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = impulse[node][k]; });
     factor_.substitute(far_parts_, x_);
     far_part_ = x_;
+    if (is_reduced_) factor_.substitute_back(reduced_parts_, x_);
     each_unknown(near_nodes_, [&](Index u, Index node, int k) { impulse[node][k] = x_[u]; });
+    if (!is_reduced_) return;
+    reduced_->multiply(impulse, impulse);
+    each_unknown(near_nodes_, [&](Index, Index node, int k) { condensed_[node][k] = impulse[node][k]; });
 }
 
 void ThetaMatrix::add_change_of_far_nodes(const std::vector<Vec2>& change, std::vector<Vec2>& rate) {
     if (far_parts_.empty()) return;
     each_unknown(far_nodes_, [&](Index u, Index, int) { x_[u] = -far_part_[u]; });
-    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = change[node][k]; });
+    if (is_reduced_) {
+        factor_.set_zero(reduced_parts_, y_);
+        reduced_->multiply(change, reduced_impulse_);
+        each_unknown(near_nodes_, [&](Index u, Index node, int k) {
+            x_[u] = -far_part_[u], y_[u] = condensed_[node][k] + reduced_impulse_[node][k];
+        });
+        factor_.substitute(reduced_parts_, y_);
+        for (const Index u : reduced_unknowns_) x_[u] += y_[u];
+    } else {
+        each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = change[node][k]; });
+    }
     factor_.substitute_back(far_parts_, x_);
     each_unknown(far_nodes_, [&](Index u, Index node, int k) { rate[node][k] += x_[u]; });
 }
 
 bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution) {
+    if (is_reduced_) {
+        solution.resize(nodes_->n_nodes());
+        reduced_->solve(right_side, solution);
+        return std::ranges::all_of(near_nodes_, [&](Index node) { return solution[node].allFinite(); });
+    }
     each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = right_side[node][k]; });
     if (!is_symmetric()) {
         if (!solve_with_friction()) return false;
@@ -249,6 +312,7 @@ bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& 
 void ThetaMatrix::bulk_part(const std::vector<Vec2>& right_side, const std::vector<Vec2>& solution,
                             std::vector<Vec2>& impulse) const {
     impulse.resize(nodes_->n_nodes());
+    if (is_reduced_) return reduced_->multiply(solution, impulse);
     for (const Index node : near_nodes_) impulse[node] = right_side[node];
     for (const PointTangent& point : points_)
         point.sides.add_force(-point.symmetric_block * point.sides.jump(solution), impulse);
@@ -260,6 +324,7 @@ void ThetaMatrix::bulk_part(const std::vector<Vec2>& right_side, const std::vect
 
 /// With A = L L':   G' A^-1 G = (L^-1 G)' (L^-1 G).
 bool ThetaMatrix::find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance) {
+    if (is_reduced_) return reduced_->find_compliance(points, compliance);
     find_parts(points, std::identity{}, local_parts_);
     local_unknowns_.clear();
     each_unknown(near_nodes_, [&](Index u, Index, int) {
@@ -281,10 +346,10 @@ bool ThetaMatrix::find_compliance(std::span<const PointSides> points, Eigen::Ref
         for (Eigen::Index i = 0; i < n_rows; ++i) half(i, j) = y_[local_unknowns_[i]];
     }
     compliance.setZero();
-    for (Eigen::Index i = 0; i < n_rows; i += half_rows_at_once) {
-        const auto some = half.middleRows(i, std::min(half_rows_at_once, n_rows - i));
-        compliance.noalias() += some.transpose() * some;
-    }
+    auto lower = compliance.selfadjointView<Eigen::Lower>();
+    for (Eigen::Index i = 0; i < n_rows; i += half_rows_at_once)
+        lower.rankUpdate(half.middleRows(i, std::min(half_rows_at_once, n_rows - i)).transpose());
+    compliance.triangularView<Eigen::StrictlyUpper>() = compliance.transpose();
     return true;
 }
 

@@ -10,18 +10,12 @@
 #include "stepper/implicit/corner_partition.hpp"
 #include "stepper/implicit/frontal_factor.hpp"
 #include "stepper/implicit/gmres.hpp"
+#include "stepper/implicit/reduced_matrix.hpp"
 
+#include <memory>
 #include <span>
 
 namespace knap {
-
-/// A point in A: the impulse on `after` changes by -block times the change of the relative velocity.
-struct PointTangent {
-    PointSides sides;
-    Eigen::Matrix2d block;            // [kg]
-    Eigen::Matrix2d symmetric_block;  // [kg] the same without the friction that follows the contact impulse
-    bool operator==(const PointTangent&) const = default;
-};
 
 class ThetaMatrix {
 public:
@@ -31,6 +25,8 @@ public:
     bool set(const CornerPartition& nodes, double stiffness_factor);
     /// False: A without the friction that follows the contact impulses is not positive definite.
     bool factorise(const std::vector<PointTangent>& points);
+    /// That of the last factorise(): none while the near nodes are others.
+    bool has_factor() const { return factor_of_ == (is_reduced_ ? FactorOf::near_nodes : FactorOf::body); }
 
     /// Near nodes from now on: those of these points, which must be all that factorise() is given, the nodes of all
     /// triangles round them, and all nodes that are eliminated with these or later. Before: all nodes. Far nodes know
@@ -38,6 +34,10 @@ public:
     /// solved by themselves.
     void set_near(const std::vector<PointSides>& points);
     void set_all_near();
+    /// Near nodes from now on: those of these points alone, whose equations are dense (ReducedMatrix), and those of
+    /// points before them while neither M nor K nor the nodes change. False: they are too many; all nodes are near.
+    bool set_reduced(const std::vector<PointSides>& points);
+    bool is_reduced() const { return is_reduced_; }
     bool has_far_nodes() const { return !far_parts_.empty(); }
     const std::vector<Index>& near_nodes() const { return near_nodes_; }
     /// The balance of the near nodes where that of the far nodes is satisfied, from the balance of all.
@@ -82,6 +82,8 @@ private:
     /// (parts that eliminate nodes of `points`, and all above), ascending
     template <class Points, class SidesOf>
     void find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts);
+    bool factorise_body(const std::vector<PointTangent>& points);
+    bool find_reduced_matrix();
     bool solve_with_friction();
 
     const Model& model_;
@@ -106,6 +108,13 @@ private:
     // of find_compliance()
     std::vector<Index> local_parts_, path_, local_unknowns_;
     std::vector<double> half_;
+
+    enum class FactorOf { none, body, near_nodes } factor_of_ = FactorOf::none;
+    bool is_reduced_ = false;
+    std::unique_ptr<ReducedMatrix> reduced_;
+    std::vector<PointSides> reduced_nodes_;                // with an obstacle that rests
+    std::vector<Vec2> condensed_, reduced_impulse_;        // [N s] per near node
+    std::vector<Index> reduced_parts_, reduced_unknowns_;  // with their unknowns, and all parts above; of these parts
 
     std::vector<Index> near_parts_, far_parts_, near_nodes_, far_nodes_;
     std::vector<std::uint8_t> is_marked_;  // [0/1] per part

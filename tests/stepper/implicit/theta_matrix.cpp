@@ -231,17 +231,25 @@ TEST_CASE("friction that follows the contacts is solved with the factor of the r
 
 TEST_CASE("far nodes that are eliminated once leave the solution as it is") {
     const Model model = plate();
-    for (const double friction : {0.0, 0.3}) {
+    for (const auto& [friction, reduced] :
+         {std::pair(0.0, false), std::pair(0.3, false), std::pair(0.0, true), std::pair(0.3, true)}) {
         ThetaMatrix matrix(model, MassMatrix::consistent);
         Setting setting{.model = model};
-        for (std::size_t f = 0; f < model.fans.size() / 10; ++f) setting.active[f] = true;
+        for (std::size_t f = 0; f < model.fans.size() / 10; ++f) setting.active[f] = !reduced || f % 5 == 0;
         setting.friction = friction;
         const std::vector<Vec2> all = solution(matrix, setting), b = setting.right_hand_side();
         CHECK(matrix.near_nodes().size() == all.size());
         std::vector<PointSides> sides;
         for (const PointTangent& point : setting.points) sides.push_back(point.sides);
         REQUIRE(!sides.empty());
-        matrix.set_near(sides);
+        if (reduced) {
+            REQUIRE(matrix.set_reduced(sides));
+            CHECK(!matrix.has_factor());
+            REQUIRE(matrix.factorise(setting.points));
+            CHECK(matrix.has_factor());
+        } else {
+            matrix.set_near(sides);
+        }
         CHECK(matrix.near_nodes().size() < all.size());
         CHECK(matrix.near_nodes().size() > 0);
         std::vector<Vec2> impulse(b.size()), right_side(b.size(), Vec2::Zero()), near, of_bulk;
@@ -255,7 +263,7 @@ TEST_CASE("far nodes that are eliminated once leave the solution as it is") {
         double error = 0, size = 0;
         for (std::size_t i = 0; i < x.size(); ++i)
             error = std::max(error, (x[i] - all[i]).norm()), size = std::max(size, all[i].norm());
-        CHECK(error < (friction > 0 ? 1e-7 : 1e-12) * size);  // GMRES
+        CHECK(error < (friction > 0 ? 1e-7 : 1e-12) * size);  // of GMRES
         // the bulk takes what the points leave of the right-hand side
         matrix.bulk_part(right_side, near, of_bulk);
         for (const PointTangent& point : setting.points)
@@ -287,6 +295,49 @@ TEST_CASE("the compliance of points is that of the inverse matrix") {
     REQUIRE(matrix.find_compliance(some, compliance));
     const Eigen::MatrixXd exact = G.transpose() * setting.dense().ldlt().solve(G);
     CHECK((compliance - exact).norm() < 1e-12 * exact.norm());
+}
+
+TEST_CASE("the dense matrix of a few points refuses softening and stays while nodes and step do") {
+    const Model model = plate();
+    ThetaMatrix matrix(model, MassMatrix::consistent);
+    Setting setting{.model = model};
+    for (std::size_t f = 0; f < model.fans.size() / 10; f += 5) setting.active[f] = true;
+    const std::vector<Vec2> all = solution(matrix, setting);
+    std::vector<PointSides> sides, many;
+    for (const PointTangent& point : setting.points) sides.push_back(point.sides);
+    REQUIRE(matrix.set_reduced(sides));
+    const auto near_solution = [&] {
+        REQUIRE(matrix.factorise(setting.points));
+        std::vector<Vec2> near;
+        REQUIRE(matrix.solve(std::vector<Vec2>(all.size(), Vec2(1, 2)), near));
+        std::vector<Vec2> of_near_nodes;
+        for (const Index node : matrix.near_nodes()) of_near_nodes.push_back(near[node]);
+        return of_near_nodes;
+    };
+    const std::vector<Vec2> near = near_solution();
+    std::vector<PointTangent> softening = setting.points;
+    PointTangent& point = softening[softening.size() / 2];
+    point.block = point.symmetric_block = -100 * Eigen::Matrix2d::Identity();
+    CHECK(!matrix.factorise(softening));
+    // the compliance of some of them is that of the factor of the body
+    const Eigen::Index n = 2 * static_cast<Eigen::Index>(sides.size());
+    Eigen::MatrixXd reduced(n, n), of_body(n, n);
+    REQUIRE(matrix.factorise(setting.points));
+    REQUIRE(matrix.find_compliance(sides, reduced));
+    CHECK(same_bits(all, solution(matrix, setting)));  // by the factor of the body, which has lost its points before
+    REQUIRE(matrix.find_compliance(sides, of_body));
+    CHECK((reduced - of_body).norm() < 1e-11 * of_body.norm());
+    REQUIRE(matrix.set_reduced(sides));
+    CHECK(same_bits(near, near_solution()));
+    sides.pop_back();  // fewer points on the same nodes
+    REQUIRE(matrix.set_reduced(sides));
+    CHECK(matrix.near_nodes().size() == near.size());
+    for (std::size_t f = 0; f < model.fans.size(); ++f) setting.active[f] = true;
+    setting.give(matrix);
+    for (const PointTangent& point : setting.points) many.push_back(point.sides);
+    CHECK(!matrix.set_reduced(many));
+    CHECK(!matrix.is_reduced());
+    CHECK(matrix.near_nodes().size() == static_cast<std::size_t>(setting.partition.n_nodes()));
 }
 
 TEST_CASE("gmres solves in as many products as the matrix has eigenvalues") {

@@ -1,0 +1,70 @@
+#pragma once
+// The body as the nodes R of a few points know it: the Schur complement S of its matrix A without points on their
+// unknowns, and the points on it,
+//
+//     S = ((A^-1)_RR)^-1,        (S + G D G') d = b.
+//
+// S is dense, and stays while neither the nodes nor the size of the step change (slow loading of a body whose points
+// are contacts with obstacles, or few cracks). Newton's steps on the points then leave the factor of the body alone,
+// and friction, which makes D unsymmetric, needs no iteration.
+#include "stepper/implicit/corner_partition.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include <span>
+
+namespace knap {
+
+/// A point in A: the impulse on `after` changes by -block times the change of the relative velocity.
+struct PointTangent {
+    PointSides sides;
+    Eigen::Matrix2d block;            // [kg]
+    Eigen::Matrix2d symmetric_block;  // [kg] the same without the friction that follows the contact impulse
+    bool operator==(const PointTangent&) const = default;
+};
+
+class ReducedMatrix {
+public:
+    static constexpr Eigen::Index max_size = 192;  // unknowns: (x, y) of each node
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_size, max_size>;
+    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_size, 1>;
+
+    /// Of bodies of up to `n_nodes` nodes.
+    explicit ReducedMatrix(std::size_t n_nodes);
+
+    /// Another S follows, or none.
+    void forget() { nodes_.clear(); }
+    bool knows(std::span<const PointSides> points) const;
+    /// R are the nodes of `points`. False: there are none, or too many to pay.
+    bool set_nodes(std::span<const PointSides> points, const CornerPartition& nodes);
+    const std::vector<Index>& nodes() const { return nodes_; }
+    bool has(Index node) const { return place_[node] >= 0; }
+    /// S from (A^-1)_RR, with zeros in prescribed components. False: rounding leaves it indefinite.
+    bool set_compliance(const Matrix& compliance);
+
+    /// False: S + G D G' without the friction that follows the contact impulses is not positive definite.
+    bool factorise(std::span<const PointTangent> points);
+    void solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution) const;
+    /// S times a motion of the nodes.
+    void multiply(const std::vector<Vec2>& motion, std::vector<Vec2>& impulse) const;
+    /// G' (S + G D G')^-1 G of `points` between the nodes, with the symmetric blocks. False: not positive definite.
+    bool find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance);
+
+private:
+    Eigen::Index size() const { return 2 * static_cast<Eigen::Index>(nodes_.size()); }
+    template <class BlockOf>
+    void add_points(std::span<const PointTangent> points, const BlockOf& block_of);
+    Vector at_nodes(const std::vector<Vec2>& of_node) const;
+    bool factorise_symmetric(std::span<const PointTangent> points);
+
+    std::vector<Index> nodes_, place_;      // R; per node of the body: in R, or -1
+    std::vector<std::uint8_t> is_free_;     // [0/1] per unknown
+    std::span<const PointTangent> points_;  // in the factor; the caller keeps them
+    bool is_symmetric_ = true, has_cholesky_ = false;
+    Matrix S_, with_points_;          // [kg]
+    Eigen::LLT<Matrix> cholesky_;     // of the symmetric blocks
+    Eigen::PartialPivLU<Matrix> lu_;  // of all
+};
+
+}  // namespace knap
