@@ -10,7 +10,7 @@ namespace knap {
 CondensedSystem::CondensedSystem(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix,
                                  std::vector<Vec2>& rate)
     : bulk_(bulk), matrix_(matrix), rate_(rate) {
-    reserve_capacity(model.fan_points.size(), sides_);
+    reserve_capacity(model.fan_points.size(), sides_, acting_);
     reserve_capacity(model.mesh.n_corners(), impulse_, residual_, right_side_, direction_, change_, condensed_at_);
 }
 
@@ -24,10 +24,13 @@ void CondensedSystem::begin(const std::vector<ActivePoint>& points) {
 
 bool CondensedSystem::begin_reduced(const std::vector<ActivePoint>& points) {
     if (points.size() < min_points) return false;
-    sides_.clear();
-    for (const ActivePoint& point : points) sides_.push_back(point.sides);
+    acting_.clear();
+    for (const ActivePoint& point : points) {
+        const bool both = point.fan >= 0 || point.law.friction > 0;
+        acting_.push_back({point.sides, {both || point.normal.x() != 0, both || point.normal.y() != 0}});
+    }
     forget();
-    return matrix_.set_reduced(sides_);
+    return matrix_.set_reduced(acting_);
 }
 
 void CondensedSystem::evaluate() {

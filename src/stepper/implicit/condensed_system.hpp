@@ -59,6 +59,7 @@ private:
     bool condensed_ = false;
     bool is_evaluated_ = false;  // r(w) of all nodes
     std::vector<PointSides> sides_;
+    std::vector<ActingPoint> acting_;
     std::vector<Vec2> corner_impulse_, impulse_, residual_, right_side_, direction_, change_;
     std::vector<Vec2> condensed_at_;  // rates
 };

@@ -14,46 +14,53 @@ bool is_positive(const Eigen::Matrix2d& block) {
     return block(0, 0) >= 0 && block(1, 1) >= 0 && block.determinant() >= 0;
 }
 
+/// visit(node, its components that are free and along which a point acts)
+template <class Visit>
+void each_node(std::span<const ActingPoint> points, const CornerPartition& nodes, const Visit& visit) {
+    for (const ActingPoint& point : points)
+        point.sides.for_each_node([&](Index node, double) {
+            const std::array<bool, 2>& prescribed = nodes.prescribed[node];
+            visit(node, std::array{point.along[0] && !prescribed[0], point.along[1] && !prescribed[1]});
+        });
+}
+
 }  // namespace
 
 ReducedMatrix::ReducedMatrix(std::size_t n_nodes) {
-    reserve_capacity(n_nodes, nodes_, place_);
-    is_free_.reserve(max_size);
+    reserve_capacity(2 * n_nodes, place_, unknowns_);
+    reserve_capacity(n_nodes, nodes_, has_node_);
 }
 
-bool ReducedMatrix::knows(std::span<const PointSides> points) const {
-    bool all = !nodes_.empty();
-    for (const PointSides& point : points)
-        point.for_each_node([&](Index node, double) { all = all && place_[node] >= 0; });
+bool ReducedMatrix::knows(std::span<const ActingPoint> points, const CornerPartition& nodes) const {
+    if (unknowns_.empty()) return false;
+    bool all = true;
+    each_node(points, nodes, [&](Index node, const std::array<bool, 2>& needed) {
+        all = all && has(node) && (!needed[0] || has(node, 0)) && (!needed[1] || has(node, 1));
+    });
     return all;
 }
 
-bool ReducedMatrix::set_nodes(std::span<const PointSides> points, const CornerPartition& nodes) {
+bool ReducedMatrix::set_unknowns(std::span<const ActingPoint> points, const CornerPartition& nodes) {
     forget();
-    place_.assign(nodes.n_nodes(), -1);
-    for (const PointSides& point : points)
-        point.for_each_node([&](Index node, double) {
-            if (std::exchange(place_[node], 0) < 0) nodes_.push_back(node);
-        });
+    place_.assign(2 * nodes.n_nodes(), -1), has_node_.assign(nodes.n_nodes(), 0);
+    each_node(points, nodes, [&](Index node, const std::array<bool, 2>& needed) {
+        if (!std::exchange(has_node_[node], 1)) nodes_.push_back(node);
+        for (Index i = 2 * node; i < 2 * node + 2; ++i)
+            if (needed[i % 2] && std::exchange(place_[i], 0) < 0) unknowns_.push_back(i);
+    });
     const double n = static_cast<double>(size());
-    if (nodes_.empty() || size() > max_size || n * n * n > operations_per_node * nodes.n_nodes()) {
+    if (unknowns_.empty() || size() > max_size || n * n * n > operations_per_node * nodes.n_nodes()) {
         forget();
         return false;
     }
     std::ranges::sort(nodes_);
-    is_free_.clear();
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-        place_[nodes_[i]] = static_cast<Index>(i);
-        for (int k = 0; k < 2; ++k) is_free_.push_back(!nodes.prescribed[nodes_[i]][k]);
-    }
+    std::ranges::sort(unknowns_);
+    for (std::size_t i = 0; i < unknowns_.size(); ++i) place_[unknowns_[i]] = static_cast<Index>(i);
     return true;
 }
 
 bool ReducedMatrix::set_compliance(const Matrix& compliance) {
-    with_points_ = compliance;
-    for (Eigen::Index i = 0; i < size(); ++i)
-        if (!is_free_[i]) with_points_(i, i) = 1;
-    cholesky_.compute(with_points_);
+    cholesky_.compute(compliance);
     if (cholesky_.info() != Eigen::Success) {
         forget();
         return false;
@@ -67,17 +74,17 @@ bool ReducedMatrix::set_compliance(const Matrix& compliance) {
 template <class BlockOf>
 void ReducedMatrix::add_points(std::span<const PointTangent> points, const BlockOf& block_of) {
     with_points_ = S_;
-    for (const PointTangent& point : points)
+    for (const PointTangent& point : points) {
+        const Eigen::Matrix2d& block = block_of(point);
         point.sides.for_each_node([&](Index a, double weight_a) {
             point.sides.for_each_node([&](Index b, double weight_b) {
-                with_points_.block<2, 2>(2 * place_[a], 2 * place_[b]) += weight_a * weight_b * block_of(point);
+                for (int k = 0; k < 2; ++k)
+                    for (int l = 0; l < 2; ++l) {
+                        const Index row = place_[2 * a + k], column = place_[2 * b + l];
+                        if (row >= 0 && column >= 0) with_points_(row, column) += weight_a * weight_b * block(k, l);
+                    }
             });
         });
-    for (Eigen::Index i = 0; i < size(); ++i) {
-        if (is_free_[i]) continue;
-        with_points_.row(i).setZero();
-        with_points_.col(i).setZero();
-        with_points_(i, i) = 1;
     }
 }
 
@@ -100,39 +107,44 @@ bool ReducedMatrix::factorise(std::span<const PointTangent> points) {
     return true;
 }
 
-/// Zero in prescribed components.
-ReducedMatrix::Vector ReducedMatrix::at_nodes(const std::vector<Vec2>& of_node) const {
+ReducedMatrix::Vector ReducedMatrix::at_unknowns(const std::vector<Vec2>& of_node) const {
     Vector x(size());
-    for (Eigen::Index i = 0; i < size(); ++i) x[i] = is_free_[i] ? of_node[nodes_[i / 2]][i % 2] : 0;
+    for (Eigen::Index i = 0; i < size(); ++i) x[i] = of_node[unknowns_[i] / 2][unknowns_[i] % 2];
     return x;
 }
 
+void ReducedMatrix::scatter(const Vector& x, std::vector<Vec2>& of_node) const {
+    for (const Index node : nodes_) of_node[node].setZero();
+    for (Eigen::Index i = 0; i < size(); ++i) of_node[unknowns_[i] / 2][unknowns_[i] % 2] = x[i];
+}
+
 void ReducedMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution) const {
-    Vector x = at_nodes(right_side);
+    Vector x = at_unknowns(right_side);
     if (is_symmetric_) cholesky_.solveInPlace(x);
     else x = lu_.solve(x).eval();
-    for (Eigen::Index i = 0; i < size(); ++i) solution[nodes_[i / 2]][i % 2] = x[i];
+    scatter(x, solution);
 }
 
 void ReducedMatrix::multiply(const std::vector<Vec2>& motion, std::vector<Vec2>& impulse) const {
-    const Vector product = S_.lazyProduct(at_nodes(motion));
-    for (Eigen::Index i = 0; i < size(); ++i) impulse[nodes_[i / 2]][i % 2] = is_free_[i] ? product[i] : 0;
+    scatter(S_.lazyProduct(at_unknowns(motion)), impulse);
 }
 
 bool ReducedMatrix::find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance) {
     if (!has_cholesky_ && !factorise_symmetric(points_)) return false;
+    const auto each_unknown = [&](std::size_t j, const auto& visit) {  // of component j % 2 of point j / 2
+        points[j / 2].for_each_node([&](Index node, double weight) {
+            const Index i = place_[2 * node + static_cast<Index>(j % 2)];
+            if (i >= 0) visit(i, weight);
+        });
+    };
     for (std::size_t j = 0; j < 2 * points.size(); ++j) {
         Vector x = Vector::Zero(size());
-        points[j / 2].for_each_node([&](Index node, double weight) {
-            const Eigen::Index i = 2 * place_[node] + static_cast<Eigen::Index>(j % 2);
-            if (is_free_[i]) x[i] += weight;
-        });
+        each_unknown(j, [&](Index i, double weight) { x[i] += weight; });
         cholesky_.solveInPlace(x);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            Vec2 jump = Vec2::Zero();
-            points[i].for_each_node(
-                [&](Index node, double weight) { jump += weight * x.segment<2>(2 * place_[node]); });
-            compliance.block<2, 1>(2 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = jump;
+        for (std::size_t i = 0; i < 2 * points.size(); ++i) {
+            double jump = 0;
+            each_unknown(i, [&](Index unknown, double weight) { jump += weight * x[unknown]; });
+            compliance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = jump;
         }
     }
     return true;

@@ -1,6 +1,6 @@
 #pragma once
-// The body as the nodes R of a few points know it: the Schur complement S of its matrix A without points on their
-// unknowns, and the points on it,
+// The body as a few points know it: the Schur complement S of its matrix A without points on the unknowns R along which
+// they act, and the points on it,
 //
 //     S = ((A^-1)_RR)^-1,        (S + G D G') d = b.
 //
@@ -24,9 +24,15 @@ struct PointTangent {
     bool operator==(const PointTangent&) const = default;
 };
 
+/// The sides of a point, and the components (x, y) of its impulses.
+struct ActingPoint {
+    PointSides sides;
+    std::array<bool, 2> along;
+};
+
 class ReducedMatrix {
 public:
-    static constexpr Eigen::Index max_size = 192;  // unknowns: (x, y) of each node
+    static constexpr Eigen::Index max_size = 192;  // unknowns
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_size, max_size>;
     using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_size, 1>;
 
@@ -34,33 +40,37 @@ public:
     explicit ReducedMatrix(std::size_t n_nodes);
 
     /// Another S follows, or none.
-    void forget() { nodes_.clear(); }
-    bool knows(std::span<const PointSides> points) const;
-    /// R are the nodes of `points`. False: there are none, or too many to pay.
-    bool set_nodes(std::span<const PointSides> points, const CornerPartition& nodes);
-    const std::vector<Index>& nodes() const { return nodes_; }
-    bool has(Index node) const { return place_[node] >= 0; }
-    /// S from (A^-1)_RR, with zeros in prescribed components. False: rounding leaves it indefinite.
+    void forget() { nodes_.clear(), unknowns_.clear(); }
+    /// R has all that these points need. `nodes` are those of its S.
+    bool knows(std::span<const ActingPoint> points, const CornerPartition& nodes) const;
+    /// R becomes what these points need. False: nothing, or too much to pay.
+    bool set_unknowns(std::span<const ActingPoint> points, const CornerPartition& nodes);
+    const std::vector<Index>& nodes() const { return nodes_; }        // of the points
+    const std::vector<Index>& unknowns() const { return unknowns_; }  // R: 2 node + component
+    bool has(Index node) const { return has_node_[node]; }
+    bool has(Index node, int k) const { return place_[2 * node + k] >= 0; }
+    /// S from (A^-1)_RR. False: rounding leaves it indefinite.
     bool set_compliance(const Matrix& compliance);
 
     /// False: S + G D G' without the friction that follows the contact impulses is not positive definite.
     bool factorise(std::span<const PointTangent> points);
     void solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution) const;
-    /// S times a motion of the nodes.
+    /// S times a motion of the nodes; zero in other components.
     void multiply(const std::vector<Vec2>& motion, std::vector<Vec2>& impulse) const;
     /// G' (S + G D G')^-1 G of `points` between the nodes, with the symmetric blocks. False: not positive definite.
     bool find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance);
 
 private:
-    Eigen::Index size() const { return 2 * static_cast<Eigen::Index>(nodes_.size()); }
+    Eigen::Index size() const { return static_cast<Eigen::Index>(unknowns_.size()); }
     template <class BlockOf>
     void add_points(std::span<const PointTangent> points, const BlockOf& block_of);
-    Vector at_nodes(const std::vector<Vec2>& of_node) const;
+    Vector at_unknowns(const std::vector<Vec2>& of_node) const;
+    void scatter(const Vector& x, std::vector<Vec2>& of_node) const;
     bool factorise_symmetric(std::span<const PointTangent> points);
 
-    std::vector<Index> nodes_, place_;      // R; per node of the body: in R, or -1
-    std::vector<std::uint8_t> is_free_;     // [0/1] per unknown
-    std::span<const PointTangent> points_;  // in the factor; the caller keeps them
+    std::vector<Index> nodes_, unknowns_, place_;  // place_: per 2 node + component, in R or -1
+    std::vector<std::uint8_t> has_node_;           // [0/1] per node of the body
+    std::span<const PointTangent> points_;         // in the factor; the caller keeps them
     bool is_symmetric_ = true, has_cholesky_ = false;
     Matrix S_, with_points_;          // [kg]
     Eigen::LLT<Matrix> cholesky_;     // of the symmetric blocks

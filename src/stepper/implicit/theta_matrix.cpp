@@ -37,7 +37,7 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
                      reduced_parts_);
     reserve_capacity(model.mesh.n_corners(), near_nodes_, far_nodes_, condensed_, reduced_impulse_);
     reserve_capacity(2 * model.mesh.n_corners(), local_unknowns_, reduced_unknowns_);
-    reserve_capacity(ReducedMatrix::max_size, reduced_nodes_);
+    reserve_capacity(ReducedMatrix::max_size, reduced_points_);
     half_.reserve(std::min(max_half_entries, 240 * static_cast<std::size_t>(model.mesh.n_corners())));
     far_part_.reserve(x_.size());
 }
@@ -221,10 +221,10 @@ void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
         (is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] ? near_nodes_ : far_nodes_).push_back(node);
 }
 
-bool ThetaMatrix::set_reduced(const std::vector<PointSides>& points) {
+bool ThetaMatrix::set_reduced(const std::vector<ActingPoint>& points) {
     set_all_near();
-    const bool known = reduced_->knows(points);
-    if (!known && !reduced_->set_nodes(points, *nodes_)) return false;
+    const bool known = reduced_->knows(points, *nodes_);
+    if (!known && !reduced_->set_unknowns(points, *nodes_)) return false;
     const bool body_alone = known && with_block_.empty() && contacts_.empty();
     if (!body_alone) factor_of_ = FactorOf::none;
     if ((!body_alone && !factorise_body({})) || (!known && !find_reduced_matrix())) {
@@ -241,11 +241,14 @@ bool ThetaMatrix::set_reduced(const std::vector<PointSides>& points) {
 
 /// All nodes are near; the factor is that of the body without points.
 bool ThetaMatrix::find_reduced_matrix() {
-    reduced_nodes_.clear();
-    for (const Index node : reduced_->nodes()) reduced_nodes_.push_back({.fan_point = -1, .before = -1, .after = node});
-    const Eigen::Index n = 2 * static_cast<Eigen::Index>(reduced_nodes_.size());
+    const std::vector<Index>& unknowns = reduced_->unknowns();
+    reduced_points_.clear();
+    for (const Index i : unknowns) reduced_points_.push_back({.fan_point = -1, .before = -1, .after = i / 2});
+    const Eigen::Index n = static_cast<Eigen::Index>(unknowns.size());
     ReducedMatrix::Matrix compliance(n, n);
-    if (!find_compliance(reduced_nodes_, compliance) || !reduced_->set_compliance(compliance)) return false;
+    const bool found = find_compliance(
+        reduced_points_, std::identity{}, [&](Eigen::Index j) { return unknowns[j] % 2; }, compliance);
+    if (!found || !reduced_->set_compliance(compliance)) return false;
     reduced_parts_ = local_parts_, reduced_unknowns_ = local_unknowns_;
     return true;
 }
@@ -284,6 +287,10 @@ void ThetaMatrix::add_change_of_far_nodes(const std::vector<Vec2>& change, std::
     }
     factor_.substitute_back(far_parts_, x_);
     each_unknown(far_nodes_, [&](Index u, Index node, int k) { rate[node][k] += x_[u]; });
+    if (!is_reduced_) return;
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) {
+        if (!reduced_->has(node, k)) rate[node][k] += x_[u];
+    });
 }
 
 bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& solution) {
@@ -322,24 +329,31 @@ void ThetaMatrix::bulk_part(const std::vector<Vec2>& right_side, const std::vect
         friction_[j].sides.add_force(-gmres_.solution().segment<2>(2 * j), impulse);
 }
 
-/// With A = L L':   G' A^-1 G = (L^-1 G)' (L^-1 G).
 bool ThetaMatrix::find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance) {
     if (is_reduced_) return reduced_->find_compliance(points, compliance);
+    return find_compliance(
+        points, [](Eigen::Index j) { return j / 2; }, [](Eigen::Index j) { return j % 2; }, compliance);
+}
+
+/// Of component component_of(j) of point point_of(j), in succession. With A = L L':   G' A^-1 G = (L^-1 G)' (L^-1 G).
+template <class PointOf, class ComponentOf>
+bool ThetaMatrix::find_compliance(std::span<const PointSides> points, const PointOf& point_of,
+                                  const ComponentOf& component_of, Eigen::Ref<Eigen::MatrixXd> compliance) {
     find_parts(points, std::identity{}, local_parts_);
     local_unknowns_.clear();
     each_unknown(near_nodes_, [&](Index u, Index, int) {
         if (is_marked_[eliminated_in_[u]]) local_unknowns_.push_back(u);
     });
-    const Eigen::Index n = 2 * static_cast<Eigen::Index>(points.size()),
-                       n_rows = static_cast<Eigen::Index>(local_unknowns_.size());
+    const Eigen::Index n = compliance.cols(), n_rows = static_cast<Eigen::Index>(local_unknowns_.size());
     if (static_cast<std::size_t>(n * n_rows) > half_.capacity()) return false;
     half_.resize(n * n_rows);
     Eigen::Map<Eigen::MatrixXd> half(half_.data(), n_rows, n);
     for (Eigen::Index j = 0; j < n; ++j) {
-        const int k = static_cast<int>(j % 2);
-        if (k == 0) find_parts(points.subspan(j / 2, 1), std::identity{}, path_);
+        const std::size_t point = point_of(j);
+        const int k = static_cast<int>(component_of(j));
+        if (j == 0 || point_of(j - 1) != point_of(j)) find_parts(points.subspan(point, 1), std::identity{}, path_);
         factor_.set_zero(local_parts_, y_);
-        points[j / 2].for_each_node([&](Index node, double weight) {
+        points[point].for_each_node([&](Index node, double weight) {
             if (is_free(node, k)) y_[unknown(node, k)] += weight;
         });
         factor_.substitute(path_, y_);

@@ -35,8 +35,9 @@ public:
     void set_near(const std::vector<PointSides>& points);
     void set_all_near();
     /// Near nodes from now on: those of these points alone, whose equations are dense (ReducedMatrix), and those of
-    /// points before them while neither M nor K nor the nodes change. False: they are too many; all nodes are near.
-    bool set_reduced(const std::vector<PointSides>& points);
+    /// points before them while neither M nor K nor the nodes change. Components along which no point acts follow with
+    /// the far nodes. False: they are too many; all nodes are near.
+    bool set_reduced(const std::vector<ActingPoint>& points);
     bool is_reduced() const { return is_reduced_; }
     bool has_far_nodes() const { return !far_parts_.empty(); }
     const std::vector<Index>& near_nodes() const { return near_nodes_; }
@@ -84,6 +85,9 @@ private:
     void find_parts(const Points& points, const SidesOf& sides_of, std::vector<Index>& parts);
     bool factorise_body(const std::vector<PointTangent>& points);
     bool find_reduced_matrix();
+    template <class PointOf, class ComponentOf>
+    bool find_compliance(std::span<const PointSides> points, const PointOf& point_of, const ComponentOf& component_of,
+                         Eigen::Ref<Eigen::MatrixXd> compliance);
     bool solve_with_friction();
 
     const Model& model_;
@@ -112,7 +116,7 @@ private:
     enum class FactorOf { none, body, near_nodes } factor_of_ = FactorOf::none;
     bool is_reduced_ = false;
     std::unique_ptr<ReducedMatrix> reduced_;
-    std::vector<PointSides> reduced_nodes_;                // with an obstacle that rests
+    std::vector<PointSides> reduced_points_;               // per unknown: its node with an obstacle that rests
     std::vector<Vec2> condensed_, reduced_impulse_;        // [N s] per near node
     std::vector<Index> reduced_parts_, reduced_unknowns_;  // with their unknowns, and all parts above; of these parts
 
