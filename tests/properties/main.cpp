@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <map>
 
 using namespace knap;
@@ -50,6 +51,20 @@ std::string text_of(const SchemeOptions& scheme) {
     return std::string(scheme.bulk == BulkScheme::explicit_lumped ? "explicit" : "implicit") + " bulk, " +
            (scheme.cohesion == CohesionScheme::explicit_beta ? "explicit" : "implicit") + " cohesion";
 }
+
+/// Why runs ended early.
+struct Stops {
+    int n = 0;
+    std::string seeds;  // the first ones
+
+    void add(std::uint64_t of) {
+        if (++n <= 40) seeds += " " + std::to_string(of);
+        if (n == 41) seeds += " ...";
+    }
+};
+
+/// [s] Processor time so far.
+double processor_time() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 struct Tally {
     int n = 0, n_stopped = 0, n_failed = 0;
@@ -129,8 +144,10 @@ int main(int argc, char** argv) {
     std::signal(SIGPROF, out_of_time);
     if (flying) return run_flying_bodies(first, n_cases, shrink) == 0 ? 0 : 1;
     std::map<std::string, Tally> tallies;
-    std::map<std::string, int> stops;
+    std::map<std::string, Stops> stops;
     int n_failed = 0;
+    std::uint64_t slowest = first;
+    double longest = 0, start = processor_time();
     for (seed = first; seed < first + n_cases; ++seed) {
         limit_time();
         const WildBody wild = WildBodies(seed).body();
@@ -141,7 +158,10 @@ int main(int argc, char** argv) {
         ++tally.n, tally.n_stopped += !outcome.stop.empty(), tally.n_failed += !wrong.empty();
         tally.n_steps += outcome.n_steps, tally.n_cuts += outcome.n_cuts, tally.n_damaged += outcome.n_damaged,
             tally.n_broken += outcome.n_broken;
-        if (!outcome.stop.empty()) ++stops[outcome.stop.substr(0, 60)];
+        if (!outcome.stop.empty()) stops[outcome.stop.substr(0, 60)].add(seed);
+        const double end = processor_time();
+        if (end - start > longest) slowest = seed, longest = end - start;
+        start = end;
         if (wrong.empty()) continue;
         ++n_failed;
         const CohesiveLaw& law = wild.body.input.laws[0];
@@ -156,7 +176,10 @@ int main(int argc, char** argv) {
         std::printf("%s: %d bodies, %ld steps, %ld cut, %d runs stopped, %ld points damaged, %ld broken; %d failed\n",
                     scheme.c_str(), tally.n, tally.n_steps, tally.n_cuts, tally.n_stopped, tally.n_damaged,
                     tally.n_broken, tally.n_failed);
-    for (const auto& [reason, n] : stops) std::printf("stopped %d times: %s\n", n, reason.c_str());
+    for (const auto& [reason, those] : stops)
+        std::printf("stopped %d times: %s; seeds%s\n", those.n, reason.c_str(), those.seeds.c_str());
+    std::printf("%.4g s of processor time, the longest %.3g s by seed %llu\n", start, longest,
+                static_cast<unsigned long long>(slowest));
     if (n_cases > 0 && tallies.empty()) return 1;
     return n_failed == 0 ? 0 : 1;
 }
