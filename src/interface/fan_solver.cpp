@@ -42,8 +42,7 @@ FanSolution FanSolver::solve(const FanProblem& problem, FanResult& result, doubl
         solution.status = improve_by_lemke();
     }
     solution.bonded = std::ranges::all_of(now_.states, &LinkState::holds);
-    const bool is_lawful = solution.status != Status::relaxed && solution.status != Status::failed;
-    solution.residual = is_lawful ? now_.violation : std::max(now_.violation, 1.0);
+    solution.residual = solution.is_lawful() ? now_.violation : std::max(now_.violation, 1.0);
     store(result);
     return solution;
 }

@@ -24,7 +24,9 @@ struct FanSolution {
     bool settled = true;  // false: cohesion that falls within the step was not found (fan_cohesion.hpp)
     bool bonded = false;  // every link sticks: the fan moves as one
     int iterations = 0;   // linear solves
-    double residual = 0;  // largest violation, relative to the largest impulse or speed; at least 1 if relaxed
+    double residual = 0;  // largest violation, relative to the largest impulse or speed; at least 1 if not lawful
+
+    bool is_lawful() const { return status != Status::relaxed && status != Status::failed; }
 };
 
 /// Keeps its workspace between solves; one per thread.

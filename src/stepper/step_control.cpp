@@ -26,6 +26,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"not_converged", "the interface problem was not solved to its tolerance"},
     {"motion", "the body moves faster than a large implicit step resolves"},
     {"cohesive_work", "a large implicit step misses the work of cohesion"},
+    {"jammed", "contacts are driven against each other, and no motion was found that obeys their laws"},
 }};
 
 /// [s] Rounding of a time that is a sum of steps.
@@ -81,6 +82,7 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
         case Rejection::contact_residual:
             return because(CutbackReason::contact_residual, report.where, report.rejected_value);
         case Rejection::not_converged: return because(CutbackReason::not_converged, report.where);
+        case Rejection::jammed: return because(CutbackReason::jammed, report.where);
         case Rejection::none:
         case Rejection::too_coarse: break;
     }

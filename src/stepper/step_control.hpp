@@ -43,12 +43,14 @@ enum class CutbackReason {
     contact_residual,
     not_converged,
     motion,
-    cohesive_work
+    cohesive_work,
+    jammed
 };
-inline constexpr std::array cutback_reasons{
-    CutbackReason::softening,     CutbackReason::release,       CutbackReason::assumption_1,
-    CutbackReason::contact_speed, CutbackReason::contact_depth, CutbackReason::contact_residual,
-    CutbackReason::not_converged, CutbackReason::motion,        CutbackReason::cohesive_work};
+inline constexpr std::array cutback_reasons{CutbackReason::softening,     CutbackReason::release,
+                                            CutbackReason::assumption_1,  CutbackReason::contact_speed,
+                                            CutbackReason::contact_depth, CutbackReason::contact_residual,
+                                            CutbackReason::not_converged, CutbackReason::motion,
+                                            CutbackReason::cohesive_work, CutbackReason::jammed};
 std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
 std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
 

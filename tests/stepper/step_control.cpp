@@ -163,6 +163,11 @@ TEST_CASE("step control: below the smallest step it is stuck") {
     CHECK(trace.cuts.size() == 20);  // 2^-20 < 1e-6 < 2^-19
     CHECK(trace.cuts.back().from >= 1e-6);
     CHECK(trace.cuts.back().to < 1e-6);
+    const Trace jammed =
+        run(constant(1, 10), [](double time, double) { return time < 3 ? StepReport{} : rejected(Rejection::jammed); });
+    CHECK(jammed.stuck);
+    CHECK(jammed.cuts.size() == 20);
+    CHECK(jammed.cuts.back().reason == CutbackReason::jammed);
 }
 
 TEST_CASE("step control: faces that lie too deep or break their laws cut steps and end the run after ten halvings") {

@@ -86,6 +86,10 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
         cut.time, place_text(where).c_str(), reason_text(cut).c_str(), cut.from, smallest);
     if (cut.reason == CutbackReason::contact_speed)
         return text + "Look at the units of velocities and loads, or use larger triangles where the faces meet.";
+    if (cut.reason == CutbackReason::jammed)
+        return text +
+               "Look at the prescribed motions: they press a part against what cannot give way, or wedge it in. Or use "
+               "less friction there.";
     if (const auto gate = std::ranges::find(gate_rules(), name_of(cut.reason), &GateRule::name);
         gate != gate_rules().end())  // contact_depth, contact_residual
         return text + std::string(gate->cure);

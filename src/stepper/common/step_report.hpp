@@ -21,6 +21,7 @@ enum class Rejection {
     contact_speed,     // faces that meet move too far in the step
     contact_residual,  // no motion was found that obeys the laws of contacts between free faces
     not_converged,     // the solver of the interfaces did not reach its tolerance
+    jammed,            // contacts are driven against each other, and no motion was found that obeys their laws
     too_coarse,        // a fan splits that must be refined first (Model::too_coarse)
 };
 

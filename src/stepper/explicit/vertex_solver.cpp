@@ -305,7 +305,9 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     report.residual = std::max(report.residual, solution.residual);
     const bool inexact = options_.cohesion == CohesionScheme::implicit_beta &&
                          solution.residual > max_residual;  // a shorter step softens less
-    if (!solution.settled || inexact) report.reject(Rejection::not_converged, model_.mesh.corner(corners[0]));
+    if (!solution.settled || inexact)
+        report.reject(solution.is_lawful() ? Rejection::not_converged : Rejection::jammed,
+                      model_.mesh.corner(corners[0]));
 
     // the impulse of a prescribed motion is the rest of the balance of its corner, and it works
     const auto drive = [&](Index body, int k, double impulse) {

@@ -27,6 +27,9 @@ constexpr int max_piece_steps = 40, max_stalled_steps = 6, first_local_step = 2,
 constexpr double near_balance = 1e-6;                // of the scale
 constexpr double slow_ratio = 0.3, same_move = 0.7;  // of a residual, a move of multipliers to the one before
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
+// Where a body is driven against itself its contact impulses grow without bound. Beyond this multiple of the largest
+// scale their rounding hides the balance, so the attempt is given up, and after three of them the problem.
+constexpr double jammed = 1e6;
 
 }  // namespace
 
@@ -47,7 +50,7 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort, Precision precision) {
     const double first_unit = scale > 0 ? scale : 1;
-    counts_ = {}, unit_ = first_unit, largest_unit_ = largest_scale;
+    counts_ = {}, unit_ = first_unit, largest_unit_ = largest_scale, n_jams_ = 0;
     if (!std::isfinite(unit_ + bulk_.largest_impulse())) return false;  // every tolerance would be met
     const bool friction = std::ranges::any_of(x_.points, [](const ActivePoint& p) { return p.law.friction > 0; });
     const bool obstacles = std::ranges::any_of(x_.points, [](const ActivePoint& p) { return p.fan < 0; });
@@ -94,6 +97,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     for (int i = 1; i <= n_attempts; ++i) {
         const bool cycles = sweeps_ && friction && i == 1;
         if (!cycles && attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
+        if (is_jammed()) return false;
         if (friction && i < n_attempts) iterate_friction();
     }
     // obstacles couple the whole body and may jam it: a smaller step is the better answer
@@ -101,6 +105,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     for (const double other : other_augmentations) {
         begin_again(), final_augmentation_ = other;
         if (attempt(max_newton_steps)) return true;
+        if (is_jammed()) return false;
         if (!friction) continue;
         iterate_friction();
         if (attempt(max_newton_steps)) return true;
@@ -244,8 +249,14 @@ bool AugmentedLagrangian::find_multipliers(double goal, double first_tolerance, 
         const bool first = outer == 0 && has_potential;
         if (!(first ? continue_penalties(tolerance) : find_rates(tolerance, max_steps))) return false;
         if (!first) max_steps -= counts_.linear_solves - solves;
-        for (const ActivePoint& point : x_.points)  // an impact may exceed the strengths
-            unit_ = std::max(unit_, std::min(point.response.contact, largest_unit_));
+        const auto pressed =
+            std::ranges::max_element(x_.points, {}, [](const ActivePoint& p) { return p.response.contact; });
+        const double pressing = pressed == x_.points.end() ? 0 : pressed->response.contact;
+        unit_ = std::max(unit_, std::min(pressing, largest_unit_));  // an impact may exceed the strengths
+        if (pressing > jammed * std::max(unit_, largest_unit_)) {
+            ++n_jams_, jammed_node_ = std::max(pressed->sides.before, pressed->sides.after);
+            return false;
+        }
         const double unit = final_augmentation_ * unit_;
         change = update_multipliers();
         if (tolerance > exact) {

@@ -61,13 +61,19 @@ public:
     bool solve(double scale, double largest_scale, Effort effort, Precision precision = Precision::full);
     bool is_preliminary() const { return precision_ == Precision::preliminary; }  // of the last solution
 
+    /// Contact impulses grew without bound in several attempts: a body is driven against itself.
+    bool is_jammed() const { return n_jams_ >= max_jams; }
+    Rejection rejection() const { return is_jammed() ? Rejection::jammed : Rejection::not_converged; }
+
     void give_up_when(GiveUp condition) { given_up_ = condition; }
     const SolverCounts& counts() const { return counts_; }
     double unit() const { return unit_; }  // [N s] scale of the tolerances
     /// Softening outweighs inertia and stiffness at the solution: Assumption 1 does not hold there.
     /// (With the descending branches of all points that lost cohesion in the step.)
     bool violates_assumption_1();
-    Index worst_node() const { return std::max(Index{0}, system_.worst_node()); }         // with the largest residual
+    Index worst_node() const {  // of the largest residual, or of the contact that jams
+        return is_jammed() ? jammed_node_ : std::max(Index{0}, system_.worst_node());
+    }
     const std::vector<Vec2>& corner_impulse() const { return system_.corner_impulse(); }  // [N s] r(w) per corner
     /// [N s] r(w) - H' q per node: the reaction in prescribed components.
     const std::vector<Vec2>& residual_impulse() const { return system_.residual(); }
@@ -77,6 +83,7 @@ public:
     }
 
 private:
+    static constexpr int max_jams = 3;
     static constexpr double law_goal = 1e-13;         // of the scale: natural residual of the laws
     static constexpr double law_tolerance = 5e-11;    // likewise, where rounding prevents more
     static constexpr double preliminary_goal = 1e-4;  // of the laws and of the balance
@@ -123,6 +130,8 @@ private:
     SolverCounts counts_;
     GiveUp given_up_ = nullptr;
     double unit_ = 1, largest_unit_ = 1;
+    int n_jams_ = 0;  // attempts whose contact impulses grew without bound
+    Index jammed_node_ = 0;
 };
 
 }  // namespace knap

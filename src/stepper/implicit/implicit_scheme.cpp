@@ -102,14 +102,14 @@ void ImplicitScheme::solve_points(StepReport& report) {
         if (solved && activate_opening_fans(report)) ++pass;
         else if (solved && solver_.is_preliminary()) precision = Precision::full;
         else if (solved) return void(report.fan_fallbacks += attempt == from_lemke);
-        else if (attempt == thoroughly) break;
+        else if (attempt == thoroughly || solver_.is_jammed()) break;
         else {
             if (attempt == quickly) own_guess_ = {corner_rate_, active_, guess_};
             else std::tie(corner_rate_, active_, guess_) = own_guess_;
             attempt = attempt == quickly && start_from_lemke() ? from_lemke : thoroughly;
         }
     }
-    report.rejection = Rejection::not_converged;
+    report.rejection = solver_.rejection();
 }
 
 /// The motion of a free obstacle depends on the body: the body is solved for given rates until both agree.
