@@ -121,6 +121,21 @@ TEST_CASE("a run that cannot go on ends with 3 and its outputs are complete") {
     CHECK(text_of(folder.path / "run/run.json").find("\"status\": \"failed\"") != std::string::npos);
 }
 
+TEST_CASE("a body that is driven against its support ends the run and the reason says so") {
+    const Folder folder("driven");
+    write_point_masses(folder.path);
+    std::ofstream(folder.path / "masses.toml", std::ios::app) << "[[load]]\non = \"base\"\nvelocity = [\"free\", -1]\n";
+    const Answer run =
+        command("run " + folder.in_shell("masses.toml") +
+                " -q -j 1 -s time.bulk=explicit -s 'support[0].glued=false' -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    CHECK(run.code == 3);
+    CHECK(run.has("cannot continue from t = 0 s"));
+    CHECK(run.has("contacts are driven against each other"));
+    CHECK(run.has("Look at the prescribed motions"));
+    check_complete(folder.path / "run");
+}
+
 TEST_CASE("a step beyond Assumption 1 ends the run or is cut or is taken as the scenario says") {
     const Folder folder("assumption");
     write_point_masses(folder.path);
