@@ -77,11 +77,11 @@ TEST_CASE("a stretched bar of alumina breaks into as many pieces as published" *
     for (const Unloading unloading : {Unloading::constant, Unloading::secant})
         for (const double r : {0.3, 1.0, 3.0, 10.0, 30.0}) {
             Broken sum;
-            constexpr int n_seeds = 5, n_expected = 30;
+            constexpr int n_seeds = 2, n_expected = 30;
             for (int seed = 1; seed <= n_seeds; ++seed) sum += broken(r, n_expected, 16, seed, unloading);
             const double pieces = sum.pieces / n_seeds, cracks = sum.dissipated / n_seeds;
-            MESSAGE((unloading == Unloading::secant ? "secant" : "constant"), " unloading, strain rate ", r, ": ",
-                    pieces, " pieces, expected ", n_expected, ", dissipated over G_c S ", cracks,
+            MESSAGE(std::string(unloading == Unloading::secant ? "secant" : "constant"), " unloading, strain rate ", r,
+                    ": ", pieces, " pieces, expected ", n_expected, ", dissipated over G_c S ", cracks,
                     ", linear systems a step and piece ", sum.iterations / n_seeds);
             CHECK(pieces == relative(n_expected, 0.3));
             CHECK(cracks > pieces - 1 - 1e-9);  // whole cracks, and what damaged edges have lost
