@@ -69,14 +69,15 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     Pieces pieces = Pieces::cycling;
     const auto solve_pieces = [&] {
         pieces = find_pieces(friction);
-        if (pieces == Pieces::found && pieces_are_right()) return true;
         return pieces != Pieces::cycling && find_solution(max_cycling_steps) &&
                (pieces == Pieces::found || !indefinite_);
     };
     precision_ = Precision::full;
     if (sweeps_ && system_.begin_reduced(x_.points)) {  // on the dense matrix of a few points
-        if (solve_pieces()) return true;
-        begin_again();
+        const bool solved = solve_pieces();
+        if (solved && residual() <= balance_goal(unit_)) return true;
+        if (solved) system_.forget();  // its rounding is too large for the balance of the body, which goes on from here
+        else begin_again();
     }
     system_.begin(x_.points);
     fans_.begin(x_.points);
@@ -140,13 +141,6 @@ bool AugmentedLagrangian::find_solution(int max_steps) {
     }
     evaluate();
     return true;
-}
-
-/// The laws on stiff springs, whose rates and multipliers find_pieces found, agree with its pieces.
-bool AugmentedLagrangian::pieces_are_right() {
-    const double balance = std::max(2 * residual(), balance_goal(unit_));
-    evaluate();
-    return update_multipliers() <= law_goal * final_augmentation_ * unit_ && residual() <= balance;
 }
 
 /// Newton's method on the laws themselves. An augmentation of the size of inertia and stiffness shows on which piece of

@@ -93,7 +93,6 @@ private:
     }
     enum class Pieces { found, nearly, cycling };
     Pieces find_pieces(bool friction);
-    bool pieces_are_right();
     void restart_from(const Iterate& iterate);
     bool find_solution(int max_steps);
     bool find_multipliers(double goal, double first_tolerance, int max_steps);
