@@ -24,6 +24,8 @@ constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
 constexpr std::size_t min_points = 16;    // of a problem for the active set
 // The active set is given up after this many steps, or where that many do not lead nearer.
 constexpr int max_piece_steps = 40, max_stalled_steps = 6, first_local_step = 2, max_marching_steps = 2;
+constexpr int min_stalled_steps = 4;                 // before the friction of points that cycle lags
+constexpr double lost_balance = 1e6;                 // of the scale: all friction lags, from the first guess
 constexpr double near_balance = 1e-6;                // of the scale
 constexpr double slow_ratio = 0.3, same_move = 0.7;  // of a residual, a move of multipliers to the one before
 constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
@@ -42,7 +44,9 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
       fans_(model, matrix),
       line_search_(model),
       local_(model, matrix),
-      series_(model, matrix) {
+      lag_(model.fan_points.size()),
+      series_(model, matrix),
+      cycle_(model.fan_points.size()) {
     reserve_capacity(model.mesh.n_corners(), before_.rate, first_.rate, completed_.rate);
     reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, move_, before_.points,
                      first_.points, completed_.points);
@@ -147,13 +151,19 @@ bool AugmentedLagrangian::find_solution(int max_steps) {
 /// its law a point is; a step solves the equations of these pieces, on stiff springs, with multipliers that follow at
 /// once. (Stiff springs would stop it at the first point that changes its piece.)
 AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
-    set_augmentation(final_augmentation_), local_.forget();
-    pieces_.assign(x_.points.size(), ~0u), move_.resize(x_.points.size());
-    double move = infinity, best = infinity, norm = infinity, unit = unit_;
+    set_augmentation(final_augmentation_);
+    double move, best, norm = infinity, unit = unit_;
     double whole = infinity;  // balance of the whole body after the last completion
-    bool completed = false;
-    int n_found = 0, stalled = 0, marching = 0;
-    std::size_t fewest = x_.points.size() + 1;
+    bool completed = false, may_restart = friction;
+    int n_found = 0, stalled, marching;
+    std::size_t fewest;
+    const auto begin_anew = [&] { move = best = infinity, fewest = x_.points.size() + 1, stalled = marching = 0; };
+    const auto begin = [&] {
+        pieces_.assign(x_.points.size(), ~0u), move_.resize(x_.points.size());
+        lag_.begin(x_.points.size()), local_.forget();
+        begin_anew();
+    };
+    begin();
     for (int i = 0; i < max_piece_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         system_.evaluate();
@@ -163,6 +173,7 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
             ActivePoint& point = x_.points[j];
             point.rate = point.rate_at(x_.rate);
             point.response = respond(point.law, point.softened(), point.rate.x(), point.rate.y());
+            if (pieces_[j] != point.response.state && i > 0) lag_.count_change(j);
             n_changed += pieces_[j] != point.response.state;
             pieces_[j] = point.response.state;
             pressing = std::max(pressing, point.response.contact);
@@ -170,14 +181,16 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
             const double normal = q.x() - point.law.strength * point.response.cohesion_theta;
             point.sides.add_force(-point.out_of_frame({normal, q.y()}), system_.residual());
         }
+        if (lag_.settles(n_changed, x_.points)) forget_factor(), begin_anew();
         const double last_norm = std::exchange(norm, residual());
         unit = std::max(unit_, std::min(pressing, largest_unit_));
         const double multiplier_unit = final_augmentation_ * unit, tolerance = balance_goal(unit);
         // one step more than the tolerance asks for: it costs no factor and takes the error to rounding
         const bool found =
-            (is_preliminary() && norm <= preliminary_goal * unit && move <= preliminary_goal * multiplier_unit) ||
-            (norm <= tolerance && move <= law_goal * multiplier_unit) ||
-            (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
+            !lag_.is_used() &&
+            ((is_preliminary() && norm <= preliminary_goal * unit && move <= preliminary_goal * multiplier_unit) ||
+             (norm <= tolerance && move <= law_goal * multiplier_unit) ||
+             (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit));
         if (found && system_.is_condensed()) {
             system_.complete();
             completed = true;
@@ -185,8 +198,8 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         }
         const bool of_whole_body = std::exchange(completed, false);
         // the balance of the whole body no longer falls: what is left is rounding
-        const bool rounding = of_whole_body && norm > 0.5 * std::exchange(whole, norm) && norm <= 1e3 * tolerance &&
-                              move <= law_tolerance * multiplier_unit;
+        const bool rounding = of_whole_body && !lag_.is_used() && norm > 0.5 * std::exchange(whole, norm) &&
+                              norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit;
         n_found = rounding || (found && is_preliminary()) ? 2 : n_found + found;
         if (n_found == 2) {
             for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
@@ -197,11 +210,18 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         // ever, and their extrapolation is quicker
         const bool slow =
             (n_changed == 0 && !of_whole_body && norm > slow_ratio * last_norm) || marching >= max_marching_steps;
-        if (slow && norm <= near_balance * unit && n_found == 0) break;
+        if (slow && norm <= near_balance * unit && n_found == 0 && !lag_.is_used()) break;
         if (n_changed < fewest || (n_changed == fewest && norm < 0.5 * best)) stalled = 0;
         else if (++stalled == max_stalled_steps) break;
+        if (stalled >= min_stalled_steps && lag_.hold_back_cycling(x_.points)) forget_factor(), begin_anew();
         fewest = std::min(fewest, n_changed), best = std::min(best, norm);
-        if (!find_direction()) break;
+        if ((may_restart && norm > lost_balance * unit) || !find_direction()) {
+            if (!std::exchange(may_restart, false)) break;
+            restart_from(first_), set_augmentation(final_augmentation_);
+            begin(), lag_.hold_back_all(x_.points), forget_factor();
+            i = -1, n_found = 0, norm = infinity;
+            continue;
+        }
         const Softening softening = indefinite_ ? Softening::none : Softening::now;
         if (friction && i >= first_local_step &&
             local_.solve(x_.points, system_.direction(), softening, unit_, system_.residual()) && !find_direction())
@@ -222,7 +242,9 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
             x_.points[j].multipliers.contact += a * move_[j].x();
             x_.points[j].multipliers.tangential += a * move_[j].y();
         }
+        lag_.advance(x_.points);
     }
+    if (lag_.end(x_.points)) forget_factor();
     for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
     return norm <= near_balance * unit ? Pieces::nearly : Pieces::cycling;
 }
@@ -282,6 +304,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     double best = infinity;
     int stalled = 0;
     bool met = false;
+    cycle_.begin();
     for (int i = 0; i < max_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         evaluate();
@@ -296,10 +319,10 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
         const bool near = norm <= 1e3 * balance_goal(unit_);
         if (stalled >= 3 && (near || norm <= 1e-12 * bulk_.largest_elastic_impulse(x_.rate))) return true;  // rounding
         best = std::min(best, norm);
+        if (cycle_.returns(i, norm, x_.points)) return false;
         if (!find_direction()) return false;
-        system_.step(stalled > 0 && near
-                         ? 1
-                         : line_search_.length(system_, x_.points));  // near the solution rounding hides the slope
+        // near the solution rounding hides the slope
+        system_.step(stalled > 0 && near ? 1 : line_search_.length(system_, x_.points));
     }
     return false;
 }

@@ -14,16 +14,19 @@
 //
 // Between Newton's steps the fans are swept one by one (FanSweep), so that the step length is not bound by the worst of
 // them. With friction a primal-dual active set (find_pieces), whose multipliers follow in every Newton step, is asked
-// first; the points of a few fans that cycle are solved in addition (LocalPoints).
+// first; the points of a few fans that cycle are solved in addition (LocalPoints), or their friction lags
+// (LaggedFriction). Newton steps that return to an iterate end (NewtonCycle).
 // (S. Hueber, G. Stadler, B. Wohlmuth, SIAM J. Sci. Comput. 30, 2008, from memory; D. Bertsekas, Constrained
 // Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog. Comp.
 // 2022, for the exact line search and the proximal Newton step.)
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/condensed_system.hpp"
 #include "stepper/implicit/fan_sweep.hpp"
+#include "stepper/implicit/lagged_friction.hpp"
 #include "stepper/implicit/line_search.hpp"
 #include "stepper/implicit/local_points.hpp"
 #include "stepper/implicit/multiplier_series.hpp"
+#include "stepper/implicit/newton_cycle.hpp"
 
 #include <algorithm>
 
@@ -116,7 +119,9 @@ private:
     bool sweeps_ = false;  // of the fans between Newton's steps, and the active set
     LineSearch line_search_;
     LocalPoints local_;
+    LaggedFriction lag_;
     MultiplierSeries series_;
+    NewtonCycle cycle_;
     Iterate completed_;                           // in find_solution
     Iterate before_, first_;                      // at the start of an attempt, of the step
     std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised
