@@ -73,6 +73,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     Pieces pieces = Pieces::cycling;
     const auto solve_pieces = [&] {
         pieces = find_pieces(friction);
+        if (pieces == Pieces::found && is_preliminary()) return true;
         return pieces != Pieces::cycling && find_solution(max_cycling_steps) &&
                (pieces == Pieces::found || !indefinite_);
     };

@@ -8,6 +8,7 @@
 namespace knap {
 namespace {
 
+constexpr double max_condition = 1e4;         // of (A^-1)_RR: S has its rounding times this number
 constexpr double operations_per_node = 1600;  // of the body: what a dense factor may cost beside a sparse one
 
 bool is_positive(const Eigen::Matrix2d& block) {
@@ -60,15 +61,13 @@ bool ReducedMatrix::set_unknowns(std::span<const ActingPoint> points, const Corn
 }
 
 bool ReducedMatrix::set_compliance(const Matrix& compliance) {
+    is_accurate_ = false;
     cholesky_.compute(compliance);
-    if (cholesky_.info() != Eigen::Success) {
-        forget();
-        return false;
-    }
+    if (cholesky_.info() != Eigen::Success) return false;
     S_.setIdentity(size(), size());
     cholesky_.solveInPlace(S_);
     S_ = (0.5 * (S_ + S_.transpose())).eval();
-    return true;
+    return is_accurate_ = compliance.norm() * S_.norm() <= max_condition;
 }
 
 template <class BlockOf>

@@ -49,8 +49,10 @@ public:
     const std::vector<Index>& unknowns() const { return unknowns_; }  // R: 2 node + component
     bool has(Index node) const { return has_node_[node]; }
     bool has(Index node, int k) const { return place_[2 * node + k] >= 0; }
-    /// S from (A^-1)_RR. False: rounding leaves it indefinite.
+    /// S from (A^-1)_RR. False: rounding leaves it indefinite, or too far from the body: large steps of a body that
+    /// only its points hold, whose motion as a whole is 1e8 times as compliant as its strains.
     bool set_compliance(const Matrix& compliance);
+    bool is_accurate() const { return is_accurate_; }
 
     /// False: S + G D G' without the friction that follows the contact impulses is not positive definite.
     bool factorise(std::span<const PointTangent> points);
@@ -71,7 +73,7 @@ private:
     std::vector<Index> nodes_, unknowns_, place_;  // place_: per 2 node + component, in R or -1
     std::vector<std::uint8_t> has_node_;           // [0/1] per node of the body
     std::span<const PointTangent> points_;         // in the factor; the caller keeps them
-    bool is_symmetric_ = true, has_cholesky_ = false;
+    bool is_accurate_ = false, is_symmetric_ = true, has_cholesky_ = false;
     Matrix S_, with_points_;          // [kg]
     Eigen::LLT<Matrix> cholesky_;     // of the symmetric blocks
     Eigen::PartialPivLU<Matrix> lu_;  // of all

@@ -225,12 +225,14 @@ bool ThetaMatrix::set_reduced(const std::vector<ActingPoint>& points) {
     set_all_near();
     const bool known = reduced_->knows(points, *nodes_);
     if (!known && !reduced_->set_unknowns(points, *nodes_)) return false;
+    if (known && !reduced_->is_accurate()) return false;
     const bool body_alone = known && with_block_.empty() && contacts_.empty();
     if (!body_alone) factor_of_ = FactorOf::none;
-    if ((!body_alone && !factorise_body({})) || (!known && !find_reduced_matrix())) {
+    if (!body_alone && !factorise_body({})) {
         reduced_->forget();
         return false;
     }
+    if (!known && !find_reduced_matrix()) return false;
     std::swap(near_parts_, far_parts_);
     near_nodes_ = reduced_->nodes();
     for (Index node = 0; node < nodes_->n_nodes(); ++node)
