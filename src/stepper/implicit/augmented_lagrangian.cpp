@@ -167,24 +167,12 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
     begin();
     for (int i = 0; i < max_piece_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
-        system_.evaluate();
-        std::size_t n_changed = 0;
-        double pressing = 0;
-        for (std::size_t j = 0; j < x_.points.size(); ++j) {
-            ActivePoint& point = x_.points[j];
-            point.rate = point.rate_at(x_.rate);
-            point.response = respond(point.law, point.softened(), point.rate.x(), point.rate.y());
-            if (pieces_[j] != point.response.state && i > 0) lag_.count_change(j);
-            n_changed += pieces_[j] != point.response.state;
-            pieces_[j] = point.response.state;
-            pressing = std::max(pressing, point.response.contact);
-            const Vec2 q = point.impulse_of_piece(point.rate);
-            const double normal = q.x() - point.law.strength * point.response.cohesion_theta;
-            point.sides.add_force(-point.out_of_frame({normal, q.y()}), system_.residual());
-        }
+        const std::size_t n_changed = evaluate_pieces();
         if (lag_.settles(n_changed, x_.points)) forget_factor(), begin_anew();
         const double last_norm = std::exchange(norm, residual());
-        unit = std::max(unit_, std::min(pressing, largest_unit_));
+        unit = unit_;
+        for (const ActivePoint& point : x_.points)
+            unit = std::max(unit, std::min(point.response.contact, largest_unit_));
         const double multiplier_unit = final_augmentation_ * unit, tolerance = balance_goal(unit);
         // one step more than the tolerance asks for: it costs no factor and takes the error to rounding
         const bool found =
@@ -248,6 +236,22 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
     if (lag_.end(x_.points)) forget_factor();
     for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
     return norm <= near_balance * unit ? Pieces::nearly : Pieces::cycling;
+}
+
+/// The residual with the equations of the piece on which each point is; the number of points that changed theirs.
+std::size_t AugmentedLagrangian::evaluate_pieces() {
+    system_.evaluate();
+    std::size_t n_changed = 0;
+    for (std::size_t j = 0; j < x_.points.size(); ++j) {
+        ActivePoint& point = x_.points[j];
+        point.rate = point.rate_at(x_.rate);
+        point.response = respond(point.law, point.softened(), point.rate.x(), point.rate.y());
+        if (std::exchange(pieces_[j], point.response.state) != point.response.state) ++n_changed, lag_.count_change(j);
+        const Vec2 q = point.impulse_of_piece(point.rate);
+        const double normal = q.x() - point.law.strength * point.response.cohesion_theta;
+        point.sides.add_force(-point.out_of_frame({normal, q.y()}), system_.residual());
+    }
+    return n_changed;
 }
 
 /// The method of multipliers.

@@ -61,7 +61,7 @@ public:
 
     /// From an initial guess in `iterate` to the solution; false: not converged. Scale of impulses [N s]: `scale` is
     /// known beforehand, contact impulses may raise it to `largest_scale`.
-    bool solve(double scale, double largest_scale, Effort effort, Precision precision = Precision::full);
+    bool solve(double scale, double largest_scale, Effort effort, Precision precision);
     bool is_preliminary() const { return precision_ == Precision::preliminary; }  // of the last solution
 
     /// Contact impulses grew without bound in several attempts: a body is driven against itself.
@@ -96,6 +96,7 @@ private:
     }
     enum class Pieces { found, nearly, cycling };
     Pieces find_pieces(bool friction);
+    std::size_t evaluate_pieces();
     void restart_from(const Iterate& iterate);
     bool find_solution(int max_steps);
     bool find_multipliers(double goal, double first_tolerance, int max_steps);
