@@ -23,7 +23,6 @@ void CondensedSystem::begin(const std::vector<ActivePoint>& points) {
 }
 
 bool CondensedSystem::begin_reduced(const std::vector<ActivePoint>& points) {
-    if (points.size() < min_points) return false;
     acting_.clear();
     for (const ActivePoint& point : points) {
         const bool both = point.fan >= 0 || point.law.friction > 0;

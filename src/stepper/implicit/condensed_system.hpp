@@ -20,7 +20,7 @@ public:
 
     /// Of these points, whose nodes the matrix knows.
     void begin(const std::vector<ActivePoint>& points);
-    /// The same with a dense matrix on the nodes of the points alone. False: they are too many or too few.
+    /// The same with a dense matrix on the nodes of the points alone. False: they are too many.
     bool begin_reduced(const std::vector<ActivePoint>& points);
     /// The rates have changed otherwise than by a step.
     void forget() { condensed_ = is_evaluated_ = false; }
