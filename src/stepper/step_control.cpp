@@ -9,6 +9,7 @@ namespace {
 constexpr int steps_until_growth = 10;
 constexpr double growth = 1.5;
 constexpr double growth_implicit = 2, cut_implicit = 0.25;  // [-] in a run that changes scheme
+constexpr int first_wait = 8, longest_wait = 128;           // steps
 constexpr double least_against_contact = 1. / 1024;         // [-] of the largest step: ten halvings
 
 bool is_of_contact(CutbackReason reason) {
@@ -120,7 +121,11 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
         step_ = std::min(step_, largest_);
         change_.after_step(begin, h, report);  // a run with bulk = "auto" may start from this one
         if (is_large) {
-            if (change_.is_beyond_rejected(begin.time + h)) step_ = std::min(growth_implicit * step_, largest_);
+            ++n_good_;
+            if (h >= unsolved_) unsolved_ = infinity, patience_ = 0;
+            const double larger = std::min(growth_implicit * step_, largest_);
+            if (change_.is_beyond_rejected(begin.time + h) && (larger < unsolved_ || n_good_ >= patience_))
+                step_ = larger;
             return std::nullopt;
         }
         if (++n_good_ >= steps_until_growth) step_ = std::min(growth * step_, largest_), n_good_ = 0;
@@ -143,6 +148,11 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
 /// Of an implicit step that does not count.
 void StepControl::shorten_or_change(Cutback& cut) {
     change_.rejected(cut.time, cut.from);
+    if (cut.reason == CutbackReason::not_converged || cut.reason == CutbackReason::jammed) {
+        patience_ = cut.from >= unsolved_ ? std::min(2 * patience_, longest_wait) : first_wait;
+        unsolved_ = cut.from;
+    }
+    n_good_ = 0;
     if (cut.from > limits_.cracking * (1 + 1e-12)) {
         cut.to = step_ = std::max(cut_implicit * cut.from, limits_.cracking);
         return;
@@ -166,7 +176,7 @@ void StepControl::begin_implicit_stage(const State& now, const StepReport& closi
 
 void StepControl::begin_stage(double step, double largest) {
     step_ = step, largest_ = largest;
-    n_good_ = 0;
+    n_good_ = 0, unsolved_ = infinity, patience_ = 0;
 }
 
 double StepControl::smallest_against(CutbackReason reason) const {

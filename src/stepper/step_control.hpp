@@ -10,7 +10,8 @@
 //     ten steps without cutback   1.5 times the size, up to the largest (Collins-Craft, Bourrier, Acary, CMAME 400
 //                                 (2022) 115545)
 //     a run that changes scheme   scheme_change.hpp: implicit steps are quartered down to the cracking step and doubled
-//                                 after each that counts; explicit ones have a size of their own
+//                                 after each that counts; explicit ones have a size of their own. A size that was not
+//                                 solved is tried again after 8 steps, where it fails again after 16, up to 128
 //     near the end                the rest, or two halves of it: the last step ends there and is no sliver
 //
 // It depends on the reports alone, so a run takes the same steps whenever it is interrupted.
@@ -114,7 +115,7 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(step_, largest_, intact_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_);
-        archive(change_, changes_);
+        archive(change_, changes_, unsolved_, patience_);
     }
 
 private:
@@ -124,9 +125,11 @@ private:
     void shorten_or_change(Cutback& cut);
 
     StepLimits limits_;
-    double step_, largest_;  // [s] current, and the largest from now on
-    bool intact_ = true;     // no cohesion has fallen, and no step had several solutions
-    int n_good_ = 0;         // steps since the last change
+    double step_, largest_;       // [s] current, and the largest from now on
+    bool intact_ = true;          // no cohesion has fallen, and no step had several solutions
+    int n_good_ = 0;              // steps since the last change
+    double unsolved_ = infinity;  // [s] of a run that changes scheme: the last size that was not solved
+    int patience_ = 0;            // steps after which it is tried again
     bool stuck_ = false;
     double smallest_taken_ = 0, largest_taken_ = 0;
     SchemeChange change_;

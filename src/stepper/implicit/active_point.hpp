@@ -3,6 +3,7 @@
 #include "interface/point_law.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace knap {
@@ -52,6 +53,15 @@ struct ActivePoint {
 inline Eigen::Matrix2d symmetric_part(Eigen::Matrix2d D) {
     if (D(1, 0) != D(0, 1)) D(0, 1) = D(1, 0) = 0;
     return D;
+}
+
+/// [N s] Between the bounds of their friction and those of Coulomb's law.
+inline double largest_friction_lag(const std::vector<ActivePoint>& points) {
+    double largest = 0;
+    for (const ActivePoint& point : points)
+        if (const Multipliers& at = point.multipliers; !at.friction_follows)
+            largest = std::max(largest, point.law.friction * std::abs(point.response.contact - at.pressed));
+    return largest;
 }
 
 /// The end of the points of the fan whose first one is `first`.

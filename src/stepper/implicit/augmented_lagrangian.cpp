@@ -104,7 +104,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         const bool cycles = sweeps_ && friction && i == 1;
         if (!cycles && attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
         if (is_jammed()) return false;
-        if (friction && i < n_attempts) iterate_friction();
+        if (friction && i < n_attempts && iterate_friction()) return true;
     }
     // obstacles couple the whole body and may jam it: a smaller step is the better answer
     if (effort == Effort::little || obstacles) return false;
@@ -112,9 +112,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         begin_again(), final_augmentation_ = other;
         if (attempt(max_newton_steps)) return true;
         if (is_jammed()) return false;
-        if (!friction) continue;
-        iterate_friction();
-        if (attempt(max_newton_steps)) return true;
+        if (friction && (iterate_friction() || attempt(max_newton_steps))) return true;
     }
     return false;
 }
@@ -129,8 +127,7 @@ void AugmentedLagrangian::restart_from(const Iterate& iterate) {
 bool AugmentedLagrangian::find_solution(int max_steps) {
     if (is_preliminary()) {
         if (!find_multipliers(preliminary_goal, 0, max_steps)) return false;
-        if (system_.is_condensed()) system_.complete();
-        evaluate();
+        complete_and_evaluate();
         return true;
     }
     for (int i = 0; i < max_completions; ++i) {
@@ -174,12 +171,13 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         for (const ActivePoint& point : x_.points)
             unit = std::max(unit, std::min(point.response.contact, largest_unit_));
         const double multiplier_unit = final_augmentation_ * unit, tolerance = balance_goal(unit);
+        const bool near_enough = is_preliminary() && norm <= preliminary_goal * unit &&
+                                 move <= preliminary_goal * multiplier_unit &&
+                                 largest_friction_lag(x_.points) <= preliminary_goal * unit;
         // one step more than the tolerance asks for: it costs no factor and takes the error to rounding
-        const bool found =
-            !lag_.is_used() &&
-            ((is_preliminary() && norm <= preliminary_goal * unit && move <= preliminary_goal * multiplier_unit) ||
-             (norm <= tolerance && move <= law_goal * multiplier_unit) ||
-             (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit));
+        const bool exact = (norm <= tolerance && move <= law_goal * multiplier_unit) ||
+                           (norm > 0.5 * best && norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit);
+        const bool found = near_enough || (exact && !lag_.is_used());
         if (found && system_.is_condensed()) {
             system_.complete();
             completed = true;
@@ -190,16 +188,13 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         const bool rounding = of_whole_body && !lag_.is_used() && norm > 0.5 * std::exchange(whole, norm) &&
                               norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit;
         n_found = rounding || (found && is_preliminary()) ? 2 : n_found + found;
-        if (n_found == 2) {
-            for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
-            unit_ = unit;
-            return indefinite_ ? Pieces::cycling : Pieces::found;
-        }
+        if (n_found == 2) break;
         // nearly redundant points, contradictory bounds: the multipliers converge linearly or move by the same step for
         // ever, and their extrapolation is quicker
         const bool slow =
             (n_changed == 0 && !of_whole_body && norm > slow_ratio * last_norm) || marching >= max_marching_steps;
-        if (slow && norm <= near_balance * unit && n_found == 0 && !lag_.is_used()) break;
+        const bool is_series = slow && norm <= near_balance * unit && n_found == 0 && !lag_.is_used();
+        if (!is_series) series_.forget();
         if (n_changed < fewest || (n_changed == fewest && norm < 0.5 * best)) stalled = 0;
         else if (++stalled == max_stalled_steps) break;
         if (stalled >= min_stalled_steps && lag_.hold_back_cycling(x_.points)) forget_factor(), begin_anew();
@@ -231,11 +226,14 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
             x_.points[j].multipliers.contact += a * move_[j].x();
             x_.points[j].multipliers.tangential += a * move_[j].y();
         }
+        if (is_series && a == 1) series_.extrapolate(move_, law_goal * multiplier_unit, x_.points);
         lag_.advance(x_.points);
     }
     if (lag_.end(x_.points)) forget_factor();
     for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
-    return norm <= near_balance * unit ? Pieces::nearly : Pieces::cycling;
+    if (n_found < 2) return norm <= near_balance * unit ? Pieces::nearly : Pieces::cycling;
+    unit_ = unit;
+    return indefinite_ ? Pieces::cycling : Pieces::found;
 }
 
 /// The residual with the equations of the piece on which each point is; the number of points that changed theirs.
@@ -333,24 +331,31 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
 }
 
 /// Tresca's law, friction bounded by the contact impulses of the previous round, with bounds that approach Coulomb's.
-void AugmentedLagrangian::iterate_friction() {
+/// True: near enough to Coulomb's law for a preliminary solution.
+bool AugmentedLagrangian::iterate_friction() {
     for (ActivePoint& point : x_.points)
         point.multipliers.friction_follows = false, point.multipliers.pressed = point.multipliers.contact;
     double goal = 1e-4;
-    for (int round = 0; round < max_friction_rounds; ++round) {
+    bool near_enough = false;
+    for (int round = 0; round < max_friction_rounds && !near_enough; ++round) {
         const int factorisations = counts_.factorisations;
         if (!find_multipliers(goal, 0, max_newton_steps)) break;
-        double largest_lag = 0;
-        for (ActivePoint& p : x_.points) {
-            const double lag = p.response.contact - p.multipliers.pressed;
-            largest_lag = std::max(largest_lag, p.law.friction * std::abs(lag));
-            p.multipliers.pressed += 0.5 * lag;  // the full lag may oscillate without end
-        }
+        const double largest_lag = largest_friction_lag(x_.points);
+        near_enough = is_preliminary() && largest_lag <= preliminary_goal * unit_;
         if (counts_.factorisations == factorisations) break;  // no point changed its piece: Newton's method converges
+        for (ActivePoint& p : x_.points)                      // the full way may oscillate without end
+            p.multipliers.pressed += 0.5 * (p.response.contact - p.multipliers.pressed);
         goal = std::min(goal, 1e-3 * largest_lag / unit_);
     }
     for (ActivePoint& point : x_.points) point.multipliers.friction_follows = true;
     forget_factor();
+    if (near_enough) complete_and_evaluate();
+    return near_enough;
+}
+
+void AugmentedLagrangian::complete_and_evaluate() {
+    if (system_.is_condensed()) system_.complete();
+    evaluate();
 }
 
 void AugmentedLagrangian::evaluate() {

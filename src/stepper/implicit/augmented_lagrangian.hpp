@@ -102,8 +102,9 @@ private:
     bool find_multipliers(double goal, double first_tolerance, int max_steps);
     bool continue_penalties(double tolerance);
     bool find_rates(double tolerance, int max_steps);
-    void iterate_friction();
+    bool iterate_friction();
     void evaluate();
+    void complete_and_evaluate();
     void sweep_fans();
     void make_tangents(Softening softening);
     bool prepare_matrix();
