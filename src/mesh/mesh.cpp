@@ -31,17 +31,20 @@ void find_edges(Mesh& mesh) {
     const Grouped<Index> at_lower_end(mesh.vertices.size(), [&](const auto& visit) {
         for (Index side = 0; side < n_sides; ++side) visit(std::ranges::min(ends(side)), side);
     });
-    std::vector<Index> other(n_sides, -1);  // the side of the neighbour
+    std::vector<Index> other(n_sides, -1);       // the side of the neighbour
+    std::vector<std::pair<Index, Index>> sides;  // by their upper ends: a vertex may have very many
     for (Index v = 0; v < mesh.n_vertices(); ++v) {
-        const std::span<const Index> sides = at_lower_end[v];
-        for (std::size_t i = 1; i < sides.size(); ++i)
-            for (std::size_t j = 0; j < i; ++j) {
-                const Index a = sides[j], b = sides[i];
-                if (std::ranges::max(ends(a)) != std::ranges::max(ends(b))) continue;
-                if (other[a] >= 0 || ends(a) == ends(b))
-                    throw ShapeError("mesh", "two triangles lie on the same side of one edge");
-                other[a] = b, other[b] = a;
-            }
+        sides.clear();
+        for (const Index side : at_lower_end[v]) sides.emplace_back(std::ranges::max(ends(side)), side);
+        std::ranges::sort(sides);
+        for (std::size_t i = 1; i < sides.size(); ++i) {
+            const auto [upper_a, a] = sides[i - 1];
+            const auto [upper_b, b] = sides[i];
+            if (upper_a != upper_b) continue;
+            if (other[a] >= 0 || ends(a) == ends(b))
+                throw ShapeError("mesh", "two triangles lie on the same side of one edge");
+            other[a] = b, other[b] = a;
+        }
     }
     mesh.interior_edges.reserve((n_sides - std::ranges::count(other, -1)) / 2);
     for (Index side = 0; side < std::ssize(other); ++side) {
