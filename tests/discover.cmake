@@ -16,6 +16,8 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
   return()
 endif()
 
+cmake_minimum_required(VERSION 3.25)  # its policies
+
 # What the program lists with these options, a line each; a program without cases lists none and fails.
 function(list_with result)
   execute_process(COMMAND ${PROGRAM} --no-intro ${ARGN} OUTPUT_VARIABLE output RESULT_VARIABLE failed)
