@@ -1,5 +1,5 @@
-# What doctest_discover_tests of doctest.cmake does, in a process or two for a program: that one starts a process for every case to learn
-# its label, 1 100 of them. Included, this file defines
+# What doctest_discover_tests of doctest.cmake does, in two or three processes a program: that one starts one for every case to learn its
+# label, 1 100 in all. Included, this file defines
 #     knap_discover_tests(TARGET PREFIX)
 # and run with cmake -P after each build of TARGET, it writes the tests of TARGET, PREFIX before their names, for ctest. A test
 # suite is a label: TEST_CASE("..." * doctest::test_suite("slow")).
