@@ -399,7 +399,8 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     const bool narrow = area.width < 0.6 * full_width;  // the title then extends over the whole page
     const std::string magnified = magnification(options, frame.n_obstacles() > 0);
     const Title title = fitted_title(options.title.empty() ? context.title : options.title,
-                                     "t = " + time_text(frame.time) + (context.ended_early ? ", run ended" : "") +
+                                     "t = " + time_text(frame.time) +
+                                         (frame.time >= context.early_end * (1 - 1e-6) ? ", run ended" : "") +
                                          (magnified.empty() ? "" : ", ") + magnified,
                                      narrow ? full_width : area.width);
     const BodyDrawing drawing = body_kind(options.show)->drawing(options, frame, breaks, scale);

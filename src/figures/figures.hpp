@@ -47,7 +47,7 @@ struct FigureContext {
     double rayleigh_speed = 0;           // [m/s] 0 = not drawn
     std::vector<std::string> materials;  // names, by region
     bool celsius = false;                // temperatures are in degrees Celsius
-    bool ended_early = false;            // the frame is the last one of a run that did not reach time.end
+    double early_end = infinity;         // [s] of a run that did not reach time.end
 };
 
 /// What a figure needs of a scenario, or of the histories of a run.

@@ -47,8 +47,7 @@ void FigureOutput::draw_due(const State& now, bool at_end) {
 }
 
 void FigureOutput::finish(const State& now, bool ended_early) {
-    context_.ended_early = ended_early;
-    if (ended_early) show_last_state(now.time);
+    if (ended_early) context_.early_end = now.time, show_last_state(now.time);
     draw_due(now, true);
 }
 

@@ -261,6 +261,19 @@ TEST_CASE("figures: the short side of a slender body is stretched as its axis is
     CHECK_THROWS_AS(draw_figure({.file = "a.png", .aspect = 0.5}, bar, {}, {}, pictures()), UserError);
 }
 
+TEST_CASE("figures: only the last picture of a run that ended early says so") {
+    Frame frame = synthetic::frame(20);
+    frame.time = 0.5;
+    const auto says_so = [&](double early_end) {
+        const FigureContext context{.title = "A run", .early_end = early_end};
+        return has_text(draw({.show = "stress_yy", .width = 560}, frame, context, pictures() / "early_end.png"),
+                        ", run ended");
+    };
+    CHECK(says_so(0.5));
+    CHECK_FALSE(says_so(2));  // pictures of several times are drawn when the run has ended
+    CHECK_FALSE(says_so(infinity));
+}
+
 TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking") {
     const Frame frame = synthetic::frame(30);
     History breaks = synthetic::breaks(0);
