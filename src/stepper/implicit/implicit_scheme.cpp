@@ -173,8 +173,10 @@ ActivePoint ImplicitScheme::contact_point(const ObstacleContact& contact) const 
     const State& begin = *step_.begin;
     const Obstacle& obstacle = model_.obstacles[contact.obstacle];
     const Index node = partition_.node_of_corner[contact.corner];
-    const Vec2 velocity = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
-                          velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+    const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
+               of_obstacle = velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+    double rate = contact.normal.dot(of_body - of_obstacle);
+    if (std::abs(rate) <= rate_rounding * (of_body.norm() + of_obstacle.norm())) rate = 0;  // no w meets such a bound
     const bool led = obstacle.is_free() && contact.is_led_along(partition_.prescribed[node]);
     ActivePoint made{
         .sides = {.fan_point = -1,
@@ -184,15 +186,15 @@ ActivePoint ImplicitScheme::contact_point(const ObstacleContact& contact) const 
                   .share = contact.share,
                   .leaf_corner = contact.corner},
         .normal = contact.normal,
-        .law = {.u_N = contact.gap,
-                .u_T = 0,
-                .strength = 0,
-                .cohesion = 0,
-                .material = &obstacle.contact,
-                .friction = led ? 0 : obstacle.contact.friction,
-                .contact = contact_bound_theta(contact.gap, contact.normal.dot(velocity), obstacle.contact.restitution,
-                                               step_.h, step_.theta, 0),
-                .step = &step_}};
+        .law = {
+            .u_N = contact.gap,
+            .u_T = 0,
+            .strength = 0,
+            .cohesion = 0,
+            .material = &obstacle.contact,
+            .friction = led ? 0 : obstacle.contact.friction,
+            .contact = contact_bound_theta(contact.gap, rate, obstacle.contact.restitution, step_.h, step_.theta, 0),
+            .step = &step_}};
     made.support_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
     made.mass = mass_between(-1, node);
     if (const double s = contact.share; contact.is_on_edge())
@@ -307,10 +309,8 @@ void ImplicitScheme::check_residual(StepReport& report) const {
     const double unit = solver_.unit();
     for (const ActivePoint& point : x_.points) {
         const Vec2 w = point.rate_at(x_.rate);
-        Multipliers multipliers = point.multipliers;
+        Multipliers multipliers = point.softened();
         multipliers.contact = point.response.contact, multipliers.tangential = point.response.tangential;
-        multipliers.rho_N = point.mass;
-        if (!std::isinf(multipliers.rho_T)) multipliers.rho_T = point.mass;
         const PointResponse again = respond(point.law, multipliers, w.x(), w.y());
         report.residual =
             std::max({report.residual, std::abs(again.normal(point.law) - point.response.normal(point.law)) / unit,
