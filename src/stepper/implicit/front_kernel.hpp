@@ -28,7 +28,8 @@ struct FrontKernel {
     /// diagonal, which do not count, too. Several threads may each do a multiple of eight columns.
     void (*subtract_products)(const double* packed, std::ptrdiff_t n, double* columns, std::ptrdiff_t stride,
                               std::ptrdiff_t n_rows, std::ptrdiff_t begin, std::ptrdiff_t end);
-    /// x of the eliminated unknowns <- A^-1 x in two parts: L^-1 x, which changes the others, too, and L^-T x.
+    /// x of the eliminated unknowns <- A^-1 x in two parts: L^-1 x, which changes the others, too, and what lies up to
+    /// `front_padding` numbers behind them, and L^-T x.
     void (*substitute)(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, double* x);
     void (*substitute_back)(const double* L, std::ptrdiff_t size, std::ptrdiff_t n, double* x);
 };

@@ -218,16 +218,15 @@ void substitute_columns(const double* L, std::ptrdiff_t size, std::ptrdiff_t j, 
         for (int b = 0; b < c; ++b) x[j + c] -= column[b][j + c] * x[j + b];
         x[j + c] /= column[c][j + c];
     }
-    std::ptrdiff_t i = j + width;
-    for (; i + n_rows <= size; i += n_rows) {
+    double known[width];
+    for (int c = 0; c < width; ++c) known[c] = x[j + c];
+    for (std::ptrdiff_t i = j + width; i < size; i += n_rows) {  // also behind the end, where nothing counts
         Rows<lanes> sum, a;
         sum.load(x + i);
 #pragma GCC unroll 4
-        for (int c = 0; c < width; ++c) a.load(column[c] + i), sum.subtract(a, x[j + c]);
+        for (int c = 0; c < width; ++c) a.load(column[c] + i), sum.subtract(a, known[c]);
         sum.store(x + i);
     }
-    for (; i < size; ++i)
-        for (int c = 0; c < width; ++c) x[i] -= column[c][i] * x[j + c];
 }
 
 /// x <- L^-T x for them, from the known ones below.

@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <iterator>
 #include <numeric>
+#include <utility>
 
 namespace knap {
 namespace {
@@ -25,8 +27,8 @@ constexpr std::ptrdiff_t pivots_at_once = 64, rows_at_once = 32;
 
 }  // namespace
 
-FrontalFactor::Workspace::Workspace(std::size_t n_numbers) : place(n_numbers, -1), local(n_numbers) {
-    reserve_capacity(n_numbers, own, left, half[0].row, half[1].row, half[0].column, half[1].column);
+FrontalFactor::Workspace::Workspace(std::size_t n_numbers) : place(n_numbers, -1), local(n_numbers + front_padding) {
+    reserve_capacity(n_numbers, unknown, half[0].row, half[1].row, half[0].column, half[1].column);
 }
 
 FrontalFactor::FrontalFactor(const Dissection& dissection, std::size_t n_numbers)
@@ -116,31 +118,30 @@ bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const Elemen
     return positive;
 }
 
+/// In the order of their elimination, which that of both halves is, too.
 void FrontalFactor::find_unknowns(Index part, const std::vector<Index>& eliminated_in, Workspace& work) {
-    work.own.clear();
-    work.left.clear();
-    const auto add = [&](Index u) {
-        if (u < 0 || work.place[u] >= 0) return;
-        work.place[u] = 0;
-        (eliminated_in[u] == part ? work.own : work.left).push_back(u);
-    };
-    for (const Element& element : work.elements) std::for_each_n(element.unknown.begin(), element.n_unknowns, add);
-    for (const Index child : dissection_.parts[part].child)
-        if (child >= 0) std::ranges::for_each(fronts_[child].left(), add);
-    std::ranges::sort(work.own);
-    std::ranges::sort(work.left, {}, [&](Index u) { return std::pair(eliminated_in[u], u); });
+    const auto key = [&](Index u) { return (std::int64_t(eliminated_in[u]) << 32) + u; };
+    work.unknown.clear();
+    if (const Dissection::Part& at = dissection_.parts[part]; !at.is_leaf())
+        std::ranges::set_union(fronts_[at.child[0]].left(), fronts_[at.child[1]].left(),
+                               std::back_inserter(work.unknown), {}, key, key);
+    for (const Element& element : work.elements)
+        for (const Index u : std::span(element.unknown).first(element.n_unknowns))
+            if (u >= 0 && std::exchange(work.place[u], 0) < 0) work.unknown.push_back(u);
+    if (!work.elements.empty()) std::ranges::sort(work.unknown, {}, key);
     Front& front = fronts_[part];
-    front.n_eliminated = static_cast<Index>(work.own.size());
-    front.unknown.resize(arena_, work.own.size() + work.left.size());
+    front.unknown.resize(arena_, work.unknown.size());
     const std::span<Index> unknown = front.unknown.entries();
-    std::ranges::copy(work.left, std::ranges::copy(work.own, unknown.begin()).out);
+    std::ranges::copy(work.unknown, unknown.begin());
+    const auto is_own = [&](Index u) { return eliminated_in[u] == part; };
+    front.n_eliminated = static_cast<Index>(std::ranges::partition_point(unknown, is_own) - unknown.begin());
     for (Index i = 0; i < front.size(); ++i) work.place[unknown[i]] = i;
 }
 
 void FrontalFactor::assemble(Index part, Threads threads, Workspace& work) {
     Front& front = fronts_[part];
     front.L.resize(arena_, front.size() * std::size_t(front.n_eliminated) + front_padding);
-    front.schur.resize(arena_, front.n_left() * std::size_t(front.n_left()) + front_padding);
+    front.schur.resize(arena_, front.first_of_panel(front.n_left() + panel - 1) + front_padding);
     const bool has_halves = !dissection_.parts[part].is_leaf();
     for (int i = 0; has_halves && i < 2; ++i) {
         Half& half = work.half[i];
@@ -154,32 +155,36 @@ void FrontalFactor::assemble(Index part, Threads threads, Workspace& work) {
     }
     divide(threads, front.size(), columns_at_once, [&](std::size_t first, std::size_t end) {
         for (std::size_t k = first; k < end; ++k) {  // with the rows above the diagonal that the kernel reads
-            const std::size_t top = k < std::size_t(front.n_eliminated) ? 0 : front.n_eliminated;
+            const std::size_t top = front.first_row(static_cast<Index>(k));
             double* column = front.column(static_cast<Index>(k));
             std::fill(column + std::max(top, k - std::min(k, front_padding)), column + front.size(), 0.0);
             for (int i = 0; has_halves && i < 2; ++i) {
                 const Half& half = work.half[i];
-                const std::size_t j = half.column[k], n = half.row.size();
-                if (half.column[k] < 0) continue;
-                const double* from = half.front->schur.first() + n * j;
-                for (std::size_t r = j; r < n; ++r) column[half.row[r]] += from[r];
+                const Index j = half.column[k], n = half.front->n_left();
+                if (j < 0) continue;
+                const double* from = half.front->schur_column(j);
+                for (Index r = j; r < n; ++r) column[half.row[r]] += from[r];
             }
         }
     });
-    for (const Element& element : work.elements)
-        for (int j = 0; j < element.n_unknowns; ++j)
-            for (int i = 0; i < element.n_unknowns; ++i) {
-                if (element.unknown[i] < 0 || element.unknown[j] < 0) continue;
-                const Index row = work.place[element.unknown[i]], column = work.place[element.unknown[j]];
-                if (row >= column) front.column(column)[row] += element.matrix(i, j);
-            }
+    for (const Element& element : work.elements) {
+        std::array<Index, std::tuple_size_v<decltype(element.unknown)>> place;
+        for (int i = 0; i < element.n_unknowns; ++i)
+            place[i] = element.unknown[i] < 0 ? -1 : work.place[element.unknown[i]];
+        for (int j = 0; j < element.n_unknowns; ++j) {
+            if (place[j] < 0) continue;
+            double* column = front.column(place[j]);
+            for (int i = 0; i < element.n_unknowns; ++i)
+                if (place[i] >= place[j]) column[place[i]] += element.matrix(i, j);
+        }
+    }
 }
 
 /// Block by block of its columns, each of which changes all columns behind it. The first block takes the remainder, so
 /// that the columns behind the others, and those of the Schur complement, start with a panel of packed rows.
 bool FrontalFactor::eliminate(Front& front, Threads threads, Workspace& work) {
     const std::ptrdiff_t size = front.size(), n = front.n_eliminated;
-    double *L = front.L.first(), *schur = front.schur.first();
+    double* L = front.L.first();
     for (std::ptrdiff_t begin = 0, end; begin < n; begin = end) {
         end = begin == 0 && n % pivots_at_once > 0 ? n % pivots_at_once : begin + pivots_at_once;
         const std::ptrdiff_t done = threads == Threads::all ? end : size, n_pivots = end - begin;  // done: rows
@@ -195,8 +200,11 @@ bool FrontalFactor::eliminate(Front& front, Threads threads, Workspace& work) {
         divide(threads, n - end, columns_at_once, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
             kernel_.subtract_products(packed, n_pivots, L + end * (size + 1), size, size - end, first, last);
         });
-        divide(threads, size - n, columns_at_once, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
-            kernel_.subtract_products(packed + n_pivots * (n - end), n_pivots, schur, size - n, size - n, first, last);
+        divide(threads, size - n, panel, [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+            for (std::ptrdiff_t j = first; j < last; j += panel)
+                kernel_.subtract_products(packed + n_pivots * (n - end + j), n_pivots,
+                                          front.schur.first() + front.first_of_panel(j), size - n - j, size - n - j, 0,
+                                          std::min<std::ptrdiff_t>(panel, last - j));
         });
     }
     return true;

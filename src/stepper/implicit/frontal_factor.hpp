@@ -67,31 +67,44 @@ public:
     FactorSize size() const;
 
 private:
+    static constexpr Index panel = 16;  // columns of a Schur complement
     struct Front {
         ArenaList<Index> unknown;  // in the order of their elimination
         Index n_eliminated = 0;
         ArenaList<double> L;      // lower half, column by column: L, and L_B below it
-        ArenaList<double> schur;  // likewise
+        ArenaList<double> schur;  // likewise, in panels of columns that start with the row of their first one
         Index size() const { return static_cast<Index>(unknown.size()); }
         Index n_left() const { return size() - n_eliminated; }
         std::span<const Index> left() const { return unknown.entries().subspan(n_eliminated); }
         /// Its entry in a row is column(k)[row].
         double* column(Index k) {
             if (k < n_eliminated) return L.first() + size() * std::size_t(k);
-            return schur.first() + n_left() * std::size_t(k - n_eliminated) - n_eliminated;
+            return schur_column(k - n_eliminated) - n_eliminated;
+        }
+        /// That is stored of it: of a column of L the first one, else that of its panel.
+        Index first_row(Index k) const { return k < n_eliminated ? 0 : k - (k - n_eliminated) % panel; }
+        /// Rows and columns counted from the first one that is left.
+        double* schur_column(Index j) {
+            const Index first = j - j % panel;
+            return schur.first() + first_of_panel(j) + (n_left() - first) * std::size_t(j - first) - first;
+        }
+        /// Where the panel of column j begins.
+        std::size_t first_of_panel(Index j) const {
+            const std::size_t first = j - j % panel;
+            return first * n_left() - first * (first - panel) / 2;
         }
     };
     /// A half of the part in work, whose unknowns have the same order in both.
     struct Half {
-        const Front* front;
+        Front* front;
         std::vector<Index> row;     // in the front of the part, of the unknowns that it leaves
         std::vector<Index> column;  // per column of this front: of these, or -1
     };
     /// Of a thread, for the front in work.
     struct alignas(128) Workspace {  // no cache line of two threads
         explicit Workspace(std::size_t n_numbers);
-        std::vector<Index> place;      // per unknown: in the front, or -1
-        std::vector<Index> own, left;  // its unknowns
+        std::vector<Index> place;    // per unknown: in the front, or -1
+        std::vector<Index> unknown;  // of the front
         std::array<Half, 2> half;
         std::vector<Element> elements;  // of the leaf
         std::vector<double> local;      // right-hand side

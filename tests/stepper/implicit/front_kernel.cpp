@@ -24,6 +24,7 @@ struct Front {
         for (int j = 0; j < size; ++j)
             for (int i = j; i < size; ++i) (j < n ? L[i + size * j] : schur[i - n + (size - n) * (j - n)]) = A(i, j);
         for (int i = 0; i < size; ++i) x.push_back(1 + i % 7);
+        x.resize(size + front_padding);
     }
     /// `block`: pivots at once, a multiple of eight, first in their own rows, and rows and columns behind them eight at
     /// once; 0: all pivots at once in all rows.
@@ -51,7 +52,7 @@ struct Front {
     }
     /// The lower halves and the solution.
     std::vector<double> numbers() const {
-        std::vector<double> all = x;
+        std::vector<double> all(x.begin(), x.begin() + size);
         for (int j = 0; j < size; ++j)
             for (int i = j; i < size; ++i) all.push_back(j < n ? L[i + size * j] : schur[i - n + (size - n) * (j - n)]);
         return all;
