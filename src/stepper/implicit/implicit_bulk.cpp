@@ -78,11 +78,14 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     }
     // largest terms of the balance: a difference below their rounding has no meaning; D eps and the thermal strain,
     // which cancel in a body that expands freely, are two terms
+    double force2 = 0;  // [N^2] the largest
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const double speed = begin.velocity[begin.node_of_corner[c]].norm();
-        begin_impulse_ = std::max({begin_impulse_, model_.corner_mass[c] * speed, step.kick() * begin_force_[c].norm(),
-                                   step.kick() * load_[c].norm(), elastic_impulse(c, speed)});
+        begin_impulse_ = std::max({begin_impulse_, model_.corner_mass[c] * speed, elastic_impulse(c, speed)});
+        force2 = std::max({force2, begin_force_[c].squaredNorm(), load_[c].squaredNorm()});
+        begin_force_[c] += load_[c];
     }
+    begin_impulse_ = std::max(begin_impulse_, step.kick() * std::sqrt(force2));
 }
 
 void ImplicitBulk::set_nodes(const CornerPartition& nodes, const std::vector<Vec2>& corner_rate,
@@ -164,7 +167,7 @@ void ImplicitBulk::impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_
     const Index n = model_.mesh.corners_per_triangle();
     for_triangles([&](Index first, Index last) {
         for (Index c = n * first; c < n * last; ++c)
-            of_corner[c] = -theta_h * (begin_force_[c] + load_[c] + theta_h * of_corner[c]);
+            of_corner[c] = -theta_h * (begin_force_[c] + theta_h * of_corner[c]);
     });
     const auto change = [&](Index i) -> Vec2 {
         if (!nodes_->prescribed[i][0] && !nodes_->prescribed[i][1]) return rate[i] - velocity_[i];
@@ -184,7 +187,9 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
     const double theta = step_->theta, h = step_->h;
     const Index n = nodes_->n_nodes();
     std::vector<Vec2>&of_corner = work.of_corner, &of_node = work.of_node;
-    const auto end = [&](Index i) { return end_velocity(i, rate[i]); };
+    work.end_velocity.resize(n);
+    for (Index i = 0; i < n; ++i) work.end_velocity[i] = end_velocity(i, rate[i]);
+    const auto end = [&](Index i) -> const Vec2& { return work.end_velocity[i]; };
     const auto change = [&](Index i) -> Vec2 { return end(i) - velocity_[i]; };
     const auto momentum = [&](const auto& velocity) {  // of_corner = M velocity
         of_corner.assign(model_.mesh.n_corners(), Vec2::Zero());

@@ -53,7 +53,7 @@ public:
 
     /// Scratch memory of account().
     struct Workspace {
-        std::vector<Vec2> of_corner, of_node;
+        std::vector<Vec2> of_corner, of_node, end_velocity;
     };
     /// Energies, and works of loads and prescribed motions. `reaction` [N s, per node]: r(w) minus the impulses of the
     /// interfaces.
@@ -78,7 +78,7 @@ private:
     const StepContext* step_ = nullptr;
     const CornerPartition* nodes_ = nullptr;
     std::vector<double> amplitude_;         // [-] theta mean of each history
-    std::vector<Vec2> load_, begin_force_;  // [N] F_theta; -K u and thermal forces, per corner
+    std::vector<Vec2> load_, begin_force_;  // [N] F_theta; with it -K u and thermal forces, per corner
     std::vector<Vec2> velocity_;            // [m/s] v, per node
     std::vector<Vec2> prescribed_end_;      // [m/s] v+ of prescribed components, per node
     double begin_impulse_ = 0, largest_impulse_ = 0;
