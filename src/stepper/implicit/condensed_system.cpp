@@ -3,7 +3,6 @@
 #include "base/reserve_capacity.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace knap {
 
@@ -74,14 +73,6 @@ void CondensedSystem::complete() {
     for (const Index node : near_nodes()) right_side_[node] = rate_[node] - condensed_at_[node];
     matrix_.add_change_of_far_nodes(right_side_, rate_);
     forget();
-}
-
-double CondensedSystem::residual(Index node) const {
-    double largest = 0;
-    for (int k = 0; k < 2; ++k)
-        if (const double r = std::abs(residual_[node][k]); matrix_.is_free(node, k))
-            largest = r < infinity ? std::max(largest, r) : infinity;  // a NaN meets no tolerance
-    return largest;
 }
 
 Index CondensedSystem::worst_node() const {

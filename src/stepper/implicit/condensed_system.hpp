@@ -43,8 +43,8 @@ public:
     }
     std::vector<Vec2>& residual() { return residual_; }  // [N s] per node: r(w) - H' q
     const std::vector<Vec2>& residual() const { return residual_; }
-    double residual(Index node) const;  // [N s] of its free components
-    Index worst_node() const;           // with the largest residual of those that are up to date; -1: there is none
+    double residual(Index node) const { return matrix_.largest_free(residual_, node); }  // [N s]
+    Index worst_node() const;  // with the largest residual of those that are up to date; -1: there is none
     const std::vector<Vec2>& direction() const { return direction_; }
     const std::vector<Vec2>& corner_impulse() const { return corner_impulse_; }  // [N s] r(w) per corner
     /// Of the bulk along the direction: d . r(w) and d . M_hat d.

@@ -29,6 +29,21 @@ struct PointSides {
     void add_force(const Vec2& force, std::vector<Vec2>& of_node) const {
         for_each_node([&](Index node, double weight) { of_node[node] += weight * force; });
     }
+    /// Adds what `block` makes of the relative motion to a matrix of nodal motions: an impulse per component.
+    /// place(node): the rows, and columns, of its x and y, or -1.
+    template <class Place, class Matrix>
+    void add_block(const Eigen::Matrix2d& block, const Place& place, Matrix& matrix) const {
+        for_each_node([&](Index a, double weight_a) {
+            const std::array<Index, 2> row = place(a);
+            for_each_node([&](Index b, double weight_b) {
+                const std::array<Index, 2> column = place(b);
+                for (int k = 0; k < 2; ++k)
+                    for (int l = 0; l < 2; ++l)
+                        if (row[k] >= 0 && column[l] >= 0)
+                            matrix(row[k], column[l]) += weight_a * weight_b * block(k, l);
+            });
+        });
+    }
     Vec2 jump(const std::vector<Vec2>& of_node) const {
         const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
         if (second_node >= 0) return (1 - share) * at(after) + share * at(second_node) - at(before);

@@ -67,10 +67,7 @@ int FanSweep::place(Index node) const {
 bool FanSweep::is_balanced(double tolerance, const std::vector<Vec2>& residual) const {
     const std::span corners(&model_.fan_corners[fan_->first_corner], fan_->n_corners);
     return std::ranges::all_of(corners, [&](Index corner) {
-        const Index node = matrix_.nodes().node_of_corner[corner];
-        for (int k = 0; k < 2; ++k)
-            if (matrix_.is_free(node, k) && !(std::abs(residual[node][k]) <= tolerance)) return false;
-        return true;
+        return matrix_.largest_free(residual, matrix_.nodes().node_of_corner[corner]) <= tolerance;
     });
 }
 
@@ -129,18 +126,18 @@ void FanSweep::find_residual(std::span<const ActivePoint> points) {
 
 /// Newton's. False: the matrix is not definite.
 bool FanSweep::find_direction(std::span<const ActivePoint> points, Softening softening) {
+    const auto rows = [&](Index node) {
+        const int x = 2 * place(node);
+        return std::array{x, x + 1};
+    };
     matrix_of_step_ = inertia_;
     bool symmetric = true;
     for (std::size_t j = 0; j < points.size(); ++j) {
         const Eigen::Matrix2d D = tangent(points[j].law, points[j].multipliers, response_[j], softening);
         if (D.isZero(0)) continue;
         symmetric = symmetric && D(0, 1) == D(1, 0);
-        const Eigen::Matrix2d axes = points[j].axes(), block = axes * D * axes.transpose();
-        points[j].sides.for_each_node([&](Index a, double weight_a) {
-            points[j].sides.for_each_node([&](Index b, double weight_b) {
-                matrix_of_step_.block<2, 2>(2 * place(a), 2 * place(b)) += weight_a * weight_b * block;
-            });
-        });
+        const Eigen::Matrix2d axes = points[j].axes();
+        points[j].sides.add_block(axes * D * axes.transpose(), rows, matrix_of_step_);
     }
     for (int i = 0; i < 2 * n_nodes_; ++i) {
         if (is_free(i)) continue;

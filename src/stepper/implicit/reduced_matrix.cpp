@@ -73,18 +73,8 @@ bool ReducedMatrix::set_compliance(const Matrix& compliance) {
 template <class BlockOf>
 void ReducedMatrix::add_points(std::span<const PointTangent> points, const BlockOf& block_of) {
     with_points_ = S_;
-    for (const PointTangent& point : points) {
-        const Eigen::Matrix2d& block = block_of(point);
-        point.sides.for_each_node([&](Index a, double weight_a) {
-            point.sides.for_each_node([&](Index b, double weight_b) {
-                for (int k = 0; k < 2; ++k)
-                    for (int l = 0; l < 2; ++l) {
-                        const Index row = place_[2 * a + k], column = place_[2 * b + l];
-                        if (row >= 0 && column >= 0) with_points_(row, column) += weight_a * weight_b * block(k, l);
-                    }
-            });
-        });
-    }
+    const auto place = [&](Index node) { return std::array{place_[2 * node], place_[2 * node + 1]}; };
+    for (const PointTangent& point : points) point.sides.add_block(block_of(point), place, with_points_);
 }
 
 bool ReducedMatrix::factorise_symmetric(std::span<const PointTangent> points) {

@@ -51,6 +51,14 @@ ElementMatrix ThetaMatrix::element(Index triangle) const {
     return theta_element(model_, triangle, stiffness_factor_, mass_);
 }
 
+double ThetaMatrix::largest_free(const std::vector<Vec2>& of_node, Index node) const {
+    double largest = 0;
+    for (int k = 0; k < 2; ++k)
+        if (const double a = std::abs(of_node[node][k]); is_free(node, k))
+            largest = a < infinity ? std::max(largest, a) : infinity;
+    return largest;
+}
+
 bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor) {
     nodes_ = &nodes;
     const bool other_factor = stiffness_factor_ != stiffness_factor, other_nodes = active_ != nodes.active;

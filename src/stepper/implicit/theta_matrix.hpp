@@ -62,6 +62,8 @@ public:
     const CornerPartition& nodes() const { return *nodes_; }
     ElementMatrix element(Index triangle) const;  // [kg] of M_hat
     bool is_free(Index node, int component) const { return !nodes_->prescribed[node][component]; }
+    /// The free components of a node: the largest one; infinite where one is not a number, which meets no tolerance.
+    double largest_free(const std::vector<Vec2>& of_node, Index node) const;
     FactorSize size() const { return factor_.size(); }
 
 private:
