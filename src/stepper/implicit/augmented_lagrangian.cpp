@@ -187,7 +187,10 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         // the balance of the whole body no longer falls: what is left is rounding
         const bool rounding = of_whole_body && !lag_.is_used() && norm > 0.5 * std::exchange(whole, norm) &&
                               norm <= 1e3 * tolerance && move <= law_tolerance * multiplier_unit;
-        n_found = rounding || (found && is_preliminary()) ? 2 : n_found + found;
+        // contacts alone, on a dense matrix: steps go on to rounding for nothing, and only those of the body cost
+        const bool is_enough = is_preliminary() || (of_whole_body && matrix_.is_reduced() && norm <= tolerance &&
+                                                    x_.points.front().fan < 0);  // points of fans come first
+        n_found = rounding || (found && is_enough) ? 2 : n_found + found;
         if (n_found == 2) break;
         // nearly redundant points, contradictory bounds: the multipliers converge linearly or move by the same step for
         // ever, and their extrapolation is quicker
