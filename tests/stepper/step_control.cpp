@@ -5,6 +5,7 @@
 #include <doctest/doctest.h>
 
 #include <tuple>
+#include <utility>
 #include <vector>
 
 namespace step_control_test {
@@ -152,6 +153,30 @@ TEST_CASE("step control: Assumption 1 takes the cracking step first and halves f
         return time < 4 && h > 0.6 ? rejected(Rejection::not_converged) : StepReport{};
     });
     CHECK(*std::max_element(contact.steps.begin(), contact.steps.end()) > 3);
+}
+
+TEST_CASE("step control: an implicit size that was not solved is tried again after 8 steps and then after 16") {
+    const StepLimits limits{
+        .largest = 1, .cracking = 1e-3, .smallest = 1e-9, .end = 1e6, .change = {.explicit_step = 1e-4}};
+    StepControl control(limits);
+    State now;
+    now.rate.assign(1, Vec2::Zero());  // velocities of this moment: implicit steps
+    std::vector<int> between;          // steps from one trial of the largest size to the next one
+    bool solved = false;
+    for (int n = 0, trials = 0; trials < 9;) {
+        const double h = control.next(now);
+        if (h == 1) {
+            between.push_back(std::exchange(n, 0));
+            solved = ++trials == 5;
+        }
+        if (control.judge(now, h, h < 1 || solved ? good(now.time, h) : rejected(Rejection::not_converged))) continue;
+        now.time += h;
+        now.last_step = h;
+        ++now.n_steps, ++n;
+        CHECK(h >= 0.25);
+    }
+    // the fifth trial is solved, so the next one follows at once, is not, and patience begins anew
+    CHECK(between == std::vector<int>{0, 8, 16, 32, 64, 1, 8, 16, 32});
 }
 
 TEST_CASE("step control: below the smallest step it is stuck") {

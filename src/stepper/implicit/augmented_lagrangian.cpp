@@ -41,6 +41,7 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
       matrix_(matrix),
       x_(iterate),
       system_(model, bulk, matrix, iterate.rate),
+      newton_matrix_(model, matrix),
       fans_(model, matrix),
       line_search_(model),
       local_(model, matrix),
@@ -48,8 +49,7 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
       series_(model, matrix),
       cycle_(model.fan_points.size()) {
     reserve_capacity(model.mesh.n_corners(), before_.rate, first_.rate, completed_.rate);
-    reserve_capacity(model.fan_points.size() + 1, factored_states_, pieces_, tangents_, move_, before_.points,
-                     first_.points, completed_.points);
+    reserve_capacity(model.fan_points.size() + 1, pieces_, move_, before_.points, first_.points, completed_.points);
 }
 
 bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effort, Precision precision) {
@@ -75,7 +75,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         pieces = find_pieces(friction);
         if (pieces == Pieces::found && is_preliminary()) return true;
         return pieces != Pieces::cycling && find_solution(max_cycling_steps) &&
-               (pieces == Pieces::found || !indefinite_);
+               (pieces == Pieces::found || !newton_matrix_.is_indefinite());
     };
     precision_ = Precision::full;
     if (sweeps_ && system_.begin_reduced(x_.points)) {  // on the dense matrix of a few points
@@ -94,7 +94,8 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         }
         if (solve_pieces()) return true;
         // Where it cycles, the energy of the springs may lead on; within Assumption 1 the solution is the same one.
-        if (pieces != Pieces::found && !friction && !indefinite_ && find_solution(max_newton_steps) && !indefinite_)
+        if (pieces != Pieces::found && !friction && !newton_matrix_.is_indefinite() &&
+            find_solution(max_newton_steps) && !newton_matrix_.is_indefinite())
             return true;
     }
     begin_again();
@@ -165,7 +166,7 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
     for (int i = 0; i < max_piece_steps; ++i) {
         if (given_up_ && given_up_()) throw StepGivenUp{};
         const std::size_t n_changed = evaluate_pieces();
-        if (lag_.settles(n_changed, x_.points)) forget_factor(), begin_anew();
+        if (lag_.settles(n_changed, x_.points)) newton_matrix_.forget(), begin_anew();
         const double last_norm = std::exchange(norm, residual());
         unit = unit_;
         for (const ActivePoint& point : x_.points)
@@ -200,18 +201,18 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         if (!is_series) series_.forget();
         if (n_changed < fewest || (n_changed == fewest && norm < 0.5 * best)) stalled = 0;
         else if (++stalled == max_stalled_steps) break;
-        if (stalled >= min_stalled_steps && lag_.hold_back_cycling(x_.points)) forget_factor(), begin_anew();
+        if (stalled >= min_stalled_steps && lag_.hold_back_cycling(x_.points)) newton_matrix_.forget(), begin_anew();
         fewest = std::min(fewest, n_changed), best = std::min(best, norm);
         if ((may_restart && norm > lost_balance * unit) || !find_direction()) {
             if (!std::exchange(may_restart, false)) break;
             restart_from(first_), set_augmentation(final_augmentation_);
-            begin(), lag_.hold_back_all(x_.points), forget_factor();
+            begin(), lag_.hold_back_all(x_.points), newton_matrix_.forget();
             i = -1, n_found = 0, norm = infinity;
             continue;
         }
-        const Softening softening = indefinite_ ? Softening::none : Softening::now;
         if (friction && i >= first_local_step &&
-            local_.solve(x_.points, system_.direction(), softening, unit_, system_.residual()) && !find_direction())
+            local_.solve(x_.points, system_.direction(), newton_matrix_.softening(), unit_, system_.residual()) &&
+            !find_direction())
             break;
         const double last_move = std::exchange(move, 0.0);
         for (std::size_t j = 0; j < move_.size(); ++j) {
@@ -232,11 +233,11 @@ AugmentedLagrangian::Pieces AugmentedLagrangian::find_pieces(bool friction) {
         if (is_series && a == 1) series_.extrapolate(move_, law_goal * multiplier_unit, x_.points);
         lag_.advance(x_.points);
     }
-    if (lag_.end(x_.points)) forget_factor();
+    if (lag_.end(x_.points)) newton_matrix_.forget();
     for (ActivePoint& point : x_.points) point.multipliers.contact = std::max(0.0, point.multipliers.contact);
     if (n_found < 2) return norm <= near_balance * unit ? Pieces::nearly : Pieces::cycling;
     unit_ = unit;
-    return indefinite_ ? Pieces::cycling : Pieces::found;
+    return newton_matrix_.is_indefinite() ? Pieces::cycling : Pieces::found;
 }
 
 /// The residual with the equations of the piece on which each point is; the number of points that changed theirs.
@@ -351,7 +352,7 @@ bool AugmentedLagrangian::iterate_friction() {
         goal = std::min(goal, 1e-3 * largest_lag / unit_);
     }
     for (ActivePoint& point : x_.points) point.multipliers.friction_follows = true;
-    forget_factor();
+    newton_matrix_.forget();
     if (near_enough) complete_and_evaluate();
     return near_enough;
 }
@@ -376,52 +377,8 @@ void AugmentedLagrangian::sweep_fans() {
     if (!system_.is_condensed()) evaluate();  // the impulses of corners, too
 }
 
-void AugmentedLagrangian::make_tangents(Softening softening) {
-    tangents_.clear();
-    for (const ActivePoint& point : x_.points) {
-        const Eigen::Matrix2d D = tangent(point.law, point.multipliers, point.response, softening);
-        if (D.isZero(0)) continue;
-        const Eigen::Matrix2d axes = point.axes();
-        tangents_.push_back({.sides = point.sides,
-                             .block = axes * D * axes.transpose(),
-                             .symmetric_block = axes * symmetric_part(D) * axes.transpose()});
-    }
-}
-
-bool AugmentedLagrangian::prepare_matrix() {
-    const std::vector<ActivePoint>& points = x_.points;
-    // one entry more than points: "no points" differs from "no factor"
-    bool same = matrix_.has_factor() && factored_states_.size() == points.size() + 1;
-    for (std::size_t i = 0; same && i < points.size(); ++i) same = factored_states_[i] == points[i].response.state;
-    if (same) return true;
-    factored_states_.resize(points.size() + 1);
-    for (std::size_t i = 0; i < points.size(); ++i) factored_states_[i] = points[i].response.state;
-    const bool softens = std::ranges::any_of(points, [](const ActivePoint& p) { return p.response.softens; });
-    for (const Softening softening : {Softening::now, Softening::none}) {
-        if (softening == Softening::now && !softens) continue;
-        make_tangents(softening);
-        ++counts_.factorisations;
-        indefinite_ = softens && softening == Softening::none;
-        if (matrix_.factorise(tangents_)) return true;
-    }
-    factored_states_.clear();
-    return false;
-}
-
-bool AugmentedLagrangian::violates_assumption_1() {
-    if (indefinite_) return true;
-    // the factor has the slope at the end of the step; the step may pass steeper ones
-    const auto may_be_steeper = [](const ActivePoint& p) {
-        return (p.response.breaks && p.law.cohesion > 0) || (p.response.softens && p.law.material->softening);
-    };
-    if (std::ranges::none_of(x_.points, may_be_steeper)) return false;
-    make_tangents(Softening::at_all);
-    forget_factor();
-    return !matrix_.factorise(tangents_);
-}
-
 bool AugmentedLagrangian::find_direction() {
-    if (!prepare_matrix() || !system_.find_direction()) return false;
+    if (!newton_matrix_.factorise(x_.points, counts_.factorisations) || !system_.find_direction()) return false;
     ++counts_.linear_solves;
     return true;
 }
@@ -446,7 +403,7 @@ void AugmentedLagrangian::set_augmentation(double augmentation) {
     }
     if (augmentation == augmentation_) return;
     augmentation_ = augmentation;
-    forget_factor();
+    newton_matrix_.forget();
 }
 
 }  // namespace knap

@@ -7,15 +7,15 @@
 // For given multipliers the points are piecewise linear springs (interface/point_law.hpp), so every Newton step is one
 // linear system M_hat + H' D H with a definite D, also where points are redundant round a vertex. Without friction and
 // inside Assumption 1 the equations are the gradient of a convex function: a step length that zeroes the slope along
-// the step makes Newton's method converge from any start. The loss of cohesion enters D with its sign. Where that makes
-// the matrix indefinite (Assumption 1 is violated), it is left out: the iteration then majorises. It starts from beta
-// at the start of the step and lowers it only as far as the openings require, so it never breaks a point below its
-// strength.
+// the step makes Newton's method converge from any start. Where the loss of cohesion makes the matrix indefinite
+// (NewtonMatrix), the iteration majorises. It starts from beta at the start of the step and lowers it only as far as
+// the openings require, so it never breaks a point below its strength.
 //
 // Between Newton's steps the fans are swept one by one (FanSweep), so that the step length is not bound by the worst of
 // them. With friction a primal-dual active set (find_pieces), whose multipliers follow in every Newton step, is asked
-// first; the points of a few fans that cycle are solved in addition (LocalPoints), or their friction lags
-// (LaggedFriction). Newton steps that return to an iterate end (NewtonCycle).
+// first; multipliers that follow slowly or march are extrapolated (MultiplierSeries), the points of a few fans that
+// cycle are solved in addition (LocalPoints), or their friction lags (LaggedFriction). Newton steps that return to an
+// iterate end (NewtonCycle).
 // (S. Hueber, G. Stadler, B. Wohlmuth, SIAM J. Sci. Comput. 30, 2008, from memory; D. Bertsekas, Constrained
 // Optimization and Lagrange Multiplier Methods, 1982; B. Hermans, A. Themelis, P. Patrinos, QPALM, Math. Prog. Comp.
 // 2022, for the exact line search and the proximal Newton step.)
@@ -27,6 +27,7 @@
 #include "stepper/implicit/local_points.hpp"
 #include "stepper/implicit/multiplier_series.hpp"
 #include "stepper/implicit/newton_cycle.hpp"
+#include "stepper/implicit/newton_matrix.hpp"
 
 #include <algorithm>
 
@@ -57,7 +58,7 @@ public:
     AugmentedLagrangian(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix, Iterate& iterate);
 
     /// The nodes, the step size or the mass have changed.
-    void forget_factor() { factored_states_.clear(); }
+    void forget_factor() { newton_matrix_.forget(); }
 
     /// From an initial guess in `iterate` to the solution; false: not converged. Scale of impulses [N s]: `scale` is
     /// known beforehand, contact impulses may raise it to `largest_scale`.
@@ -71,9 +72,7 @@ public:
     void give_up_when(GiveUp condition) { given_up_ = condition; }
     const SolverCounts& counts() const { return counts_; }
     double unit() const { return unit_; }  // [N s] scale of the tolerances
-    /// Softening outweighs inertia and stiffness at the solution: Assumption 1 does not hold there.
-    /// (With the descending branches of all points that lost cohesion in the step.)
-    bool violates_assumption_1();
+    bool violates_assumption_1() { return newton_matrix_.violates_assumption_1(x_.points); }
     Index worst_node() const {  // of the largest residual, or of the contact that jams
         return is_jammed() ? jammed_node_ : std::max(Index{0}, system_.worst_node());
     }
@@ -106,8 +105,6 @@ private:
     void evaluate();
     void complete_and_evaluate();
     void sweep_fans();
-    void make_tangents(Softening softening);
-    bool prepare_matrix();
     bool find_direction();
     double update_multipliers();
     void set_augmentation(double augmentation);
@@ -116,6 +113,7 @@ private:
     ThetaMatrix& matrix_;
     Iterate& x_;
     CondensedSystem system_;
+    NewtonMatrix newton_matrix_;
     FanSweep fans_;
     Precision precision_ = Precision::full;
     bool sweeps_ = false;  // of the fans between Newton's steps, and the active set
@@ -124,15 +122,12 @@ private:
     LaggedFriction lag_;
     MultiplierSeries series_;
     NewtonCycle cycle_;
-    Iterate completed_;                           // in find_solution
-    Iterate before_, first_;                      // at the start of an attempt, of the step
-    std::vector<std::uint32_t> factored_states_;  // pieces of the laws for which the matrix is factorised
-    double final_augmentation_ = 0;               // of the attempt
-    double augmentation_ = 0;                     // with which the matrix is factorised
-    bool indefinite_ = false;
-    std::vector<PointTangent> tangents_;  // in the factor
-    std::vector<Vec2> move_;              // [N s] per point, (N, T): of its multipliers
-    std::vector<std::uint32_t> pieces_;   // per point, in find_pieces
+    Iterate completed_;                  // in find_solution
+    Iterate before_, first_;             // at the start of an attempt, of the step
+    double final_augmentation_ = 0;      // of the attempt
+    double augmentation_ = 0;            // with which the matrix is factorised
+    std::vector<Vec2> move_;             // [N s] per point, (N, T): of its multipliers
+    std::vector<std::uint32_t> pieces_;  // per point, in find_pieces
     SolverCounts counts_;
     GiveUp given_up_ = nullptr;
     double unit_ = 1, largest_unit_ = 1;
