@@ -11,8 +11,10 @@ namespace {
 constexpr double no_force = 1e-3;      // of the move: a smaller nodal force leaves the rates as they are
 constexpr double min_ratio = 0.1;      // of a series worth extrapolating
 constexpr double max_deviation = 0.1;  // of a move from q times the previous one
-constexpr double max_series = 20;      // moves, where q is as uncertain near 1 as a move may deviate;
-constexpr double sure_part = 0.1;      // over the relative deviation where that is more
+// Moves of a series, where q is as uncertain near 1 as a move may deviate; more where it deviates less. (Moves near
+// rounding that were multiplied by 1e5 made a random body depend on its units in the last digits.)
+constexpr double max_series = 20, max_sure_series = 1e3;
+constexpr double sure_part = 0.1;  // over the relative deviation
 
 }  // namespace
 
@@ -57,8 +59,8 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
         const double q = product / square, deviation2 = length - product * product / square;
         if (strongest <= no_force * longest) series = infinity;
         else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
-            series =
-                std::min(q / (1 - q), std::max(max_series, sure_part * std::sqrt(length / std::max(deviation2, 0.0))));
+            series = std::min(q / (1 - q), std::clamp(sure_part * std::sqrt(length / std::max(deviation2, 0.0)),
+                                                      max_series, max_sure_series));
         const double multiple = std::min(series, to_bound);
         const bool extrapolates = multiple > 0 && multiple < infinity;
         for (std::size_t j = first; j < end; ++j) {
