@@ -122,7 +122,7 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
         change_.after_step(begin, h, report);  // a run with bulk = "auto" may start from this one
         if (is_large) {
             ++n_good_;
-            if (h >= unsolved_) unsolved_ = infinity, patience_ = 0;
+            if (h >= unsolved_) unsolved_ = infinity;
             const double larger = std::min(growth_implicit * step_, largest_);
             if (change_.is_beyond_rejected(begin.time + h) && (larger < unsolved_ || n_good_ >= patience_))
                 step_ = larger;
@@ -176,7 +176,7 @@ void StepControl::begin_implicit_stage(const State& now, const StepReport& closi
 
 void StepControl::begin_stage(double step, double largest) {
     step_ = step, largest_ = largest;
-    n_good_ = 0, unsolved_ = infinity, patience_ = 0;
+    n_good_ = 0, unsolved_ = infinity;
 }
 
 double StepControl::smallest_against(CutbackReason reason) const {

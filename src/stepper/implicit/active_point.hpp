@@ -26,13 +26,14 @@ struct ActivePoint {
     Vec2 across(const std::vector<Vec2>& of_node) const { return in_frame(sides.jump(of_node)); }
     Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - support_rate; }
     Vec2 impulse() const { return out_of_frame({response.normal(law), response.tangential}); }  // [N s] q
-    /// Its multipliers on springs as soft as the body.
-    Multipliers softened() const {
+    /// Its multipliers on springs of so many times the stiffness of the body.
+    Multipliers augmented(double augmentation) const {
         Multipliers at = multipliers;
-        at.rho_N = mass;
-        if (!std::isinf(at.rho_T)) at.rho_T = mass;
+        at.rho_N = augmentation * mass;
+        if (!std::isinf(at.rho_T)) at.rho_T = augmentation * mass;
         return at;
     }
+    Multipliers softened() const { return augmented(1); }
     /// (p, q_T) [N s] at a rate by the equations of the piece of its response.
     Vec2 impulse_of_piece(const Vec2& at_rate) const {
         const double contact =

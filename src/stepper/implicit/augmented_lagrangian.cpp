@@ -397,10 +397,7 @@ double AugmentedLagrangian::update_multipliers() {
 }
 
 void AugmentedLagrangian::set_augmentation(double augmentation) {
-    for (ActivePoint& point : x_.points) {
-        point.multipliers.rho_N = augmentation * point.mass;
-        if (!std::isinf(point.multipliers.rho_T)) point.multipliers.rho_T = augmentation * point.mass;
-    }
+    for (ActivePoint& point : x_.points) point.multipliers = point.augmented(augmentation);
     if (augmentation == augmentation_) return;
     augmentation_ = augmentation;
     newton_matrix_.forget();
