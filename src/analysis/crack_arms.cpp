@@ -43,8 +43,9 @@ void CrackArms::renumber(InterfaceGraph graph, const Renumbering& numbers) {
     for (Index& v : isolated_.way) v = numbers.vertex[v];
 }
 
-void CrackArms::grow(double time, std::span<const InterfaceStatus> status) {
-    const std::vector<Index> cracked = edges_.add(time, status);
+bool CrackArms::grow(double time, std::span<const EdgeStatus> statuses) {
+    const std::vector<Index> cracked = edges_.add(time, statuses);
+    if (cracked.empty()) return false;
     Queue queue;
     for (const Index e : cracked)
         for (const Index v : graph().ends[e])
@@ -65,6 +66,7 @@ void CrackArms::grow(double time, std::span<const InterfaceStatus> status) {
         if (junction.n_counted < 2) count_branchings(junction);
     if (std::exchange(continued_, false))
         for (CrackArm& arm : arms_) arm.path_length = path_length(arm.tip());
+    return true;
 }
 
 // ---- trees ----

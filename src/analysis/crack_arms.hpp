@@ -95,9 +95,9 @@ class CrackArms {
 public:
     CrackArms(InterfaceGraph graph, const CrackOptions& options);
 
-    /// Continues to a later time [s], with one status per interface. Cost: one pass over all interfaces, and n log n in
-    /// the number of edges that cracked since the last time.
-    void grow(double time, std::span<const InterfaceStatus> status);
+    /// Continues to a later time [s] with statuses as CrackedEdges::add. Returns whether edges cracked. Cost: n log n
+    /// in the number of edges that cracked since the last time.
+    bool grow(double time, std::span<const EdgeStatus> statuses);
 
     void set_graph(InterfaceGraph graph) { edges_.set_graph(std::move(graph)); }
 

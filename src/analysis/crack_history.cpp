@@ -7,28 +7,33 @@
 
 namespace knap {
 
-double speed_over_window(std::span<const std::pair<double, double>> samples, double window, double min_growth) {
+// The slope over [start, now] of f, which is linear between the moments t_i: with tau = t - (start + now)/2
+//     slope = int tau f dt / int tau^2 dt = 12/T^3 int tau f dt,     Simpson's rule is exact for tau f
+double speed_over_window(std::span<const std::pair<double, double>> growth, double window, double min_growth) {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    if (samples.size() < 3 || samples.back().second < min_growth * (1 - 1e-9)) return unknown;
-    const auto [now, end] = samples.back();
-    std::size_t first = samples.size() - 1, last = samples.size() - 1;  // of the growth
-    while (first > 0 && end - samples[first].second < window) --first;
-    while (last > first && samples[last - 1].second == end) --last;
-    const double duration = samples[last].first - samples[first].first;
-    std::size_t start = samples.size() - 3;
-    while (start > 0 && now - samples[start].first < duration * (1 - 1e-9)) --start;
-    const auto used = samples.subspan(start);
-    if (used.front().second == used.back().second) return 0;
-    double mean_time = 0, mean_position = 0;
-    for (const auto& [t, s] : used) mean_time += t, mean_position += s;
-    mean_time /= static_cast<double>(used.size());
-    mean_position /= static_cast<double>(used.size());
-    double ts = 0, tt = 0;
-    for (const auto& [t, s] : used) {
-        ts += (t - mean_time) * (s - mean_position);
-        tt += (t - mean_time) * (t - mean_time);
+    if (growth.size() < 3 || growth.back().second < min_growth * (1 - 1e-9)) return unknown;
+    const auto [now, end] = growth.back();
+    std::size_t first = growth.size() - 1, last = growth.size() - 1;
+    while (first > 0 && end - growth[first].second < window) --first;
+    while (last > first && growth[last - 1].second == end) --last;
+    double begin = growth[first].first;  // of the growth by a window
+    if (const auto& [t, s] = growth[first]; end - s > window)
+        begin += (end - window - s) / (growth[first + 1].second - s) * (growth[first + 1].first - t);
+    const double duration = growth[last].first - begin, start = now - duration;
+    if (!(duration > 0)) return unknown;
+    std::size_t i = growth.size() - 1;
+    while (i > 0 && growth[i].first > start) --i;
+    const double middle = 0.5 * (start + now);
+    double sum = 0;  // int tau (f - end) dt
+    for (; i + 1 < growth.size(); ++i) {
+        const auto [t0, s0] = growth[i];
+        const auto [t1, s1] = growth[i + 1];
+        const double from = std::max(t0, start), h = t1 - from;
+        if (!(h > 0)) continue;
+        const double f0 = s0 - end + (s1 - s0) * (from - t0) / (t1 - t0), f1 = s1 - end;
+        sum += h / 6 * ((from - middle) * f0 + (t1 + from - 2 * middle) * (f0 + f1) + (t1 - middle) * f1);
     }
-    return ts / tt;
+    return 12 * sum / (duration * duration * duration);
 }
 
 CrackHistory::CrackHistory(InterfaceGraph graph, const CrackOptions& options)
@@ -40,11 +45,26 @@ void CrackHistory::renumber(InterfaceGraph graph, const Renumbering& numbers) {
     for (CrackTip& tip : pattern_.tips) tip.vertex = numbers.vertex[tip.vertex];
 }
 
+void CrackHistory::grow(double time, std::span<const EdgeStatus> changed, double work) {
+    if (changed.empty() || !arms_.grow(time, changed)) return;
+    works_.emplace_back(time, work);
+    double length = arms_.arms().empty() ? arms_.longest_isolated().length : 0;
+    for (Index arm = 0; arm < static_cast<Index>(arms_.arms().size()); ++arm) length += arms_.length(arm);
+    pattern_.crack_length = std::max(pattern_.crack_length, length);
+}
+
 const CrackPattern& CrackHistory::snapshot(double time, std::span<const InterfaceStatus> status) {
+    std::vector<EdgeStatus> statuses;
+    for (std::size_t e = 0; e < status.size(); ++e) statuses.push_back({static_cast<Index>(e), status[e]});
+    grow(time, statuses);
+    return snapshot(time);
+}
+
+const CrackPattern& CrackHistory::snapshot(double time) {
     times_.push_back(time);
-    arms_.grow(time, status);
     pattern_.n_broken = pattern_.n_damaged = 0;
     pattern_.broken_length = pattern_.damaged_length = 0;
+    const std::span<const InterfaceStatus> status = arms_.edges().status();
     for (std::size_t e = 0; e < status.size(); ++e) {
         const double length = arms_.graph().length[e];
         if (status[e] == InterfaceStatus::broken) ++pattern_.n_broken, pattern_.broken_length += length;
@@ -82,7 +102,7 @@ CrackHistory::Growth CrackHistory::growth(Index arm) const {
     growth.run.assign(n, 0);
     for (std::size_t i = 1, before = 0; i < n; ++i) {
         growth.run[i] = growth.run[i - 1] + position[i] - position[i - 1];
-        if (i + 1 < n && growth.reached[i + 1] == growth.reached[i]) continue;  // all that one snapshot sees at once
+        if (i + 1 < n && growth.reached[i + 1] == growth.reached[i]) continue;  // all that one step breaks
         const double duration = growth.reached[i] - growth.reached[before],
                      ahead = growth.run[i] - growth.run[before] - (duration > 0 ? options_.fastest * duration : 0);
         if (ahead > burst) std::fill_n(growth.run.begin() + before, i + 1 - before, growth.run[before]);
@@ -91,42 +111,32 @@ CrackHistory::Growth CrackHistory::growth(Index arm) const {
     return growth;
 }
 
-/// How far the tip had run at each snapshot between two times.
-CrackHistory::Samples CrackHistory::samples(const Growth& growth, double from, double to) const {
-    Samples samples;
-    auto next = growth.reached.begin();
-    for (auto t = std::ranges::lower_bound(times_, std::max(from, growth.reached.front()));
-         t != times_.end() && *t <= to; ++t) {
-        next = std::upper_bound(next, growth.reached.end(), *t);
-        samples.emplace_back(*t, growth.run[next - growth.reached.begin() - 1]);
-    }
-    return samples;
-}
-
 /// Unknown where it would exceed the fastest wave.
-double CrackHistory::bounded_speed(const Samples& samples, double window, double min_growth) const {
-    const double speed = speed_over_window(samples, window, min_growth);
+double CrackHistory::bounded_speed(std::span<const std::pair<double, double>> growth, double window,
+                                   double min_growth) const {
+    const double speed = speed_over_window(growth, window, min_growth);
     return speed <= options_.fastest ? speed : unknown;
 }
 
 double CrackHistory::speed_at(const Growth& growth, double time) const {
-    const auto reached = std::ranges::upper_bound(growth.reached, time);
-    if (reached == growth.reached.begin()) return unknown;
-    const double window_start = growth.run[reached - growth.reached.begin() - 1] - growth.window;
+    const auto n = std::ranges::upper_bound(growth.reached, time) - growth.reached.begin();
+    if (n == 0) return unknown;
+    const double window_start = growth.run[n - 1] - growth.window;
     const auto first = std::ranges::upper_bound(growth.run, window_start) - growth.run.begin();
-    // from three snapshots before the window, so that there are three however few are within it
-    const auto at = std::ranges::lower_bound(times_, growth.reached[first]) - times_.begin();
-    const double from = times_[std::max<std::ptrdiff_t>(at - 3, 0)];
-    return bounded_speed(samples(growth, from, time), growth.window, growth.min_growth);
+    Moments moments;
+    for (auto i = std::max<std::ptrdiff_t>(first - 1, 0); i < n; ++i)
+        moments.emplace_back(growth.reached[i], growth.run[i]);
+    if (time > moments.back().first) moments.emplace_back(time, moments.back().second);
+    return bounded_speed(moments, growth.window, growth.min_growth);
 }
 
 double CrackHistory::mean_tip_speed() const {
     if (main_arm_ < 0) return unknown;
     const Growth way = growth(main_arm_);
     const auto half = std::ranges::lower_bound(way.run, 0.5 * way.run.back()) - way.run.begin();
-    const Samples second_half = samples(way, way.reached[half], way.reached.back());
-    if (second_half.empty()) return unknown;
-    return bounded_speed(second_half, second_half.back().second - second_half.front().second, way.min_growth);
+    Moments second_half;
+    for (std::size_t i = half; i < way.run.size(); ++i) second_half.emplace_back(way.reached[i], way.run[i]);
+    return bounded_speed(second_half, way.run.back() - way.run[half], way.min_growth);
 }
 
 double CrackHistory::max_tip_speed() const {
@@ -179,38 +189,40 @@ CrackTip CrackHistory::tip_of(Index arm) const {
 
 void CrackHistory::find_main() {
     const auto& arms = arms_.arms();
-    const auto grew_at = [&](double time) { first_growth_ = std::min(first_growth_.value_or(time), time); };
     const std::vector<std::uint8_t> passed = arms_.passed();
-    double length = 0;
     Index longest = -1;
     pattern_.tips.clear();
     for (Index arm = 0; arm < static_cast<Index>(arms.size()); ++arm) {
         const std::vector<Index>& nodes = arms[arm].nodes;
-        length += arms_.length(arm);
         const CrackTip tip = tip_of(arm);
         if (!tip.arrived && !passed[arm] && nodes.size() > 1) pattern_.tips.push_back(tip);
-        for (std::size_t k = 1; k < nodes.size(); ++k) grew_at(arms_.nodes()[nodes[k]].since);
         if (longest < 0 || arms[arm].path_length > arms[longest].path_length) longest = arm;
     }
     pattern_.n_cracks = arms_.n_cracks();
     pattern_.n_branches = static_cast<Index>(arms_.branchings().size());
     std::vector<Index> vertices;
     if (longest >= 0) {
-        if (main_arm_ < 0 || arms[longest].path_length > arms[main_arm_].path_length) main_arm_ = longest;
+        main_arm_ = longest;
         pattern_.main_end = tip_of(main_arm_);
         pattern_.main_start = arms_.cracks()[arms_.first_of(arms[main_arm_].crack)].start;
         vertices = vertices_of(arms_.way(arms[main_arm_].tip()));
     } else if (const IsolatedStretch& isolated = arms_.longest_isolated(); isolated.length > 0) {
         vertices = isolated.way;
-        length = isolated.length;
-        for (const Index e : isolated.edges) grew_at(arms_.edges().since(e));
         pattern_.n_cracks = 1;
         pattern_.main_start = isolated.start;
         pattern_.main_end = {-1, vertices.back(), arms_.graph().vertices[vertices.back()], 0, unknown, isolated.ends};
         if (!isolated.ends) pattern_.tips.push_back(*pattern_.main_end);
     }
-    pattern_.crack_length = std::max(pattern_.crack_length, length);
     if (!vertices.empty()) pattern_.main_length = std::max(pattern_.main_length, along_chords(vertices).back());
+}
+
+std::optional<double> CrackHistory::first_growth_time() const {
+    double first = infinity;
+    for (const CrackArm& arm : arms_.arms())
+        for (std::size_t k = 1; k < arm.nodes.size(); ++k) first = std::min(first, arms_.nodes()[arm.nodes[k]].since);
+    if (std::isinf(first))
+        for (const Index e : arms_.longest_isolated().edges) first = std::min(first, arms_.edges().since(e));
+    return std::isinf(first) ? std::nullopt : std::optional(first);
 }
 
 double CrackHistory::main_angle() const {
@@ -227,6 +239,38 @@ double CrackHistory::main_angle() const {
     return std::abs(0.5 * std::atan2(2 * xy, xx - yy)) * 180 / std::numbers::pi;
 }
 
+/// visit(time [s] when it cracked, length [m] along chords)
+template <class Visit>
+void CrackHistory::for_each_main_edge(const Visit& visit) const {
+    const std::vector<CrackNode>& nodes = arms_.nodes();
+    const std::vector<Index> way = arms_.way(arms_.arms()[main_arm_].tip());
+    const std::vector<double> position = along_chords(vertices_of(way));
+    for (std::size_t i = 1; i < way.size(); ++i) {
+        // of two nodes the one with the edge between them: a chain of cracks goes back to the start of each
+        const Index later = nodes[way[i]].parent == way[i - 1] ? way[i] : way[i - 1];
+        if (position[i] > position[i - 1]) visit(nodes[later].since, position[i] - position[i - 1]);
+    }
+}
+
+std::optional<CrackHistory::Advance> CrackHistory::advance_between(double from, double to) const {
+    if (main_arm_ < 0) return {};
+    Moments growth;  // length of the edges that cracked at a time
+    for_each_main_edge([&](double since, double length) { growth.emplace_back(since, length); });
+    std::ranges::stable_sort(growth, {}, &Moments::value_type::first);
+    double all = 0, length = 0;
+    for (const auto& [time, edge] : growth) all += edge;
+    std::array<Advance, 2> at{};
+    std::size_t n_reached = 0;
+    for (std::size_t i = 0; i < growth.size(); ++i) {
+        length += growth[i].second;
+        if (i + 1 < growth.size() && growth[i + 1].first == growth[i].first) continue;
+        const auto work = std::ranges::lower_bound(works_, growth[i].first, {}, &Moments::value_type::first);
+        while (n_reached < 2 && length >= (n_reached == 0 ? from : to) * all * (1 - 1e-12))
+            at[n_reached++] = {work->second, length};
+    }
+    return n_reached < 2 ? std::nullopt : std::optional(Advance{at[1].work - at[0].work, at[1].length - at[0].length});
+}
+
 CrackHistory::Past CrackHistory::conclude() {
     const std::size_t n = times_.size();
     Past past{.main = std::vector<double>(n, 0), .all = std::vector<double>(n, 0), .tip = {}};
@@ -237,13 +281,7 @@ CrackHistory::Past CrackHistory::conclude() {
         if (node.arm >= 0 && node.parent >= 0)
             past.all[line(node.since)] += node.distance - nodes[node.parent].distance;
     if (main_arm_ >= 0) {
-        const std::vector<Index> way = arms_.way(arms_.arms()[main_arm_].tip());
-        const std::vector<double> position = along_chords(vertices_of(way));
-        for (std::size_t i = 1; i < way.size(); ++i) {
-            // of two nodes the one with the edge between them: a chain of cracks goes back to the start of each
-            const Index later = nodes[way[i]].parent == way[i - 1] ? way[i] : way[i - 1];
-            if (position[i] > position[i - 1]) past.main[line(nodes[later].since)] += position[i] - position[i - 1];
-        }
+        for_each_main_edge([&](double since, double length) { past.main[line(since)] += length; });
         const Growth ran = growth(main_arm_);
         for (std::size_t i = line(ran.reached.front()); i < n; ++i) {
             const auto k = std::ranges::upper_bound(ran.reached, times_[i]) - ran.reached.begin() - 1;

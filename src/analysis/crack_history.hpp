@@ -9,10 +9,11 @@
 
 namespace knap {
 
-/// Tip speed from samples (time [s], position [m] from the start of the crack), both ascending: slope of the
-/// least-squares line through the samples of the last T seconds, at least three, where T is the duration of the last
-/// growth by `window` [m]. It decreases while a tip stands and is zero once it has stood for T. Growth by whole edges,
-/// N in a window, gives it a relative error of about 1/N^2. NaN while the position is less than `min_growth` [m].
+/// Tip speed from the growth of a path (time [s], position [m] from the start of the crack), both ascending, the
+/// present last; between these moments the position is linear. It is the slope of the least-squares line through the
+/// last T seconds, all of them with the same weight, where T is the duration of the last growth by `window` [m]. It
+/// decreases while a tip stands and is zero once it has stood for T. NaN while the position is less than `min_growth`
+/// [m], and where all of the growth came at once.
 double speed_over_window(std::span<const std::pair<double, double>> samples, double window, double min_growth);
 
 /// The far end of an arm.
@@ -55,7 +56,12 @@ class CrackHistory {
 public:
     CrackHistory(InterfaceGraph graph, const CrackOptions& options);
 
-    /// Continues to a later time [s], with one status per interface.
+    /// Continues to a later time [s] with the edges whose status changed, as CrackedEdges::add. `work` [J]: of all
+    /// interfaces until then. In every step: what is found must not depend on the times of snapshots.
+    void grow(double time, std::span<const EdgeStatus> changed, double work = 0);
+    /// The pattern at a time [s] up to which it has grown.
+    const CrackPattern& snapshot(double time);
+    /// Both, with one status per interface.
     const CrackPattern& snapshot(double time, std::span<const InterfaceStatus> status);
 
     /// After an excavation, which makes new faces, or of a continued run.
@@ -68,7 +74,7 @@ public:
     void set_back(double time) {
         arms_.set_back(time);
         for (double& t : times_) t -= time;
-        if (first_growth_) *first_growth_ -= time;
+        for (auto& [t, work] : works_) t -= time;
     }
 
     const CrackPattern& pattern() const { return pattern_; }  // of the last snapshot
@@ -83,7 +89,13 @@ public:
     /// [deg] Acute angle between the x axis and the least-squares line through the vertices of the main crack (the
     /// axis of least inertia); NaN without one.
     double main_angle() const;
-    std::optional<double> first_growth_time() const { return first_growth_; }  // [s] first edge of a crack that counts
+    /// [s] First edge of the cracks that count; while none does, of the longest stretch of broken edges.
+    std::optional<double> first_growth_time() const;
+    /// Work of all interfaces [J] and growth of the main crack along chords [m], between two parts of its length.
+    struct Advance {
+        double work, length;
+    };
+    std::optional<Advance> advance_between(double from, double to) const;
     std::optional<FirstBranching> first_branching() const;
 
     /// The final main crack and the final arms, from their first edges on: what had cracked of them at each snapshot,
@@ -96,7 +108,7 @@ public:
     /// arms.csv: for each arm its start and then its edges, when the tip passed their far ends.
     History arm_table() const;
 
-    void serialize(auto& archive) { archive(arms_, pattern_, times_, speeds_, tips_, main_arm_, first_growth_); }
+    void serialize(auto& archive) { archive(arms_, pattern_, times_, speeds_, tips_, main_arm_, works_); }
 
 private:
     /// The path of a tip from the start of its crack.
@@ -106,12 +118,13 @@ private:
         std::vector<double> run;            // [m] that the tip ran to get there, along chords
         double window = 0, min_growth = 0;  // [m] see speed_over_window
     };
-    using Samples = std::vector<std::pair<double, double>>;
+    using Moments = std::vector<std::pair<double, double>>;  // time [s], and a position [m] or a work [J]
 
     Growth growth(Index arm) const;
-    Samples samples(const Growth& growth, double from, double to) const;
+    template <class Visit>
+    void for_each_main_edge(const Visit& visit) const;
     double speed_at(const Growth& growth, double time) const;
-    double bounded_speed(const Samples& samples, double window, double min_growth) const;
+    double bounded_speed(std::span<const std::pair<double, double>> growth, double window, double min_growth) const;
     void find_main();
     std::vector<double> along_chords(const std::vector<Index>& vertices) const;
     std::vector<Index> vertices_of(std::vector<Index> nodes) const;
@@ -127,7 +140,7 @@ private:
     std::vector<double> speeds_;  // [m/s] per arm
     std::vector<Index> tips_;     // per arm: the node of the tip to which the speed belongs
     Index main_arm_ = -1;
-    std::optional<double> first_growth_;
+    Moments works_;  // of all interfaces, when edges cracked
 };
 
 /// One line of cracks.csv.

@@ -12,6 +12,7 @@ CrackedEdges::CrackedEdges(InterfaceGraph graph, Index gap_edges)
     : graph_(std::move(graph)),
       gap_edges_(gap_edges),
       edges_at_(edges_at_vertices(graph_.vertices.size(), graph_.ends)),
+      status_(graph_.ends.size(), InterfaceStatus::intact),
       since_(graph_.ends.size(), never),
       connected_(graph_.vertices.size()),
       n_precracks_(graph_.vertices.size(), 0) {}
@@ -23,7 +24,6 @@ void CrackedEdges::set_graph(InterfaceGraph graph) {
 
 void CrackedEdges::renumber(InterfaceGraph graph, const Renumbering& numbers) {
     CrackedEdges next(std::move(graph), gap_edges_);
-    if (!status_.empty()) next.status_.assign(next.graph_.ends.size(), InterfaceStatus::intact);
     for (std::size_t e = 0; e < status_.size(); ++e) {
         const Index now = numbers.interface[e];
         if (now < 0) continue;
@@ -42,21 +42,19 @@ Search CrackedEdges::search_gaps(Index start, GoesOn goes_on) const {
     return {*this, start, Search::Ties::first_found, length, goes_on};
 }
 
-std::vector<Index> CrackedEdges::add(double time, std::span<const InterfaceStatus> status) {
-    if (status_.empty()) {
-        status_.assign(status.size(), InterfaceStatus::intact);
-        for (std::size_t e = 0; e < status.size(); ++e) {
-            if (status[e] != InterfaceStatus::precrack) continue;
-            const auto [a, b] = graph_.ends[e];
-            ++n_precracks_[a], ++n_precracks_[b];
-            connected_.join(a, b);
-        }
+std::vector<Index> CrackedEdges::add(double time, std::span<const EdgeStatus> statuses) {
+    for (const auto& [e, status] : statuses) {
+        if (status != InterfaceStatus::precrack || status_[e] == status) continue;
+        const auto [a, b] = graph_.ends[e];
+        ++n_precracks_[a], ++n_precracks_[b];
+        connected_.join(a, b);
+        status_[e] = status;
     }
     std::vector<Index> joined, damaged;
-    for (Index e = 0; e < static_cast<Index>(status.size()); ++e) {
-        if (status[e] == std::exchange(status_[e], status[e])) continue;
-        if (status[e] == InterfaceStatus::broken && !cracked(e)) join(e, time, joined);
-        if (status[e] == InterfaceStatus::damaged) damaged.push_back(e);
+    for (const auto& [e, status] : statuses) {
+        if (status == std::exchange(status_[e], status)) continue;
+        if (status == InterfaceStatus::broken && !cracked(e)) join(e, time, joined);
+        if (status == InterfaceStatus::damaged) damaged.push_back(e);
     }
     if (gap_edges_ > 0) {
         // gaps may have become short enough next to new cracked edges, and where stretches are near new damaged ones

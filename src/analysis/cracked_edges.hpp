@@ -23,8 +23,9 @@ public:
     /// `gap_edges`: the largest number of damaged interfaces in a gap that is bridged.
     CrackedEdges(InterfaceGraph graph, Index gap_edges);
 
-    /// Takes the status of all interfaces at a later time [s]. Returns the edges that join the set, ascending.
-    std::vector<Index> add(double time, std::span<const InterfaceStatus> status);
+    /// Takes statuses of a later time [s], in the order of the edges; the first time with all pre-cracks. Returns the
+    /// edges that join the set, ascending.
+    std::vector<Index> add(double time, std::span<const EdgeStatus> statuses);
 
     /// In place of a graph with the same numbers.
     void set_graph(InterfaceGraph graph);
@@ -41,7 +42,8 @@ public:
     std::span<const Index> edges_at(Index vertex) const { return edges_at_[vertex]; }
     Index far_end(Index edge, Index vertex) const { return graph_.ends[edge][graph_.ends[edge][0] == vertex]; }
     InterfaceStatus status(Index edge) const { return status_[edge]; }  // at the last time
-    double since(Index edge) const { return since_[edge]; }             // [s] when it joined the set; else infinite
+    std::span<const InterfaceStatus> status() const { return status_; }
+    double since(Index edge) const { return since_[edge]; }  // [s] when it joined the set; else infinite
     bool cracked(Index edge) const { return since_[edge] < never; }
     bool on_precrack(Index vertex) const { return n_precracks_[vertex] > 0; }
     bool end_of_precrack(Index vertex) const { return n_precracks_[vertex] == 1 && !graph_.on_boundary[vertex]; }

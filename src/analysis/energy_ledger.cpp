@@ -1,10 +1,10 @@
 #include "analysis/energy_ledger.hpp"
 
 #include "element/triangle_matrices.hpp"
-#include "output/history_csv.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/excavation.hpp"
 
+#include <climits>
 #include <cmath>
 #include <vector>
 
@@ -83,7 +83,10 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     if (const double now = over_dissipated(lag, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
 
-    if (end.temperature) largest_free_thermal_ = std::max(largest_free_thermal_, end.temperature->free_energy);
+    if (end.temperature) {
+        largest_free_thermal_ = std::max(largest_free_thermal_, end.temperature->free_energy);
+        if (row_.strain > 0) kinetic_part_.add(row_.kinetic / row_.strain, end.last_step);
+    }
     if (const SharedTemperatures& heat = end.temperature; heat && heat->heat_scale > 0) {
         row_.heat = heat->heat, row_.heat_in = heat->heat_in;
         largest_heat_residual_ = std::max(largest_heat_residual_,
@@ -154,6 +157,12 @@ std::span<const EnergyTerm> energy_terms() {
         number<&R::friction_work>(
             "friction_work", "J", "work of friction so far, never positive",
             {.step = &S::friction_work, .work = 1, .drawn = -1, .label = "lost in friction", .colour = purple}),
+        number<&R::cohesive_friction_work>(
+            "cohesive_friction_work", "J",
+            "part of friction_work on the pressure by which contact balances the cohesion: it acts without any "
+            "pressure "
+            "between the sides, so that sliding alone costs G_c (1 + friction/gamma); where cohesion has friction",
+            {.with = &W::cohesive_friction, .step = &S::cohesive_friction_work}),
         number<&R::impact_work>(
             "impact_work", "J", "work of impacts so far, never positive",
             {.step = &S::impact_work, .work = 1, .drawn = -1, .label = "lost in impact", .colour = sky}),
@@ -296,15 +305,25 @@ double incubation_energy(const Model& model, const State& state) {
     return sum;
 }
 
-double median_kinetic_part(const History& energy) {
-    const std::vector<double> kinetic = energy.column("kinetic"), strain = energy.column("strain");
-    std::vector<double> part;
-    for (std::size_t i = 0; i < kinetic.size(); ++i)
-        if (strain[i] > 0) part.push_back(kinetic[i] / strain[i]);
-    if (part.empty()) return std::nan("");
-    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
-    std::ranges::nth_element(part, middle);
-    return *middle;
+namespace {
+constexpr double bins_per_octave = 64;
+}
+
+void MedianOverTime::add(double value, double duration) {
+    const int bin = value > 0 ? static_cast<int>(std::floor(bins_per_octave * std::log2(value))) : INT_MIN;
+    const auto at = std::ranges::lower_bound(bins_, bin);
+    const auto i = at - bins_.begin();
+    if (at == bins_.end() || *at != bin) bins_.insert(at, bin), durations_.insert(durations_.begin() + i, 0.0);
+    durations_[i] += duration;
+}
+
+double MedianOverTime::median() const {
+    double all = 0, below = 0;
+    for (const double duration : durations_) all += duration;
+    for (std::size_t i = 0; i < bins_.size(); ++i)
+        if (below += durations_[i]; below >= 0.5 * all)
+            return bins_[i] == INT_MIN ? 0 : std::exp2((bins_[i] + 0.5) / bins_per_octave);
+    return std::nan("");
 }
 
 std::vector<Measure<EnergyRow>> energy_columns(const RareWorks& works) {

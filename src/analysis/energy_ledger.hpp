@@ -18,6 +18,9 @@
 //                     term of the first balance. `dissipated` has the G_c of the time at which it was dissipated
 //     bulk viscosity  work of its forces, trapezoidal over each step (element/bulk_viscosity.hpp); the strain energy of
 //                     the explicit bulk has -1/2 f . (u_{n+1} - u_n) of them, which the next step dissipates
+//     cohesive        part of the friction work that acts on the pressure by which contact balances the cohesion, so
+//     friction        also without any pressure between the sides: with p_c = beta sigma_c the part min(1, p_c/p) of
+//                     the friction mu p of the contact pressure p. Sliding alone costs it mu G_c/gamma
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
 //                     high-frequency slips are damped by it
@@ -43,7 +46,6 @@
 namespace knap {
 
 struct ExcavationEnergies;
-struct History;
 
 /// Energies and cumulated works [J]: one line of energy.csv.
 struct EnergyRow {
@@ -52,6 +54,7 @@ struct EnergyRow {
     double dissipated = 0, recoverable = 0;  // by the interfaces; closing them gives the recoverable energy back
     double interface_elastic = 0;            // likewise, of secant unloading
     double external_work = 0, cohesive_work = 0, friction_work = 0, impact_work = 0, step_change_work = 0;
+    double cohesive_friction_work = 0;  // part of friction_work that acts without contact pressure
     double rotation_work = 0, damping_work = 0, bulk_viscosity_work = 0, radiated_work = 0, excavation_work = 0;
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
     double adaptation = 0;                                   // of refinements of the mesh: change of the energy
@@ -71,12 +74,14 @@ struct EnergyRow {
 struct RareWorks {
     bool rotation = false, damping = false, viscosity = false, radiation = false, excavation = false,
          adaptation = false, secant = false, heat = false, conduction = false, law_change = false, delay = false,
-         incubation = false;
+         incubation = false, cohesive_friction = false;
 
     static constexpr auto all() {
         using R = RareWorks;
-        return std::array{&R::rotation, &R::damping, &R::viscosity,  &R::radiation,  &R::excavation, &R::adaptation,
-                          &R::secant,   &R::heat,    &R::conduction, &R::law_change, &R::delay,      &R::incubation};
+        return std::array{&R::rotation,         &R::damping,    &R::viscosity, &R::radiation,
+                          &R::excavation,       &R::adaptation, &R::secant,    &R::heat,
+                          &R::conduction,       &R::law_change, &R::delay,     &R::incubation,
+                          &R::cohesive_friction};
     }
     void include(const RareWorks& other) {
         for (const auto work : all()) this->*work = this->*work || other.*work;
@@ -113,9 +118,18 @@ void EnergyRow::serialize(auto& archive) {
 /// G_c f(beta), at the temperatures of the state.
 double incubation_energy(const Model& model, const State& state);
 
-/// [-] Median of kinetic over strain energy over the lines of energy.csv, so that single jumps of cracks do not count;
-/// NaN: no line has strain energy.
-double median_kinetic_part(const History& energy);
+/// The median over time of a positive number, to within 1 %: a histogram of its logarithm.
+class MedianOverTime {
+public:
+    void add(double value, double duration);
+    double median() const;  // NaN where nothing was added
+
+    void serialize(auto& archive) { archive(bins_, durations_); }
+
+private:
+    std::vector<int> bins_;  // ascending
+    std::vector<double> durations_;
+};
 
 class EnergyLedger {
 public:
@@ -167,13 +181,16 @@ public:
     /// [J] Largest energy that thermal strains would have if they were held. In a free body that warms it is far above
     /// all other energies, and the thermal work, a difference, carries its rounding.
     double largest_free_thermal() const { return largest_free_thermal_; }
+    /// [-] With heat: median over time of kinetic over strain energy, so that single jumps of cracks do not count; NaN:
+    /// there was no strain energy.
+    double kinetic_part() const { return kinetic_part_.median(); }
     std::int64_t n_steps() const { return n_steps_; }
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
         archive(start_energy_, excavated_dissipated_, consumed_change_, largest_energy_, largest_recoverable_,
                 largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_,
-                worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_);
+                worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_, kinetic_part_);
     }
 
 private:
@@ -184,6 +201,7 @@ private:
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;
+    MedianOverTime kinetic_part_;
 };
 
 }  // namespace knap

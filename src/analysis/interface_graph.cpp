@@ -3,6 +3,7 @@
 #include "model/state.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 namespace knap {
@@ -34,25 +35,64 @@ InterfaceGraph interface_graph(const Model& model) {
     return graph;
 }
 
+namespace {
+
+/// `of_point(p)`: the status of a point.
+template <class OfPoint>
+InterfaceStatus status_of_edge(const Model& model, Index edge, const OfPoint& of_point) {
+    const Index order = model.mesh.order, i = edge / order, first = model.points_per_interface() * i;
+    const Interface& interface = model.interfaces[i];
+    if (interface.cracked || model.laws[interface.law].sigma_c <= 0) return InterfaceStatus::precrack;
+    if (order == 1) return status_of(of_point(first), of_point(first + 1));
+    return status_of(of_point(first + edge % 2), of_point(first + 2));  // the third point is in both halves
+}
+
+}  // namespace
+
 std::vector<InterfaceStatus> interface_status(const Model& model, const State& state) {
-    const Index order = model.mesh.order, n_points = model.points_per_interface();
-    std::vector<InterfaceStatus> of_point(n_points * model.interfaces.size(), InterfaceStatus::intact);
+    std::vector<InterfaceStatus> of_point(model.n_points(), InterfaceStatus::intact);
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {  // points of bonded fans are intact
         const Fan& fan = model.fans[state.split_fans[s]];
         for (Index k = 0; k < fan.n_points; ++k)
             of_point[model.fan_points[fan.first_point + k].point] =
                 status_of(state.points[state.first_point[s] + k].cohesion);
     }
-    std::vector<InterfaceStatus> status(order * model.interfaces.size());
-    for (Index i = 0; i < static_cast<Index>(status.size()); ++i) {
-        const Interface& interface = model.interfaces[i / order];
-        const Index first = n_points * (i / order);  // of second order the third point, the middle, is in both halves
-        const bool precrack = interface.cracked || model.laws[interface.law].sigma_c <= 0;
-        status[i] = precrack     ? InterfaceStatus::precrack
-                    : order == 1 ? status_of(of_point[first], of_point[first + 1])
-                                 : status_of(of_point[first + i % 2], of_point[first + 2]);
-    }
+    std::vector<InterfaceStatus> status(model.mesh.order * model.interfaces.size());
+    for (Index e = 0; e < static_cast<Index>(status.size()); ++e)
+        status[e] = status_of_edge(model, e, [&](Index p) { return of_point[p]; });
     return status;
+}
+
+const std::vector<EdgeStatus>& StatusWatch::changed(const State& now) {
+    const bool is_known = !of_point_.empty();
+    if (!is_known) of_point_.assign(model_.fan_points.size(), InterfaceStatus::intact);
+    std::vector<Index> edges;
+    const Index order = model_.mesh.order;
+    for (std::size_t s = 0; s < now.split_fans.size(); ++s) {
+        const Fan& fan = model_.fans[now.split_fans[s]];
+        const PointState* point = &now.points[now.first_point[s]];
+        for (Index k = fan.first_point; k < fan.first_point + fan.n_points; ++k, ++point) {
+            const InterfaceStatus status = status_of(point->cohesion);
+            if (of_point_[k] == status) continue;
+            of_point_[k] = status;
+            const Index first = order * model_.interface_of(model_.fan_points[k].point);
+            for (Index half = 0; half < order && is_known; ++half) edges.push_back(first + half);
+        }
+    }
+    changed_.clear();
+    if (is_known) {
+        std::ranges::sort(edges);
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    } else {
+        edges.resize(order * model_.interfaces.size());
+        std::iota(edges.begin(), edges.end(), 0);
+    }
+    const auto of_point = [&](Index p) {
+        const Index k = model_.fan_point_of[p];
+        return k < 0 ? InterfaceStatus::intact : of_point_[k];
+    };
+    for (const Index e : edges) changed_.push_back({e, status_of_edge(model_, e, of_point)});
+    return changed_;
 }
 
 }  // namespace knap

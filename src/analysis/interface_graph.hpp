@@ -19,4 +19,24 @@ InterfaceGraph interface_graph(const Model& model);
 /// The status of every edge of that graph: damaged below cohesion 1 at one of its points, broken at 0 at both.
 std::vector<InterfaceStatus> interface_status(const Model& model, const State& state);
 
+struct EdgeStatus {
+    Index edge;
+    InterfaceStatus status;
+};
+
+/// Follows the statuses of all edges from step to step, at a few nanoseconds per point of the split fans.
+class StatusWatch {
+public:
+    explicit StatusWatch(const Model& model) : model_(model) {}
+    /// The edges with a point whose status has changed since the last call, ascending; at first all of them.
+    const std::vector<EdgeStatus>& changed(const State& now);
+    /// The model has become another one.
+    void renew() { of_point_.clear(); }
+
+private:
+    const Model& model_;
+    std::vector<InterfaceStatus> of_point_;  // per point of the fans, in their order; empty: not known
+    std::vector<EdgeStatus> changed_;
+};
+
 }  // namespace knap

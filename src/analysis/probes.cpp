@@ -1,7 +1,9 @@
 #include "analysis/probes.hpp"
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "element/shape_functions.hpp"
+#include "mesh/polygon.hpp"
 #include "model/selections.hpp"
 
 namespace knap {
@@ -20,22 +22,6 @@ double shape_function(Index order, Index k, const Eigen::Vector3d& l) {
     const double bubble = 27 * l[0] * l[1] * l[2];
     const double quadratic = k < 3 ? l[k] * (2 * l[k] - 1) : k < 6 ? 4 * l[k - 3] * l[(k - 2) % 3] : 0;
     return quadratic + bubble_weight[k] * bubble;
-}
-
-/// The interface that can break whose middle is nearest to a place.
-Index interface_near(const Model& model, const ProbeOptions& probe) {
-    Index nearest = -1;
-    double distance = infinity;
-    for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
-        const Interface& interface = model.interfaces[i];
-        if (interface.cracked || !model.laws[interface.law].breakable()) continue;
-        const Vec2 middle = 0.5 * (model.mesh.vertices[interface.vertex[0]] + model.mesh.vertices[interface.vertex[1]]);
-        const double d = (middle - probe.at).squaredNorm();
-        if (d < distance) distance = d, nearest = static_cast<Index>(i);
-    }
-    if (nearest < 0)
-        throw SimulationError("probe `" + probe.name + "` watches an interface, but no interface can break");
-    return nearest;
 }
 
 InterfaceMean mean_of(const Model& model, const State& state, Index interface) {
@@ -69,9 +55,7 @@ CornerMean::CornerMean(const Mesh& mesh, const Vec2& place, std::span<const std:
         }
     };
     add_triangles_at(place);
-    if (!is_inside)
-        add_triangles_at(
-            *std::ranges::min_element(mesh.vertices, {}, [&](const Vec2& x) { return (x - place).squaredNorm(); }));
+    if (!is_inside) add_triangles_at(nearest_boundary(mesh, place).point);
     for (Weight& weight : weights_) weight.part /= n_triangles;
 }
 
@@ -196,13 +180,18 @@ Probes::Probe Probes::placed(const ProbeOptions& probe) const {
     Probe made{.options = probe};
     switch (probe.watch) {
         case ProbeOptions::Watch::place: made.place = {model_.mesh, probe.at, model_.vanished}; break;
-        case ProbeOptions::Watch::interface: made.interface = interface_near(model_, probe); break;
+        case ProbeOptions::Watch::interface:
+            made.interface = nearest_interface(model_, probe.at).interface;
+            if (made.interface < 0)
+                throw SimulationError("probe `" + probe.name + "` watches an interface, but no interface can open");
+            break;
         case ProbeOptions::Watch::stress:
             made.triangles = selected_triangles(model_.mesh, {.boundary = "", .box = probe.box, .body = ""});
             if (made.triangles.empty())
                 throw SimulationError("probe `" + probe.name + "` watches a box that contains no triangle");
             break;
-        case ProbeOptions::Watch::tip: made.tip.emplace(model_, probe.at, probe.radius, probe.name);
+        case ProbeOptions::Watch::tip:
+            made.tip = std::make_unique<TipIntegral>(model_, probe.at, probe.radius, probe.name);
     }
     return made;
 }
@@ -223,9 +212,72 @@ const ProbeOptions* Probes::first_lost() const {
 }
 
 void Probes::renew() {
-    std::vector<Probe> renewed;
-    for (const Probe& probe : probes_) renewed.push_back(placed(probe.options));
-    probes_ = std::move(renewed);
+    for (Probe& probe : probes_) {
+        Probe renewed = placed(probe.options);
+        renewed.interface = probe.interface;
+        if (renewed.tip) renewed.tip->continue_from(std::move(*probe.tip));
+        probe = std::move(renewed);
+    }
+}
+
+std::vector<ProbeSubject> Probes::renumber(const State& now, const Renumbering& numbers) {
+    std::vector<ProbeSubject> changed;
+    for (Probe& probe : probes_) {
+        const Index before = probe.interface, kept = before < 0 ? -1 : numbers.interface[before];
+        probe = placed(probe.options);
+        if (kept >= 0 &&
+            (is_open_from_start(model_, model_.interfaces[kept]) || mean_of(model_, now, kept).cohesion < 1))
+            probe.interface = kept;
+        if (before >= 0 && probe.interface != kept) changed.push_back(subject(probe));
+        if (probe.tip) probe.tip->after_step(now);  // accelerations are known again after one step
+    }
+    return changed;
+}
+
+ProbeSubject Probes::subject(const Probe& probe) const {
+    const Mesh& mesh = model_.mesh;
+    const ProbeOptions& options = probe.options;
+    ProbeSubject subject{.probe = options.name};
+    const auto set = [&](const char* watch, std::string kind, std::vector<Vec2> place, double distance) {
+        subject.watch = watch, subject.kind = std::move(kind), subject.place = std::move(place);
+        subject.distance = distance;
+    };
+    switch (options.watch) {
+        case ProbeOptions::Watch::place: {
+            const Vec2 place = probe.place.place(mesh);
+            // rounding of the shape functions is no distance
+            const double distance = (place - options.at).norm();
+            set("place", "place", {place}, distance > 1e-9 * bounding_box(mesh.vertices).diagonal() ? distance : 0);
+            break;
+        }
+        case ProbeOptions::Watch::interface: {
+            const Interface& interface = model_.interfaces[probe.interface];
+            const Vec2 a = mesh.vertices[interface.vertex[0]], b = mesh.vertices[interface.vertex[1]];
+            set("interface", kind_of(model_, interface), {a, b}, distance_to_segment(a, b, options.at));
+            break;
+        }
+        case ProbeOptions::Watch::stress:
+            set("stress", "triangles", {}, 0);
+            subject.n_triangles = static_cast<Index>(probe.triangles.size());
+            break;
+        case ProbeOptions::Watch::tip:
+            set("tip", "tip of a pre-crack", {probe.tip->tip()}, (probe.tip->tip() - options.at).norm());
+    }
+    return subject;
+}
+
+std::vector<ProbeSubject> Probes::subjects() const {
+    std::vector<ProbeSubject> all;
+    for (const Probe& probe : probes_) all.push_back(subject(probe));
+    return all;
+}
+
+std::string text_of(const ProbeSubject& subject) {
+    if (subject.place.empty()) return formatted("%d triangles", subject.n_triangles);
+    const std::string at = subject.place.size() == 1
+                               ? " at " + place_text(subject.place[0])
+                               : " from " + place_text(subject.place[0]) + " to " + place_text(subject.place[1]);
+    return subject.kind + at + (subject.distance > 0 ? formatted(", %.3g m from its place", subject.distance) : "");
 }
 
 void Probes::after_step(const State& state) {

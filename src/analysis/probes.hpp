@@ -2,8 +2,10 @@
 // Probes: displacement and velocity of chosen places, opening and cohesion of chosen interfaces, mean stress in chosen
 // boxes, stress intensity factors of chosen tips, over time. And means of the displacement at a place or along a
 // boundary, which gauges of specimens use too.
+#include "analysis/nearest.hpp"
 #include "analysis/tip_integral.hpp"
 #include "output/outputs.hpp"
+#include "stepper/adaptation.hpp"
 
 namespace knap {
 
@@ -12,8 +14,8 @@ class CornerMean {
 public:
     CornerMean() = default;
     /// At a place [m], with the shape functions of its triangle (mean of all of them on an edge or at a vertex), so
-    /// that it is the same place on every mesh. Outside the body the nearest vertex. Without the triangles that have
-    /// `vanished` [0/1]; empty where all at the place have.
+    /// that it is the same place on every mesh. Outside the body the nearest point of its boundary. Without the
+    /// triangles that have `vanished` [0/1]; empty where all at the place have.
     CornerMean(const Mesh& mesh, const Vec2& place, std::span<const std::uint8_t> vanished = {});
     /// Along the length of a boundary; empty where the mesh has none of this name.
     CornerMean(const Mesh& mesh, const std::string& boundary);
@@ -37,7 +39,7 @@ private:
 
 struct ProbeOptions {
     std::string name;
-    Vec2 at = Vec2::Zero();  // [m] place, or the nearest interface that can break, or the nearest tip of a pre-crack
+    Vec2 at = Vec2::Zero();  // [m] place, or the nearest interface that can open, or the nearest tip of a pre-crack
     enum class Watch { place, interface, stress, tip } watch = Watch::place;
     double radius = 0;       // [m] of the domain round a tip
     std::optional<Box> box;  // of the mean stress; without it of all triangles
@@ -63,22 +65,46 @@ std::span<const Measure<TipFactors>> tip_columns();
 /// The columns of one probe.
 std::vector<std::string> probe_columns(const ProbeOptions& probe);
 
+/// What a probe took.
+struct ProbeSubject {
+    std::string probe, watch;  // name; place, interface, stress or tip
+    std::string kind;          // of an interface as in kind_of; else "place", "triangles", "tip"
+    std::vector<Vec2> place;   // [m] the place, the tip, the ends of the interface; of a mean stress none
+    double distance = 0;       // [m] of it from `at` of the probe
+    Index n_triangles = 0;     // of a mean stress
+};
+/// "pre-crack from (0, 0) m to (0.1, 0) m, 0 m from its place"
+std::string text_of(const ProbeSubject& subject);
+
 class Probes {
 public:
-    /// Throws SimulationError where a probe watches an interface and none can break, and as TipIntegral.
+    /// Throws SimulationError where a probe watches an interface and none can open, or a box without triangles, and as
+    /// TipIntegral.
     Probes(const Model& model, const std::vector<ProbeOptions>& probes);
 
     bool empty() const { return probes_.empty(); }
     /// The first one whose place or interface was excavated; null where none was.
     const ProbeOptions* first_lost() const;
-    /// After an excavation, when only what remains at a place moves with it, or a refinement of the mesh.
+    /// After an excavation, when only what remains at a place moves with it. Interfaces and tips stay.
     void renew();
+    /// After a refinement of the mesh, to which `now` belongs. An interface that was refined, or is intact while
+    /// another one is nearer now, is replaced; one that has begun to open stays. Returns what else the probes watch.
+    std::vector<ProbeSubject> renumber(const State& now, const Renumbering& numbers);
+    std::vector<ProbeSubject> subjects() const;
 
     /// At the start and at the end of every step.
     void after_step(const State& state);
     /// Columns and line of probes.csv: time, then the columns of each probe.
     std::vector<std::string> columns() const;
     std::vector<double> line(const State& state) const;
+
+    /// What cannot be found again from the mesh.
+    void serialize(auto& archive) {
+        for (Probe& probe : probes_) {
+            archive(probe.interface);
+            if (probe.tip) archive(*probe.tip);
+        }
+    }
 
 private:
     MeanStress mean_stress(const State& state, std::span<const Index> triangles) const;
@@ -88,9 +114,10 @@ private:
         CornerMean place;
         Index interface = -1;
         std::vector<Index> triangles = {};  // of a mean stress
-        std::optional<TipIntegral> tip = {};
+        std::unique_ptr<TipIntegral> tip = {};
     };
     Probe placed(const ProbeOptions& probe) const;
+    ProbeSubject subject(const Probe& probe) const;
 
     const Model& model_;
     std::vector<Probe> probes_;

@@ -17,6 +17,17 @@ Reactions::Reactions(const Model& model) : model_(model) {
     places_.assign(loads_.size(), Vec2::Zero());
     for (const Held& held : held_) places_[held.place] += model.mesh.corner(held.corner) / n_held[held.place];
     for (const Obstacle& obstacle : model.obstacles) places_.push_back(obstacle.start.position);
+    largest_forces_.assign(places_.size(), 0.0);
+}
+
+void Reactions::after_step(const State& state) {
+    forces_.assign(loads_.size(), Vec2::Zero());
+    for (const auto& [place, corner, k] : held_)
+        if (const Index motion = model_.prescribed_of_corner[corner]; motion >= 0)  // else it was excavated
+            forces_[place][k] += state.reaction[motion][k];
+    for (const ObstacleState& obstacle : state.obstacles) forces_.push_back(-obstacle.reaction.head<2>());
+    for (std::size_t i = 0; i < forces_.size(); ++i)
+        largest_forces_[i] = std::max(largest_forces_[i], forces_[i].norm());
 }
 
 void Reactions::renew() {

@@ -41,6 +41,13 @@ public:
     /// In the order of loads(), then of the obstacles.
     std::vector<Reaction> at(const State& state) const;
 
+    /// After every step, for the largest forces.
+    void after_step(const State& state);
+    /// [N] Over all steps, of each load and obstacle in the order of at(): means over one step.
+    const std::vector<double>& largest_forces() const { return largest_forces_; }
+
+    void serialize(auto& archive) { archive(largest_forces_); }
+
     /// Names of loads and obstacles, in the order of at().
     std::vector<std::string> names() const;
 
@@ -59,7 +66,9 @@ private:
     const Model& model_;
     std::vector<Index> loads_;
     std::vector<Held> held_;
-    std::vector<Vec2> places_;  // at the start
+    std::vector<Vec2> places_;            // at the start
+    std::vector<double> largest_forces_;  // [N]
+    std::vector<Vec2> forces_;            // of a step
 };
 
 }  // namespace knap

@@ -131,23 +131,46 @@ SpecimenMoment Specimen::at(const State& state) const {
             .lateral = options_.lateral ? sign_ * lateral_.strain(state, reactions) : 0};
 }
 
+void Specimen::begin(const State& start) {
+    last_ = at(start);
+    curve_ = {windows_.end(columns_, last_, 0, 0)};
+    next_window_ = options_.window > 0 ? start.time + options_.window : infinity;
+}
+
 void Specimen::after_step(const State& now) {
     const SpecimenMoment end = at(now);
     const double h = end.time - last_.time;
-    sum_.time += h * 0.5 * (last_.time + end.time);
-    sum_.stress += h * end.stress;  // forces are means over the step already
-    sum_.axial += h * 0.5 * (last_.axial + end.axial);
-    sum_.lateral += h * 0.5 * (last_.lateral + end.lateral);
-    duration_ += h;
+    for (Mean* mean : {&lines_, &windows_}) {
+        SpecimenMoment& sum = mean->sum;
+        sum.time += h * 0.5 * (last_.time + end.time);
+        sum.stress += h * end.stress;  // forces are means over the step already
+        sum.axial += h * 0.5 * (last_.axial + end.axial);
+        sum.lateral += h * 0.5 * (last_.lateral + end.lateral);
+        mean->duration += h;
+    }
     last_ = end;
 }
 
-std::vector<double> Specimen::line(Index n_tensile, Index n_shear) {
-    SpecimenMoment mean = last_;
-    if (const double d = duration_; d > 0) mean = {sum_.time / d, sum_.stress / d, sum_.axial / d, sum_.lateral / d};
+std::vector<double> Specimen::Mean::end(std::span<const Measure<SpecimenMoment>> columns, const SpecimenMoment& last,
+                                        Index n_tensile, Index n_shear) {
+    SpecimenMoment mean = last;
+    if (const double d = duration; d > 0) mean = {sum.time / d, sum.stress / d, sum.axial / d, sum.lateral / d};
     mean.n_tensile = n_tensile, mean.n_shear = n_shear;
-    sum_ = {}, duration_ = 0;
-    return values_of<SpecimenMoment>(columns_, mean);
+    sum = {}, duration = 0;
+    return values_of<SpecimenMoment>(columns, mean);
+}
+
+void Specimen::end_window(const State& now, Index n_tensile, Index n_shear) {
+    const double reached = now.time * (1 + 1e-12);
+    if (reached < next_window_) return;
+    next_window_ = options_.window * (std::floor(reached / options_.window) + 1);
+    curve_.push_back(windows_.end(columns_, last_, n_tensile, n_shear));
+}
+
+History Specimen::curve(Index n_tensile, Index n_shear) const {
+    History curve{.columns = names_of<SpecimenMoment>(columns_), .rows = curve_};
+    if (Mean rest = windows_; rest.duration > 0) curve.rows.push_back(rest.end(columns_, last_, n_tensile, n_shear));
+    return curve;
 }
 
 }  // namespace knap

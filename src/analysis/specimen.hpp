@@ -10,9 +10,11 @@
 // P: force of the driver along the axis; t: thickness of the body. A gauge measures the change of the distance of two
 // places along its axis over that distance: boundaries (mean along them), points, or the driver (its travel over height
 // or width). A line has means over all steps since the last line, since the force of a single step oscillates with the
-// mesh; force and strains then belong to the same time.
+// mesh; force and strains then belong to the same time. The strength and the other numbers of the summary are those of
+// a curve of its own, of means over `window`, so that they do not depend on the lines that are written.
 #include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
+#include "output/history_csv.hpp"
 
 namespace knap {
 
@@ -35,6 +37,7 @@ struct SpecimenOptions {
     std::optional<GaugeEnds> axial;    // none: the travel of the driver
     std::optional<GaugeEnds> lateral;  // none: no lateral strain
     std::array<double, 2> modulus_between{0.4, 0.6};  // parts of the peak
+    double window = 0;                                // [s] of the means of the curve
 };
 
 /// [Pa] The stress at which interfaces of one law in all directions break in this test: sigma_c, under (uniaxial)
@@ -65,6 +68,8 @@ struct SpecimenMoment {
     double time = 0;  // [s]
     double stress = 0, axial = 0, lateral = 0;
     Index n_tensile = 0, n_shear = 0;
+
+    void serialize(auto& archive) { archive(time, stress, axial, lateral); }
 };
 /// All columns, and those of one specimen: lateral and volumetric strain need a lateral gauge.
 std::span<const Measure<SpecimenMoment>> stress_strain_columns();
@@ -76,18 +81,29 @@ public:
     Specimen(const Model& model, const Reactions& reactions, const SpecimenOptions& options);
 
     /// At the start of the run, then after every step.
-    void begin(const State& start) { last_ = at(start); }
+    void begin(const State& start);
     void after_step(const State& now);
 
     /// Means since the last line; the values of the moment where no step was made since.
-    std::vector<double> line(Index n_tensile, Index n_shear);
+    std::vector<double> line(Index n_tensile, Index n_shear) { return lines_.end(columns_, last_, n_tensile, n_shear); }
+    /// After a step, with the numbers of breaks so far: ends a window of the curve that is over.
+    void end_window(const State& now, Index n_tensile, Index n_shear);
+    /// Stress over strain until now, with the columns of a line.
+    History curve(Index n_tensile, Index n_shear) const;
 
-    void serialize(auto& archive) {
-        for (SpecimenMoment* of : {&last_, &sum_}) archive(of->time, of->stress, of->axial, of->lateral);
-        archive(duration_);
-    }
+    void serialize(auto& archive) { archive(last_, lines_, windows_, next_window_, curve_); }
 
 private:
+    /// Integrals over time.
+    struct Mean {
+        SpecimenMoment sum;
+        double duration = 0;  // [s]
+
+        /// The values of a line, of `last` where there was no step; the next one starts here.
+        std::vector<double> end(std::span<const Measure<SpecimenMoment>> columns, const SpecimenMoment& last,
+                                Index n_tensile, Index n_shear);
+        void serialize(auto& archive) { archive(sum, duration); }
+    };
     SpecimenMoment at(const State& state) const;
 
     const Reactions& reactions_;
@@ -97,9 +113,10 @@ private:
     double outwards_;     // direction from the middle of the body to the driver, along the axis
     double stress_per_force_, strain_per_travel_, sign_;
     Gauge axial_, lateral_;
-    SpecimenMoment last_;  // at the end of the last step
-    SpecimenMoment sum_;   // integrals over time since the last line
-    double duration_ = 0;  // [s] since then
+    SpecimenMoment last_;                     // at the end of the last step
+    Mean lines_, windows_;                    // since the last line and the last window
+    double next_window_ = infinity;           // [s] its end
+    std::vector<std::vector<double>> curve_;  // a line for each window
 };
 
 }  // namespace knap

@@ -43,6 +43,15 @@ std::size_t first_with(const Column& n_breaks, double n) {
     return std::ranges::find_if(n_breaks, [n](double found) { return found >= n; }) - n_breaks.begin();
 }
 
+constexpr double fallen = 0.95;  // [-] of the largest stress: the specimen has failed
+
+/// Between the line before the peak and the first one with a stress that has fallen interfaces broke.
+bool failed(const Column& stress, const Column& n_breaks, std::size_t peak) {
+    const auto after = std::find_if(stress.begin() + static_cast<std::ptrdiff_t>(peak), stress.end(),
+                                    [&](double s) { return s < fallen * stress[peak]; });
+    return after != stress.end() && n_breaks[after - stress.begin()] > (peak > 0 ? n_breaks[peak - 1] : 0);
+}
+
 double dilatancy(const Column& stress, const Column& volumetric, std::size_t peak, std::size_t first_break) {
     const std::size_t n_elastic = std::min(first_break, peak + 1);
     if (n_elastic < 3) return unknown;
@@ -73,6 +82,7 @@ Strength strength_of(const History& curve, const std::array<double, 2>& modulus_
     Column n_breaks = curve.column("tensile_breaks");
     const Column n_shear = curve.column("shear_breaks");
     for (std::size_t i = 0; i < n_breaks.size(); ++i) n_breaks[i] += n_shear[i];
+    if (failed(stress, n_breaks, peak)) found.strength = found.peak_stress;
     if (n_breaks.back() > 0)  // where nothing broke before the peak, cracks start there
         found.crack_initiation =
             stress[n_breaks[peak] == 0 ? peak : first_with(n_breaks, std::max(1.0, std::ceil(0.01 * n_breaks[peak])))];

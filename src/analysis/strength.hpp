@@ -2,6 +2,8 @@
 // Quantities from a stress-strain curve: peak, modulus, Poisson's ratio, and the stresses at which cracks start and
 // become unstable.
 //
+//     strength          the largest stress, if the specimen failed: after it the stress fell by a twentieth while
+//                       interfaces broke. While it still rises, or where nothing broke, the largest stress is none
 //     tangent modulus   least-squares slope of stress over axial strain between two parts of the peak stress, where the
 //                       curve first passes them (40 and 60 %: the tangent at half of the strength of the ISRM's
 //                       suggested methods, Bieniawski and Bernede 1979)
@@ -29,7 +31,8 @@ namespace knap {
 /// NaN where the curve does not define a value.
 struct Strength {
     static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-    double peak_stress = unknown, peak_strain = unknown;  // [Pa], [-]
+    double peak_stress = unknown, peak_strain = unknown;  // [Pa], [-] the largest stress, and the strain there
+    double strength = unknown;                            // [Pa]
     double tangent_modulus = unknown, strain_ratio = unknown;
     double crack_initiation = unknown, dilatancy = unknown, crack_damage = unknown;  // [Pa]
 };

@@ -103,7 +103,8 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
                     1e-6 * strength.measured, 1e-6 * strength.of_interfaces);
     else if (strength.of_interfaces > 0)
         std::printf(
-            "  specimen: %.4g MPa by the law; strength_ratio of the summary is the peak over it. To meet a measured "
+            "  specimen: %.4g MPa by the law; strength_ratio of the summary is that of the run over it. To meet a "
+            "measured "
             "strength write strength = \"as measured\" (above all tables)\n",
             1e-6 * strength.of_interfaces);
     const SchemeOptions& scheme = scenario.time.scheme;
@@ -244,6 +245,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     print_resolution(scenario, model.mesh, plan.limits.cracking);
     print_methods(scenario, model);
     std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);
+    std::fputs(probes_text(model, scenario.probes).c_str(), stdout);
     for (const PlannedExcavation& one : excavations)
         std::printf("  excavation[%zu]: %zu triangles vanish at %.6g s, their forces within %.6g s\n", one.number,
                     one.triangles.size(), one.at, one.ramp);

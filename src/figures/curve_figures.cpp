@@ -225,12 +225,13 @@ Chart stress_strain_chart(const History& stress_strain) {
             chart.curves.push_back({label, scaled(stress_strain.column(column), 100), stress_strain.column("stress"),
                                     curve_colour(chart.curves.size())});
     const Strength strength = strength_of(stress_strain, SpecimenOptions{}.modulus_between);
-    chart.curves.push_back({.label = "peak",
-                            .x = {100 * strength.peak_strain},
-                            .y = {strength.peak_stress},
-                            .colour = black,
-                            .width = 0,
-                            .marker = Marker::diamond});
+    if (std::isfinite(strength.strength))  // a stress that still rises at the end has no peak
+        chart.curves.push_back({.label = "peak",
+                                .x = {100 * strength.peak_strain},
+                                .y = {strength.strength},
+                                .colour = black,
+                                .width = 0,
+                                .marker = Marker::diamond});
     std::vector<Level> levels{{"crack initiation", strength.crack_initiation, true},
                               {"dilatancy", strength.dilatancy, true},
                               {"crack damage", strength.crack_damage, true}};

@@ -15,7 +15,6 @@ public:
         : model_(model), directory_(std::move(directory)), every_(every), clock_(every), time_(time) {}
 
     bool has_times() const { return every_ > 0; }
-    bool is_due(double time) const { return clock_.is_due(time); }
     bool is_open() const { return writer_.has_value(); }
     void open();
     void start(const State& start);

@@ -33,6 +33,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
       deformation_(model),
       gates_(options_.critical_opening, diagonal(model.mesh.vertices), options_.allowed_limits),
       cracks_(interface_graph(model), options_.cracks),
+      statuses_(model),
       reactions_(model),
       probes_(model, options_.probes),
       tables_(options_.directory, options_.context.celsius),
@@ -74,6 +75,8 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
 void Recorder::begin(const State& start) {
     if (options_.continues_other_run) deformation_.look_at(start), gates_.judge(ledger_, deformation_);
     open_files();
+    follow_cracks(start);
+    if (!reactions_.empty()) reactions_.after_step(start);
     write_lines(start);
     write_fragments(start);
     lines_.start(start.time);
@@ -94,10 +97,13 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     probes_.after_step(now);
     watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);
+    follow_cracks(now);
+    if (!reactions_.empty()) reactions_.after_step(now);
     if (breaks_) {  // every step: between two lines none must be missed
         const Timed timed(time_);
         if (specimen_) specimen_->after_step(now);
         for (std::vector<double>& line : breaks_->found(now)) tables_.add_line(&Histories::breaks, std::move(line));
+        if (specimen_) specimen_->end_window(now, breaks_->n_tensile(), breaks_->n_shear());
     }
     if (lines_.advance_if_due(now.time)) write_lines(now);
     if (fragments_.advance_if_due(now.time)) write_fragments(now);
@@ -107,21 +113,33 @@ void Recorder::after_step(const State& now, const StepReport& report) {
 
 void Recorder::model_changed() {
     cracks_.set_graph(interface_graph(model_));
+    probes_.renew();
     renew_observers();
 }
 
 void Recorder::renew_observers() {
-    probes_.renew();
+    statuses_.renew();
     reactions_.renew();
     deformation_.renew();
     ledger_.renew(model_, weakest_point(model_));
 }
 
-void Recorder::after_adaptation(const State& now, const Renumbering& numbers, const LeapfrogEnergies& energies) {
+std::vector<ProbeSubject> Recorder::after_adaptation(const State& now, const Renumbering& numbers,
+                                                     const LeapfrogEnergies& energies) {
     ledger_.adapt(numbers, energies);
     cracks_.renumber(interface_graph(model_), numbers);
     if (breaks_) breaks_->renumber(now, numbers);
     renew_observers();
+    return probes_.renumber(now, numbers);
+}
+
+Strength Recorder::strength() const {
+    return strength_of(specimen_->curve(breaks_->n_tensile(), breaks_->n_shear()), options_.specimen->modulus_between);
+}
+
+/// In every step, so that what is found does not depend on the lines that are written.
+void Recorder::follow_cracks(const State& now) {
+    cracks_.grow(now.time, statuses_.changed(now), ledger_.row().cohesive_work);
 }
 
 void Recorder::finish(const State& now, bool ended_early) {
@@ -129,8 +147,7 @@ void Recorder::finish(const State& now, bool ended_early) {
         const Timed timed(time_);
         deformation_.look_at(now), look_ = {0, now.n_steps};
     }
-    const bool heat = options_.works.heat;
-    gates_.judge_end(ledger_, deformation_, heat ? median_kinetic_part(histories().energy) : std::nan(""));
+    gates_.judge_end(ledger_, deformation_, ledger_.kinetic_part());
     if (last_line_ < now.time) write_lines(now);
     const History& fragments = histories().fragment_history;
     if (fragments.rows.empty() || fragments.rows.back()[0] < now.time) write_fragments(now);
@@ -147,13 +164,12 @@ void Recorder::finish(const State& now, bool ended_early) {
     figures_.draw_sequences(frames_);
 }
 
-/// Looks when the fastest vertex could have moved far enough since the last look, whatever the end of the run, at
-/// frames, and at the end. A path that is not a number is far enough.
+/// Looks when the fastest vertex could have moved far enough since the last look, whatever the end of the run and
+/// whatever is written, and at the end. A path that is not a number is far enough.
 void Recorder::watch_deformation(const State& now, double speed) {
     deformation_.look_at_obstacles(now);
     const double reached = now.time * (1 + 1e-12), path = now.last_step * speed;
-    const bool always = frames_.is_due(now.time) || (options_.end > 0 && reached >= options_.end),
-               explicit_bulk = now.rate.empty();
+    const bool always = options_.end > 0 && reached >= options_.end, explicit_bulk = now.rate.empty();
     const auto is_due = [&](Watch& watch, double far, std::int64_t n_steps) {
         watch.path += path;
         return always || (!(watch.path < far) && now.n_steps >= watch.step + (explicit_bulk ? n_steps : 1));
@@ -171,7 +187,7 @@ void Recorder::watch_deformation(const State& now, double speed) {
 void Recorder::write_lines(const State& now) {
     const Timed timed(time_);
     last_line_ = now.time;
-    cracks_.snapshot(now.time, interface_status(model_, now));
+    cracks_.snapshot(now.time);
     tables_.write_lines(now);
 }
 

@@ -6,10 +6,12 @@
 #include "analysis/deformation_watch.hpp"
 #include "analysis/energy_ledger.hpp"
 #include "analysis/gates.hpp"
+#include "analysis/interface_graph.hpp"
 #include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
 #include "analysis/rest_watch.hpp"
 #include "analysis/specimen.hpp"
+#include "analysis/strength.hpp"
 #include "record/figure_output.hpp"
 #include "record/tables.hpp"
 
@@ -72,8 +74,9 @@ public:
     void model_changed();
     /// A region vanished.
     void after_excavation(const ExcavationEnergies& energies) { ledger_.excavate(energies), model_changed(); }
-    /// The mesh was refined; `now` belongs to the new one.
-    void after_adaptation(const State& now, const Renumbering& numbers, const LeapfrogEnergies& energies);
+    /// The mesh was refined; `now` belongs to the new one. Returns what probes watch now in the place of other things.
+    std::vector<ProbeSubject> after_adaptation(const State& now, const Renumbering& numbers,
+                                               const LeapfrogEnergies& energies);
 
     /// Returns when all frames so far are on disk: before a checkpoint that counts them.
     void finish_frames() { frames_.wait(); }
@@ -86,6 +89,10 @@ public:
     const DeformationWatch& deformation() const { return deformation_; }
     const CrackHistory& cracks() const { return cracks_; }
     const Reactions& reactions() const { return reactions_; }
+    const Probes& probes() const { return probes_; }
+    Index n_breaks() const { return breaks_ ? breaks_->n_tensile() + breaks_->n_shear() : 0; }  // if recorded
+    /// Numbers of the stress-strain curve of the specimen, which there is.
+    Strength strength() const;
     const RestWatch* rest() const { return rest_ ? &*rest_ : nullptr; }  // null: the run does not end at rest
     bool at_rest() const { return rest_ && rest_->at_rest(); }
     const GateKeeper& gates() const { return gates_; }  // after the last step
@@ -102,8 +109,8 @@ public:
     /// All else.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(deformation_, look_, search_, gates_, tables_, lines_, fragments_, last_line_, figures_, frames_,
-                time_);
+        archive(deformation_, look_, search_, gates_, tables_, lines_, fragments_, last_line_, figures_, frames_, time_,
+                reactions_, probes_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);
@@ -120,6 +127,7 @@ private:
         }
     };
     void renew_observers();
+    void follow_cracks(const State& now);
     void watch_deformation(const State& now, double speed);
     void write_lines(const State& now);
     void write_arms();
@@ -131,6 +139,7 @@ private:
     DeformationWatch deformation_;
     GateKeeper gates_;
     CrackHistory cracks_;
+    StatusWatch statuses_;
     Reactions reactions_;
     Probes probes_;
     std::optional<Breaks> breaks_;

@@ -53,6 +53,15 @@ Json expect_json(const ExpectResult& result) {
             {"pass", result.pass}};
 }
 
+Json probe_json(const ProbeSubject& probe) {
+    Json places = Json::array();
+    for (const Vec2& place : probe.place) places.push_back({number(place.x()), number(place.y())});
+    Json json{{"name", probe.probe}, {"watch", probe.watch}, {"took", probe.kind}};
+    if (places.empty()) json["triangles"] = probe.n_triangles;
+    else json["place_m"] = places, json["distance_m"] = number(probe.distance);
+    return json;
+}
+
 template <class List, class Function>
 Json list_of(const List& list, Function&& item) {
     Json all = Json::array();
@@ -225,6 +234,11 @@ const std::vector<Member>& members() {
         {"gates", "", "list, see above", [](R r) { return list_of(r.gates, gate_json); }, are_judged<is_result>},
         {"expect", "", "list of the bounds of [expect]: name, value, limit, unit, pass",
          [](R r) { return list_of(r.expect, expect_json); }, are_judged<is_text>},
+        {"probes", "",
+         "with probes, list of what each took, at the end: name, watch, took, place_m (the place, the tip, the two "
+         "ends "
+         "of the interface), distance_m from its `at`",
+         [](R r) { return r.probes.empty() ? absent : list_of(r.probes, probe_json); }},
         {"figures", "", "files",
          [](R r) {
              return list_of(r.figures, [](const auto& figure) { return "figures/" + figure.filename().string(); });

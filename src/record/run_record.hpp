@@ -58,7 +58,8 @@ struct RunRecord {
     Summary summary;
     Gates gates;
     std::vector<ExpectResult> expect;
-    std::size_t n_not_judged = 0;  // numbers of [expect] of a run that failed
+    std::size_t n_not_judged = 0;      // numbers of [expect] of a run that failed
+    std::vector<ProbeSubject> probes;  // what they watched at the end
     std::vector<std::filesystem::path> figures;
     std::vector<std::string> warnings;
 

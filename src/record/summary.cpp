@@ -1,7 +1,6 @@
 #include "record/summary.hpp"
 
 #include "analysis/fragments.hpp"
-#include "analysis/strength.hpp"
 #include "base/formatted.hpp"
 #include "figures/ticks.hpp"
 
@@ -23,17 +22,9 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// A load or obstacle that drives the body.
 struct Driver {
-    const Recorder& recorder;
     std::size_t number;
     const Reaction& at_end;
-
-    /// [N] Largest force over the lines of reactions.csv and at the end.
-    double largest_force() const {
-        double largest = at_end.force.norm();
-        for (const std::vector<double>& row : recorder.histories().reactions.rows)
-            largest = std::max(largest, std::hypot(row[1 + 4 * number], row[2 + 4 * number]));
-        return largest;
-    }
+    double largest_force;  // [N] over all steps
 };
 
 /// Cracks where edges are too long for their process zone, as beyond a place of small triangles.
@@ -108,7 +99,7 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
         const auto moving =
             std::ranges::find_if(reactions, [](const Reaction& r) { return !r.displacement.isZero(0); });
         const std::size_t number = moving == reactions.end() ? 0 : moving - reactions.begin();
-        driver.emplace(Driver{recorder, number, reactions[number]});
+        driver.emplace(Driver{number, reactions[number], recorder.reactions().largest_forces()[number]});
     }
     if (!recorder.histories().breaks.columns.empty()) {
         const std::vector<double> shear = recorder.histories().breaks.column("shear");
@@ -119,7 +110,7 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
                            recorder.histories().breaks.column("y").front()};
     }
     if (!specimen) return;
-    strength = strength_of(recorder.histories().stress_strain, specimen->modulus_between);
+    strength = recorder.strength();
     if (specimen->lateral) material = material_constants(strength, model.plane);
 }
 
@@ -133,6 +124,7 @@ bool excavates(F f) { return f.recorder.options().works.excavation; }
 bool with_heat(F f) { return f.recorder.options().works.heat; }
 bool delays(F f) { return f.recorder.options().works.delay; }
 bool incubates(F f) { return f.recorder.options().works.incubation; }
+bool with_cohesive_friction(F f) { return f.recorder.options().works.cohesive_friction; }
 bool may_rest(F f) { return f.recorder.rest() != nullptr; }
 bool of_specimen(F f) { return f.specimen.has_value(); }
 bool with_law_strength(F f) { return of_specimen(f) && f.recorder.options().law_strength.of_interfaces > 0; }
@@ -152,17 +144,8 @@ double over(double value, double scale) { return scale > 0 ? value / scale : not
 
 /// [J/m2] Over the growth of the main crack between a quarter and nine tenths of its length.
 double steady_work_per_advance(F f) {
-    const History& energy = f.recorder.histories().energy;
-    const std::vector<double> work = energy.column("cohesive_work"),
-                              length = f.recorder.histories().cracks.column("main_length");
-    const std::size_t n = std::min(work.size(), length.size());
-    const auto line = [&](double part) {
-        return static_cast<std::size_t>(
-            std::ranges::find_if(length, [&](double l) { return l >= part * length.back(); }) - length.begin());
-    };
-    if (n == 0 || !(length.back() > 0)) return not_a_number;
-    const std::size_t from = line(0.25), to = line(0.9);
-    return to < n ? over(work[to] - work[from], (length[to] - length[from]) * f.thickness) : not_a_number;
+    const auto advance = f.cracks.advance_between(0.25, 0.9);
+    return advance ? over(advance->work, advance->length * f.thickness) : not_a_number;
 }
 
 struct SummaryRow {
@@ -201,6 +184,11 @@ constexpr SummaryRow rows[]{
      "largest factor on strength and fracture energy of a vertex that split; with an incubation_time; 0: none split",
      [](F f) { return f.ledger.worst().largest_strength_factor; }, incubates},
     {"friction_work", "J", "work of friction, never positive", [](F f) { return f.energy.friction_work; }},
+    {"cohesive_friction_work", "J",
+     "part of friction_work that acts without pressure between the sides, on what balances the cohesion; where "
+     "cohesion "
+     "has friction",
+     [](F f) { return f.energy.cohesive_friction_work; }, with_cohesive_friction},
     {"impact_work", "J", "work of all impacts, never positive", [](F f) { return f.energy.impact_work; }},
     {"excavation_work", "J", "work of the forces of excavated regions while they decrease; with excavations",
      [](F f) { return f.energy.excavation_work; }, excavates},
@@ -211,9 +199,9 @@ constexpr SummaryRow rows[]{
     {"kinetic_energy", "J", "at the end", [](F f) { return f.energy.kinetic; }},
     {"strain_energy", "J", "at the end", [](F f) { return f.energy.strain; }},
     {"kinetic_part", "",
-     "kinetic over strain energy, median over the lines of energy.csv; with heat, where time_factor or a fast field "
-     "adds inertia that the real process has not: small where the motion is quasi-static",
-     [](F f) { return median_kinetic_part(f.recorder.histories().energy); }, with_heat},
+     "kinetic over strain energy, median over the time, within 1 %; with heat, where time_factor or a fast field adds "
+     "inertia that the real process has not: small where the motion is quasi-static",
+     [](F f) { return f.ledger.kinetic_part(); }, with_heat},
     {"momentum_x", "kg m/s", "of the whole body at the end", [](F f) { return f.momentum.x(); }},
     {"momentum_y", "kg m/s", "likewise", [](F f) { return f.momentum.y(); }},
     {"mean_displacement_x", "m", "of the centre of mass at the end", [](F f) { return f.mean_displacement.x(); }},
@@ -223,8 +211,8 @@ constexpr SummaryRow rows[]{
      "that moves",
      [](F f) { return f.driver ? f.driver->at_end.force.x() : not_a_number; }},
     {"reaction_y", "N", "likewise", [](F f) { return f.driver ? f.driver->at_end.force.y() : not_a_number; }},
-    {"largest_reaction", "N", "largest magnitude of this force over the run",
-     [](F f) { return f.driver ? f.driver->largest_force() : not_a_number; }},
+    {"largest_reaction", "N", "largest magnitude of this force over all steps; of a blow, its impulse over the step",
+     [](F f) { return f.driver ? f.driver->largest_force : not_a_number; }},
     {"broken_length", "m", "length of all broken interfaces", [](F f) { return f.pattern.broken_length; }},
     {"crack_length", "m", "length of all crack arms along edges, without side twigs and single broken interfaces",
      [](F f) { return f.pattern.crack_length; }},
@@ -285,16 +273,21 @@ constexpr SummaryRow rows[]{
     {"first_break_y", "m", "likewise", [](F f) { return f.first_break.y(); }, with_breaks},
     {"rest_time", "s", "time since which the body is at rest; with until = \"rest\"",
      [](F f) { return f.recorder.at_rest() ? f.recorder.rest()->since() : not_a_number; }, may_rest},
-    {"peak_stress", "Pa", "largest stress of the specimen: its strength", [](F f) { return f.strength.peak_stress; },
-     of_specimen},
+    {"peak_stress", "Pa", "largest stress of the specimen, mean over specimen.window",
+     [](F f) { return f.strength.peak_stress; }, of_specimen},
+    {"strength", "Pa",
+     "peak_stress of a specimen that failed: the stress then fell by 5 % while interfaces broke. None: it still rose, "
+     "or "
+     "nothing broke, and the specimen is stronger",
+     [](F f) { return f.strength.strength; }, of_specimen},
     {"law_strength", "Pa",
      "stress at which interfaces in all directions would break, by the first law within a material: sigma_c; in a test "
      "of compression, without confinement, 2 (gamma + mu) sigma_c/(sqrt(1 + mu^2) - mu)",
      [](F f) { return f.recorder.options().law_strength.of_interfaces; }, with_law_strength},
-    {"strength_ratio", "", "peak_stress over law_strength: what the specimen, its size and the mesh add",
-     [](F f) { return f.strength.peak_stress / f.recorder.options().law_strength.of_interfaces; }, with_law_strength},
+    {"strength_ratio", "", "strength over law_strength: what the specimen, its size and the mesh add",
+     [](F f) { return f.strength.strength / f.recorder.options().law_strength.of_interfaces; }, with_law_strength},
     {"measured_strength", "Pa",
-     "strength by the law with measured_sigma_c, which peak_stress should meet; with strength = \"as measured\"",
+     "strength by the law with measured_sigma_c, which `strength` should meet; with strength = \"as measured\"",
      [](F f) { return f.recorder.options().law_strength.measured; }, with_measured_specimen},
     {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},
     {"tangent_modulus", "Pa",
@@ -332,8 +325,8 @@ constexpr SummaryRow rows[]{
      "support does not count",
      [](F f) { return f.deformation.slip().value; }},
     {"overlap_area", "m2",
-     "largest area that the deformed body covers twice; searched at frames and each time the fastest vertex "
-     "has moved about a tenth of an edge",
+     "largest area that the deformed body covers twice; searched each time the fastest vertex has moved about a tenth "
+     "of an edge, and at the end",
      [](F f) { return f.overlap.value; }},
     {"overlap_x", "m", "place of its largest part in the deformed body", [](F f) { return overlap_place(f).x(); }},
     {"overlap_y", "m", "likewise", [](F f) { return overlap_place(f).y(); }},
@@ -345,8 +338,7 @@ constexpr Measure<Driver> driver_rows[]{
      "force on the body, at the end, of each load that prescribes a motion and of each obstacle, by name",
      [](const Driver& d) { return d.at_end.force.x(); }},
     {"*_force_y", "N", "likewise", [](const Driver& d) { return d.at_end.force.y(); }},
-    {"*_largest_force", "N", "its largest magnitude over the lines of reactions.csv",
-     [](const Driver& d) { return d.largest_force(); }},
+    {"*_largest_force", "N", "its largest magnitude over all steps", [](const Driver& d) { return d.largest_force; }},
 };
 
 }  // namespace
@@ -367,7 +359,7 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
     for (std::size_t i = 0; i < facts.reactions.size(); ++i)
         for (const auto& row : driver_rows)
             summary.values.emplace_back(names[i] + std::string(row.name.substr(1)),
-                                        row.of({recorder, i, facts.reactions[i]}));
+                                        row.of({i, facts.reactions[i], recorder.reactions().largest_forces()[i]}));
     if (facts.driver) summary.reaction_of = names[facts.driver->number];
     return summary;
 }

@@ -106,18 +106,24 @@ void add_keys_of_run(KeyTable& t) {
         .pair().only_with("test", {"compression", "tension"});
     t.number("modulus_between", "", "stress interval of the fit of modulus and Poisson's ratio, over the peak stress")
         .pair().at_least(0).at_most(1).otherwise("[0.4, 0.6]").to(&SpecimenOptions::modulus_between);
+    t.number("window", "s", "time over which stress and strains are averaged for strength, moduli and other numbers of "
+        "the summary: the reaction of one explicit step oscillates with the mesh")
+        .above(0).computed("time.end/400").to(&SpecimenOptions::window);
 
     t.list("probe[]", "a point whose motion, interface whose opening, or box whose mean stress is written to "
         "probes.csv");
-    t.number("at", "m", "position in the undeformed body; outside the body the nearest vertex")
+    t.number("at", "m", "position in the undeformed body; outside the body the nearest point of its boundary")
         .pair().required().only_with("watch", {"place", "interface", "tip"}).to(&ProbeOptions::at);
     t.word("watch", {"place", "interface", "stress", "tip"}, "place: displacement and velocity of the point; "
-        "interface: opening, slip and cohesion of the nearest breakable interface, averaged over its points; stress: "
-        "mean stress in a box; tip: stress intensity factors and J of the nearest tip of a pre-crack while it stands")
+        "interface: opening, slip and cohesion of the nearest interface that can open, averaged over its points (of "
+        "pre-cracks, supports, joints and edges the one whose edge is nearest; of those equally near, as at a vertex, "
+        "in this order); stress: mean stress in a box; tip: stress intensity factors and J of the nearest tip of a "
+        "pre-crack while it stands. knap check, log.txt and run.json say which it took")
         .otherwise("place").to(&ProbeOptions::watch, {ProbeOptions::Watch::place, ProbeOptions::Watch::interface,
                                                      ProbeOptions::Watch::stress, ProbeOptions::Watch::tip});
     t.number("radius", "m", "radius of the domain over which a tip is integrated: many edges, and inside it only the "
-        "straight crack in one material without loads")
+        "straight crack in one material. Temperatures, a fluid in the crack, contact of its faces and uniform body "
+        "forces are taken into account; other loads inside it are refused")
         .above(0).required().only_with("watch", {"tip"}).to(&ProbeOptions::radius);
     t.number("box", "m", "lower left and upper right corner of the box of a mean stress, in the undeformed body: "
         "its triangles move on; without it the whole body")

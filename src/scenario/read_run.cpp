@@ -296,7 +296,7 @@ void check_expectations(Reading& reading) {
             if (!met && expect.given(number)) expect.error("nothing-to-expect", number, std::string("needs ") + what);
     };
     need("a [specimen]", specimen.given(),
-         {"peak_stress", "peak_strain", "tangent_modulus", "crack_initiation_stress"});
+         {"peak_stress", "strength", "peak_strain", "tangent_modulus", "crack_initiation_stress"});
     need("a [specimen] with a lateral gauge", specimen.given("lateral"),
          {"youngs_modulus", "poisson_ratio", "dilatancy_stress", "crack_damage_stress"});
     need("output.breaks = true", reading.scenario.output.breaks, {"tensile_breaks", "shear_breaks"});
@@ -383,6 +383,7 @@ void read_run(Reading& reading) {
     if (const double end = scenario.time.end; end > 0) {
         output.compute("every", Node::of_number(end / 40));
         output.compute("history_every", Node::of_number(end / 400));
+        reading.table("specimen").compute("window", Node::of_number(end / 400));
     }
     output.fill(scenario.output);
     read_start(reading.table("time"));

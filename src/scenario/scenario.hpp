@@ -214,7 +214,9 @@ struct Scenario {
                                                              !named.law.of_temperature->strength.empty();
                                                   }),
                 .delay = any_law([](const CohesiveLaw& law) { return law.relaxation_time > 0; }),
-                .incubation = any_law([](const CohesiveLaw& law) { return law.incubation_time > 0; })};
+                .incubation = any_law([](const CohesiveLaw& law) { return law.incubation_time > 0; }),
+                .cohesive_friction =
+                    any_law([](const CohesiveLaw& law) { return law.sigma_c > 0 && law.friction_range()[1] > 0; })};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

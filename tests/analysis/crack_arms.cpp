@@ -566,7 +566,9 @@ TEST_CASE("a gap through a wide damaged zone is found among its vertices: its wa
     d.row(n, n, 1, 0, 1);
     const auto joined = [&](Index gap) {
         CrackedEdges edges(d.graph, gap);
-        return edges.add(0, d.status).size();
+        std::vector<EdgeStatus> statuses;
+        for (std::size_t e = 0; e < d.status.size(); ++e) statuses.push_back({static_cast<Index>(e), d.status[e]});
+        return edges.add(0, statuses).size();
     };
     CHECK(joined(2 * n) == 2 + 2 * n);
     CHECK(joined(2 * n - 1) == 2);

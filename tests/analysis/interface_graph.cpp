@@ -69,6 +69,28 @@ TEST_CASE("status of interfaces follows the cohesion of their points") {
     CHECK(n_upright == 4);
 }
 
+TEST_CASE("statuses that are followed step by step are those of the state") {
+    const Model model = bar();
+    State state = initial_state(model);
+    StatusWatch watch(model);
+    std::vector<InterfaceStatus> known(model.interfaces.size(), InterfaceStatus::intact);
+    const auto follow = [&] {
+        const std::vector<EdgeStatus>& changed = watch.changed(state);
+        for (const auto& [edge, status] : changed) known[edge] = status;
+        CHECK(known == interface_status(model, state));
+        return changed.size();
+    };
+    CHECK(follow() == model.interfaces.size());
+    CHECK(follow() == 0);
+    weaken(model, state, 5, 2, 0.5);
+    CHECK(follow() == 2);
+    weaken(model, state, 5, 1, 0.0);
+    weaken(model, state, 3, 2, 0.0);
+    CHECK(follow() == 3);
+    watch.renew();
+    CHECK(follow() == model.interfaces.size());
+}
+
 TEST_CASE("a bar cut half and then in two") {
     const Model model = bar();
     State state = initial_state(model);

@@ -132,6 +132,35 @@ TEST_CASE("strength: stress of a disc and of a beam") {
           relative(3 * force * 0.09 / (2 * 0.03 * 0.03 * 0.5), 1e-12));
 }
 
+TEST_CASE("strength: the curve of a specimen does not depend on the lines that are written") {
+    ModelInput input = strip(PlaneModel::stress, 1);
+    input.loads = {load(Load::Kind::displacement, "left", 0, std::nullopt),
+                   load(Load::Kind::displacement, "right", 3e-5, std::nullopt, slow)};
+    History curves[2];
+    for (const int every : {3, 7}) {
+        Run run(input, damped);
+        const Reactions reactions(run.model);
+        Specimen specimen(run.model, reactions,
+                          {.test = SpecimenOptions::Test::tension,
+                           .axis = 0,
+                           .driver = {.kind = GaugeEnd::Kind::load, .number = 1},
+                           .window = 0.05});
+        specimen.begin(run.now);
+        for (int i = 1; i <= 52; ++i) {
+            run.step(0.01);
+            specimen.after_step(run.now);
+            if (i % every == 0) specimen.line(0, 0);
+            specimen.end_window(run.now, i, 0);
+        }
+        curves[every == 7] = specimen.curve(52, 0);
+    }
+    CHECK(curves[0].rows == curves[1].rows);
+    REQUIRE(curves[0].rows.size() == 12);  // the start, ten windows, the rest
+    CHECK(curves[0].rows[10][0] == relative(0.475, 1e-12));
+    CHECK(curves[0].column("tensile_breaks")[10] == 50);
+    CHECK(curves[0].rows[11][0] == relative(0.51, 1e-12));
+}
+
 TEST_CASE("strength: a gauge without length and a driver without prescribed motion are errors") {
     ModelInput input = strip(PlaneModel::stress, 1);
     input.loads = {load(Load::Kind::displacement, "top", 0.0, 0.0), load(Load::Kind::displacement, "top", 0.0, -1e-6)};
@@ -161,6 +190,7 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
     }
     const Strength s = strength_of(curve, {0.1, 0.35});
     CHECK(s.peak_stress == 100e6);
+    CHECK(s.strength == 100e6);
     CHECK(s.peak_strain == relative(100e6 / 20e9, 1e-12));
     CHECK(s.tangent_modulus == relative(20e9, 1e-9));
     CHECK(s.strain_ratio == relative(0.25, 1e-9));
@@ -177,6 +207,7 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
                                        : 3. * (i - 30) - 8,
                              2. * i, 0, 0});
     CHECK(strength_of(late, {0.4, 0.6}).peak_stress == 22);
+    CHECK(std::isnan(strength_of(late, {0.4, 0.6}).strength));  // nothing broke
     CHECK(strength_of(late, {0.4, 0.6}).tangent_modulus == relative(0.5, 1e-12));
     // the axis of a figure is that of the axial strain, whatever flies apart
     curve.rows.push_back({1, 0, 0.01, -0.5, -0.49, 1000, 0});
@@ -196,10 +227,28 @@ TEST_CASE("strength: peak and stresses of cracks of a curve made by hand") {
                    {{0, 0, 0, 0, 0}, {1, 1, 2, 0, 0}, {2, 2, 4, 0, 0}, {3, 3, 6, 0, 1}}};
     const Strength end = strength_of(rising, {0.4, 0.6});
     CHECK(end.peak_stress == 3);
+    CHECK(std::isnan(end.strength));                        // it still rises
+    CHECK(stress_strain_chart(rising).curves.size() == 1);  // no peak is marked
     CHECK(end.tangent_modulus == relative(0.5, 1e-12));
     CHECK(end.crack_initiation == 3);
     CHECK(std::isnan(end.crack_damage));
     CHECK(std::isnan(strength_of(History{rising.columns, {}}, {0.4, 0.6}).peak_stress));
+}
+
+TEST_CASE("the largest stress of a specimen is its strength once the stress has fallen while interfaces broke") {
+    const auto strength = [](std::initializer_list<std::pair<double, double>> stress_and_breaks) {
+        History curve{{"time", "stress", "axial_strain", "tensile_breaks", "shear_breaks"}, {}};
+        for (const auto& [stress, n] : stress_and_breaks) {
+            const double i = static_cast<double>(curve.rows.size());
+            curve.rows.push_back({i, stress, i, n, 0});
+        }
+        return strength_of(curve, {0.4, 0.6}).strength;
+    };
+    CHECK(strength({{0, 0}, {5, 0}, {10, 0}, {2, 4}}) == 10);
+    CHECK(strength({{0, 0}, {5, 0}, {10, 4}, {2, 4}}) == 10);                // all in the line of the peak
+    CHECK(std::isnan(strength({{0, 0}, {5, 0}, {10, 2}, {9.6, 3}})));        // it has not fallen by 5 %
+    CHECK(std::isnan(strength({{0, 0}, {5, 0}, {10, 0}, {2, 0}})));          // a wave, or an unloading
+    CHECK(std::isnan(strength({{0, 0}, {5, 1}, {9, 1}, {10, 1}, {2, 1}})));  // unloaded after some damage
 }
 
 TEST_CASE("the strength of a specimen by the law is that of interfaces in all directions") {

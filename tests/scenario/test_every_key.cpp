@@ -511,6 +511,7 @@ width = "9 mm"
 span = "80 mm"
 axial = ["top", "load0"]
 modulus_between = [0.1, "30 %"]
+window = "0.1 us"
 )";
 
 const std::string stretched = samples::changed(
@@ -737,6 +738,7 @@ const Case cases[] = {
     {tested, "specimen.span", "0.08"},
     {tested, "specimen.axial", "[\"top\", \"load0\"]"},
     {tested, "specimen.modulus_between", "[0.1, 0.3]"},
+    {tested, "specimen.window", "1e-07"},
     {stretched, "specimen.lateral", "[\"left\", \"right\"]"},
     {rectangle, "probe[0].at", "[0.005, 0.005]"},
     {rectangle, "probe[0].watch", "\"interface\""},

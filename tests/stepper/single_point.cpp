@@ -52,6 +52,29 @@ TEST_CASE("A1 mode I cycle under imposed opening") {
     }
 }
 
+// The contact balances the cohesion, p = beta sigma_c, so that friction takes mu G_c/gamma; a pressure p_0 adds
+// mu p_0 u_T to the friction work, and nothing to that part.
+TEST_CASE("sliding costs G_c (1 + friction/gamma) and the second part of it has no contact pressure") {
+    const CohesiveLaw law{.sigma_c = 1, .G_c = 1, .gamma = 2, .friction = 0.5};  // breaks at u_T = delta_c/gamma = 1
+    for (const SchemeOptions& path : all_paths())
+        for (const double pressure : {0.0, 0.3}) {
+            CAPTURE(pressure);
+            ModelInput input = point_masses(law, true);  // two points of area 1
+            input.loads = {load(Load::Kind::displacement, "base", 1.0, std::nullopt, {{0, 1, 2}, {0, 1.2, 2.4}}),
+                           load(Load::Kind::body_force, "", 0.0, -3 * pressure)};
+            Run run(input, path);
+            for (int i = 0; i < 1024; ++i) run.step(1.0 / 1024);
+            REQUIRE(cohesion(run.model, run.now, 0) == 0);
+            const EnergyRow& row = run.ledger.row();
+            CHECK(row.dissipated == doctest::Approx(2).epsilon(1e-12));
+            CHECK(row.cohesive_work == doctest::Approx(2).epsilon(0.002));  // the law lag of the last step
+            CHECK(row.cohesive_friction_work == doctest::Approx(-0.25 * row.cohesive_work).epsilon(1e-9));
+            const double slid = opening(run.model, run.now, 0).y(), on_pressure = 2 * 0.5 * pressure * std::abs(slid);
+            CHECK(row.friction_work == doctest::Approx(row.cohesive_friction_work - on_pressure).epsilon(0.002));
+            CHECK(std::abs(row.residual) < 1e-12 * run.ledger.largest_energy());
+        }
+}
+
 TEST_CASE("A3 mode II with friction under imposed slip and constant pressure") {
     on_path(both_explicit);
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .friction = 0.5};

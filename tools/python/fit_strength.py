@@ -10,7 +10,7 @@ import pathlib
 import knap
 
 parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-parser.add_argument("scenario", help="with a [specimen]: its peak_stress is compared")
+parser.add_argument("scenario", help="with a [specimen]: its strength is compared")
 parser.add_argument("--measured", type=float, required=True, help="measured strength in Pa")
 parser.add_argument("--between", type=float, nargs=2, required=True, metavar=("LOW", "HIGH"), help="of sigma_c, in Pa")
 parser.add_argument("--tolerance", type=float, default=0.01, help="of the strength, relative")
@@ -25,7 +25,9 @@ def strength(sigma_c):
     strength that the scenario has."""
     values = dict(text.split("=", 1) for text in options.set)
     values[f"interface.{options.interface}.sigma_c"] = f"{sigma_c} Pa"
-    found = knap.run(options.scenario, values, options.output / f"{sigma_c:.6g}", accept=(0, 4)).summary["peak_stress"]
+    found = knap.run(options.scenario, values, options.output / f"{sigma_c:.6g}", accept=(0, 4)).summary["strength"]
+    if found is None:
+        raise SystemExit(f"sigma_c = {sigma_c:.6g} Pa: the specimen did not fail; a later time.end?")
     print(f"sigma_c = {sigma_c:.6g} Pa: strength {found:.6g} Pa", flush=True)
     return found
 

@@ -32,6 +32,8 @@ void keep_defaults(ReadResult& read, const ReadResult& first) {
     for (const auto& [key, member] : {std::pair{"output.every", &OutputOptions::every},
                                       std::pair{"output.history_every", &OutputOptions::history_every}})
         if (is_from_default(read, key) && first.values.has(key)) set(read, key, output.*member, kept.*member);
+    if (read.scenario.specimen && first.scenario.specimen && is_from_default(read, "specimen.window"))
+        set(read, "specimen.window", read.scenario.specimen->window, first.scenario.specimen->window);
     StepLength& step = read.scenario.time.step;
     if (const StepLength& first_step = first.scenario.time.step;
         step_follows_from_end(step) && !step_follows_from_end(first_step))

@@ -34,16 +34,23 @@ std::vector<std::uint8_t> all_vanished(const std::vector<PlannedExcavation>& pla
 }
 
 void refuse_lost_probes(const ReadResult& read, const Model& rest) {
-    const Probes probes(rest, read.scenario.probes);
-    const ProbeOptions* lost = probes.first_lost();
-    if (lost == nullptr) return;
-    const auto number = std::ranges::find(read.scenario.probes, lost->name, &ProbeOptions::name);
-    const std::string path = item("probe", number - read.scenario.probes.begin());
-    throw UserError({read.at(
-        path, {.code = "excavated",
-               .message = formatted("`%s` `%s` watches %s that an excavation removes", path.c_str(), lost->name.c_str(),
-                                    lost->watch == ProbeOptions::Watch::interface ? "an interface" : "a place"),
-               .note = "another place, or time.end before the excavation"})});
+    using Watch = ProbeOptions::Watch;
+    for (std::size_t i = 0; i < read.scenario.probes.size(); ++i) {
+        const ProbeOptions& probe = read.scenario.probes[i];
+        const std::string path = item("probe", i);
+        const auto refuse = [&](const std::string& message) {
+            throw UserError({read.at(path, {.code = "excavated",
+                                            .message = message,
+                                            .note = "another place, or time.end before the excavation"})});
+        };
+        try {
+            if (!Probes(rest, {probe}).first_lost()) continue;
+        } catch (const SimulationError& error) {
+            refuse(std::string("after the excavations ") + error.what());
+        }
+        refuse(formatted("`%s` `%s` watches %s that an excavation removes", path.c_str(), probe.name.c_str(),
+                         probe.watch == Watch::interface ? "an interface" : "a place"));
+    }
 }
 
 void refuse_lost_absorption(const ReadResult& read, const Model& rest) {

@@ -22,6 +22,9 @@ std::vector<Diagnostic> check_model(const ReadResult& read, const Model& model);
 /// Warnings: probes, regions and boxes outside the body.
 std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model);
 
+/// Warnings: probes outside the body, between two bodies or faces, far from the interface that they watch.
+std::vector<Diagnostic> findings_of_probes(const ReadResult& read, const Model& model);
+
 /// Warnings: supports between bodies that touch.
 std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
 

@@ -12,7 +12,7 @@
 namespace knap {
 namespace {
 
-using Row = std::array<std::string, 8>;
+using Row = std::array<std::string, 9>;
 
 /// "-10 to 0 K: 1 to 0.001", over the whole table.
 std::string text_of(const TemperatureTable& table, double unit = 1, const char* name = "") {
@@ -39,6 +39,14 @@ std::string beyond_linear(const NamedLaw& named) {
     return text;
 }
 
+/// What sliding alone costs, G_c (1 + mu/gamma), without any pressure: friction acts on the cohesion, too.
+std::string mode_II_text(const CohesiveLaw& law) {
+    const auto [low, high] = law.friction_range();
+    if (law.gamma <= 0) return "never breaks";  // sliding alone opens nothing
+    const auto cost = [&](double mu) { return law.G_c * (1 + mu / law.gamma); };
+    return low == high ? formatted("%.4g", cost(high)) : formatted("%.4g to %.4g", cost(low), cost(high));
+}
+
 /// "120 interfaces, 30 of joints, support[0]"
 std::vector<std::string> places_of_laws(const Scenario& scenario, const Mesh& mesh) {
     std::vector<Index> inside(scenario.laws.size(), 0), joints(scenario.laws.size(), 0);
@@ -59,10 +67,10 @@ std::vector<std::string> places_of_laws(const Scenario& scenario, const Mesh& me
 Row row_of(const NamedLaw& named, const std::string& places, const Values& values) {
     const CohesiveLaw& law = named.law;
     const std::string name = "  " + named.name;  // below the head
-    if (!law.breakable()) return {name, places, "never breaks", "", "", "", "", beyond_linear(named)};
+    if (!law.breakable()) return {name, places, "never breaks", "", "", "", "", "", beyond_linear(named)};
     const bool from_table = law.of_temperature && !law.of_temperature->friction.empty();
     const std::string friction = from_table ? "table" : formatted("%.4g", law.friction);
-    if (law.sigma_c <= 0) return {name, places, "no cohesion", "", "", friction, "", beyond_linear(named)};
+    if (law.sigma_c <= 0) return {name, places, "no cohesion", "", "", "", friction, "", beyond_linear(named)};
     const auto measured = [](double value) {
         return value > 0 ? formatted(" (%.4g as measured)", value) : std::string();
     };
@@ -70,6 +78,7 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
             places,
             formatted("%.4g", 1e-6 * law.sigma_c) + measured(1e-6 * named.measured_sigma_c),
             formatted("%.4g", law.G_c) + measured(named.measured_G_c) + formatted(", %.4g", 1e6 * law.delta_c()),
+            mode_II_text(law),
             formatted("%.4g", law.gamma),
             friction,
             softening_words(*values.find("interface")->find(named.name)),
@@ -80,8 +89,8 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
 
 std::string laws_text(const ReadResult& read, const Model& model) {
     const Scenario& scenario = read.scenario;
-    std::vector<Row> rows{
-        {"laws", "act on", "sigma_c/MPa", "G_c/(J/m2), delta_c/um", "gamma", "friction", "softening", ""}};
+    std::vector<Row> rows{{"laws", "act on", "sigma_c/MPa", "G_c/(J/m2), delta_c/um", "G_II/(J/m2)", "gamma",
+                           "friction", "softening", ""}};
     const std::vector<std::string> places = places_of_laws(scenario, model.mesh);
     for (std::size_t i = 0; i < scenario.laws.size(); ++i)
         rows.push_back(row_of(scenario.laws[i], places[i], read.values));

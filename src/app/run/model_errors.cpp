@@ -1,4 +1,5 @@
 // Errors of a scenario that only its mesh shows.
+#include "analysis/probes.hpp"
 #include "analysis/rest_watch.hpp"
 #include "app/run/adaptation.hpp"
 #include "app/run/findings.hpp"
@@ -143,6 +144,17 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
     }
 }
 
+/// Probes that find nothing, and tips that cannot be integrated.
+void refuse_probes(const ReadResult& read, const Model& model) {
+    std::vector<Diagnostic> found;
+    for (std::size_t i = 0; i < read.scenario.probes.size(); ++i) try {
+            Probes(model, {read.scenario.probes[i]});
+        } catch (const SimulationError& error) {
+            found.push_back(finding(read, item("probe", i), "probe", error.what(), ""));
+        }
+    if (!found.empty()) throw UserError(std::move(found));
+}
+
 }  // namespace
 
 Model model_of(ReadResult& read) {
@@ -196,6 +208,7 @@ std::vector<Diagnostic> check_model(const ReadResult& read, const Model& model) 
         } catch (const UserError& error) {
             throw UserError({read.at("specimen", error.diagnostics.front())});
         }
+    refuse_probes(read, model);
     refuse_unheld_body(read, model);
     std::vector<Diagnostic> of_obstacles = findings_of_obstacles(read, model);
     for (const Diagnostic& found : of_obstacles)

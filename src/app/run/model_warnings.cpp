@@ -265,7 +265,6 @@ public:
     }
 
     void on_places() {
-        for (std::size_t i = 0; i < scenario_.probes.size(); ++i) check_probe(i);
         for (const Body& body : scenario_.bodies) {
             const std::string list = body.path + ".region";
             const std::size_t n = std::min(read_.values.count(list), body.shape.regions.size());
@@ -357,34 +356,6 @@ private:
                                        .note = std::move(note)}));
     }
 
-    void check_probe(std::size_t i) {
-        const ProbeOptions& probe = scenario_.probes[i];
-        if (probe.watch == ProbeOptions::Watch::stress || probe.watch == ProbeOptions::Watch::tip) return;
-        const bool of_interface = probe.watch == ProbeOptions::Watch::interface;
-        std::vector<std::string> bodies;
-        for (Index t = 0; t < mesh_.n_triangles() && !mesh_.parts.empty(); ++t)
-            if (in_triangle(mesh_, t, probe.at) && (bodies.empty() || bodies.back() != body_of(t).name))
-                bodies.push_back(body_of(t).name);
-        if (bodies.size() > 1 && !of_interface)
-            add(item("probe", i) + ".at", "ambiguous",
-                "probe `" + probe.name + "` at " + place_text(probe.at) + " lies on bodies " + joined(bodies, " and ") +
-                    ": the mean of their motions is written",
-                "move it into one of them");
-        if (in_mesh(mesh_, probe.at)) return;
-        double nearest = infinity, edge_length = 0;
-        for (const BoundaryEdge& edge : mesh_.boundary_edges) {
-            const Vec2 a = mesh_.corner(edge.triangle, edge.side), b = mesh_.corner(edge.triangle, (edge.side + 1) % 3);
-            const double distance = distance_to_segment(a, b, probe.at);
-            if (distance < nearest) nearest = distance, edge_length = (b - a).norm();
-        }
-        if (nearest <= 0.1 * edge_length) return;  // on a curve that the mesh follows by straight edges
-        add(item("probe", i) + ".at", "outside",
-            "probe `" + probe.name + "` at " + place_text(probe.at) + " lies outside the body, " +
-                formatted("%.6g m", nearest) + " from its boundary: the nearest " +
-                (of_interface ? "interface" : "vertex") + " is used",
-            "the body extends " + extent_text(box_));
-    }
-
     const Body& body_of(Index triangle) const {
         const auto part = std::ranges::find_if(
             mesh_.parts, [&](const MeshPart& p) { return triangle < p.first_triangle + p.n_triangles; });
@@ -421,6 +392,7 @@ private:
 
 std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model) {
     Warnings warnings(read, model);
+    warnings.found = findings_of_probes(read, model);
     warnings.on_places();
     return std::move(warnings.found);
 }
@@ -432,6 +404,7 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_heat(plan.limits.largest);
     warnings.on_jumps(plan.limits.largest);
     warnings.on_rotation();
+    std::ranges::move(findings_of_probes(read, model), std::back_inserter(warnings.found));
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);

@@ -236,7 +236,7 @@ void Run::adapt(const std::optional<Vec2>& also) {
             next_ = {}, return_freed_memory();  // two models need memory
             AdaptedModel refined = adaptation_.refine(setup_.model, now_, std::move(*mesh), also);
             setup_.model = std::move(refined.model), now_ = std::move(refined.state);
-            recorder_.after_adaptation(now_, refined.numbers, refined.energies);
+            log_.add(probes_text(recorder_.after_adaptation(now_, refined.numbers, refined.energies)));
         });
     adaptation_.took(watch.cpu());
     report(adaptation_.take_warning());
@@ -330,31 +330,30 @@ void Run::finish() {
     if (complete && !over) record_.ended = "rest";
     recorder_.finish(now_, record_.status == "failed" || !record_.ended.empty());
     report_warnings();
+    record_.summary = summarise(setup_.model, now_, recorder_);
     for (const std::string& warning :
          {missing_text(recorder_.missing_files()), not_dumped_text(setup_.options.dump_lcp, first_step_, now_.n_steps),
-          over && recorder_.rest() && !recorder_.at_rest() ? not_at_rest_text(time_end) : ""}) {
+          over && recorder_.rest() && !recorder_.at_rest() ? not_at_rest_text(time_end) : "",
+          complete ? not_failed_text(setup_.scenario, record_.summary, recorder_.n_breaks()) : ""}) {
         report(warning);
         if (!warning.empty()) record_.warnings.push_back(warning.substr(0, warning.size() - 1));
     }
     for (const auto& [gate, text] : recorder_.gates().warnings())
         record_.warnings.push_back(text.substr(0, text.size() - 1));
-    record_.steps = now_.n_steps, record_.time = now_.time;
+    record_.steps = now_.n_steps, record_.time = now_.time, record_.factor = stepper_->factor_size();
     record_.set_counts(recorder_.ledger().worst(), control_);
-    record_.factor = stepper_->factor_size();
-    record_.triangles = setup_.model.mesh.n_triangles();
+    record_.triangles = setup_.model.mesh.n_triangles(), record_.triangle_steps = triangle_steps_;
     record_.interfaces = static_cast<Index>(setup_.model.interfaces.size());
-    record_.triangle_steps = triangle_steps_;
     if (const double size = setup_.scenario.adapt.size; setup_.scenario.adapt.active()) {
         const double n = n_triangles_of(recorder_.deformation().body_area(), size), steps = now_.n_steps;
         record_.adaptation = adaptation_.counts(setup_.model, now_);
         record_.adaptation_gain = adaptation_.stays_coarse() ? NAN : n * steps / triangle_steps_;
     }
-    record_.summary = summarise(setup_.model, now_, recorder_);
     record_.gates = recorder_.gates().gates();
     if (record_.status == "done" && complete)
         record_.expect = judge_expectations(setup_.scenario.expect, record_.summary, record_.rayleigh_speed);
     if (record_.status == "failed") record_.n_not_judged = setup_.scenario.expect.size();
-    record_.figures = recorder_.figures();
+    record_.figures = recorder_.figures(), record_.probes = recorder_.probes().subjects();
     record_.output = recorder_.time();
     record_.spent = spent(), record_.spent.steps = stepping_time;
     write_whole_file(setup_.directory / "run.json", run_json(record_), true);
@@ -417,7 +416,8 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     const InterruptGuard guard;  // from here on the run ends with complete files
     RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter);
     try {
-        if (!place.resumes()) place.log().add(warnings + random_sets_text(scenario));
+        if (!place.resumes())
+            place.log().add(warnings + random_sets_text(scenario) + probes_text(model, scenario.probes));
         std::optional<StartState> other;
         if (const NamedFile* file = scenario.start_file(); file != nullptr && !place.resumes()) {
             other.emplace(file->bytes, scenario, model, excavations, adaptation);

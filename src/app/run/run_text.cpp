@@ -150,6 +150,15 @@ std::string not_at_rest_text(double end) {
         end);
 }
 
+std::string not_failed_text(const Scenario& scenario, const Summary& summary, Index n_breaks) {
+    const bool can_break = std::ranges::any_of(scenario.laws, [](const NamedLaw& law) { return law.law.breakable(); });
+    const double peak = summary["peak_stress"];
+    if (!scenario.specimen || !can_break || !(peak > 0) || !std::isnan(summary["strength"])) return "";
+    return formatted("warning[no-strength]: the specimen did not fail: %s, so peak_stress = %s is no strength\n",
+                     n_breaks == 0 ? "nothing broke" : "its stress has not fallen by 5 % while interfaces broke",
+                     shown_text(peak, "Pa", 6).c_str());
+}
+
 std::string scheme_text(const TimeOptions& time, bool is_viscous) {
     const SchemeOptions& scheme = time.scheme;
     const char* const beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
@@ -166,6 +175,17 @@ std::string scheme_text(const TimeOptions& time, bool is_viscous) {
             scheme.theta, name_of(scheme.mass), time.start_in_equilibrium ? ", from equilibrium" : "", beta);
     return formatted("explicit lumped bulk, %s; one exact problem per vertex that may open%s%s", beta,
                      scheme.damping > 0 ? "; mass-proportional damping" : "", is_viscous ? "; bulk viscosity" : "");
+}
+
+std::string probes_text(const std::vector<ProbeSubject>& subjects) {
+    std::string text;
+    for (const ProbeSubject& subject : subjects)
+        text += "  probe `" + subject.probe + "` watches " + text_of(subject) + "\n";
+    return text;
+}
+
+std::string probes_text(const Model& model, const std::vector<ProbeOptions>& probes) {
+    return probes_text(Probes(model, probes).subjects());
 }
 
 std::string end_of_run(const RunRecord& record, const std::filesystem::path& directory) {

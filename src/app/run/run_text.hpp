@@ -19,6 +19,10 @@ std::string quiet_text(double time);
 /// Why a run cannot continue with any step allowed, where, when, and what to change. `smallest` [s].
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest);
 
+/// What probes watch, a line each, as knap check and the log say it.
+std::string probes_text(const std::vector<ProbeSubject>& subjects);
+std::string probes_text(const Model& model, const std::vector<ProbeOptions>& probes);
+
 /// Warning about files of this run that no longer exist; empty where all exist.
 std::string missing_text(const std::vector<std::string>& files);
 
@@ -33,6 +37,9 @@ std::string violated_text(const Gates& gates, const State& now, const Vec2& fast
 
 /// Warning: the simulated time, to `end` [s], was over before the body came to rest.
 std::string not_at_rest_text(double end);
+
+/// Warning: a specimen whose interfaces can break has not failed: its largest stress is no strength; else empty.
+std::string not_failed_text(const Scenario& scenario, const Summary& summary, Index n_breaks);
 
 /// The methods of bulk and cohesion.
 std::string scheme_text(const TimeOptions& time, bool is_viscous);

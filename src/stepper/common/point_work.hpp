@@ -11,6 +11,7 @@
 #include "model/model.hpp"
 #include "stepper/common/step_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace knap {
@@ -22,12 +23,15 @@ struct ContactWork {
     double rate_N, rate_T;     // [m/s] with which they work
     double rate_error;         // [m/s] of these rates, by rounding and the residual
     double opening;            // [m] u_N at the end of the step
+    double cohesive = 0;       // [N s] pull of the cohesion along N, which a part of `contact` balances
 };
 
 inline void account_contact(const ContactWork& at, StepReport& report) {
     const double impact = at.contact * at.rate_N, friction = at.friction * at.rate_T;
     report.impact_work += impact;
     report.friction_work += friction;
+    if (at.cohesive > 0 && at.contact > 0)
+        report.cohesive_friction_work += friction * std::min(1.0, at.cohesive / at.contact);
     report.worst_impact_work = std::max(report.worst_impact_work, impact - at.rate_error * at.contact);
     report.worst_friction_work = std::max(report.worst_friction_work, friction - at.rate_error * std::abs(at.friction));
     report.penetration = std::max(report.penetration, -at.opening);

@@ -41,7 +41,8 @@ struct StepReport {
     double crossing_loss = 0;      // part of cohesive_work: lost where a slip changes its sign within a step
     double impact_work = 0;        // <= 0
     double friction_work = 0;      // <= 0
-    double step_change_work = 0;   // of a change of the step size in the leapfrog energy
+    double cohesive_friction_work = 0;  // <= 0: its part without contact pressure, on what balances the cohesion
+    double step_change_work = 0;        // of a change of the step size in the leapfrog energy
     double contact_injection = 0;  // >= 0: positive works of contacts between free faces, by the residual of their laws
     double rotation_work = 0;      // defect of the elastic energy in the leapfrog energy, of large rotations
     double damping_work = 0;       // <= 0: of mass-proportional damping
@@ -95,6 +96,7 @@ struct StepReport {
                                          &R::crossing_loss,
                                          &R::impact_work,
                                          &R::friction_work,
+                                         &R::cohesive_friction_work,
                                          &R::step_change_work,
                                          &R::scheme_dissipation,
                                          &R::rotation_work,

@@ -379,7 +379,14 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         } else {
             obstacles_.impulse[&contacts[i - fan.n_points] - obstacles_.contacts.all().data()] = found.impulse;
         }
-        account_contact({found.contact, found.friction_part, mean_N, mean_T, rate_error, u_N}, report);
+        account_contact({.contact = found.contact,
+                         .friction = found.friction_part,
+                         .rate_N = mean_N,
+                         .rate_T = mean_T,
+                         .rate_error = rate_error,
+                         .opening = u_N,
+                         .cohesive = found.borne},
+                        report);
     }
 }
 

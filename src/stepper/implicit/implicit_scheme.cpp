@@ -68,7 +68,6 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     bulk_.begin_step(step_);
     obstacles_.begin_theta(begin, h, step_.theta);
     contacts_.find(begin, h, obstacles_.rate(), {});
-
     // guesses: rates of the last step, since velocities oscillate with theta = 1/2; tractions of the last step
     const std::vector<Vec2>& rate = begin.rate.empty() ? begin.velocity : begin.rate;
     corner_rate_.clear();
@@ -351,7 +350,8 @@ void ImplicitScheme::account_points(StepReport& report) const {
                          .rate_N = w.x() / theta,
                          .rate_T = w.y() / theta,
                          .rate_error = (rate_rounding + report.residual) * solver_.unit() / (point.mass * theta),
-                         .opening = u_N},
+                         .opening = u_N,
+                         .cohesive = cohesive_N},
                         report);
         if (point.fan < 0) continue;
         if (law.ramp > 0) {  // secant unloading: the works of both components, where the slip changes its sign
