@@ -116,18 +116,19 @@ private:
     }
 
     /// The rank of an answer, whose status is set according to its residual.
-    Rank judge(LcpSolution& solution) const {
-        const double residual = scaled_residual(problem_, solution.z);
+    Rank judge(LcpSolution& solution) {
+        if (!scaling_) scaling_ = scaling_of(problem_), layout_ = cohesive_layout(problem_);
+        const double residual = scaled_residual(*scaling_, solution.z, solution.w);
         const bool inaccurate = !(residual <= max_scaled_residual);
         if (!inaccurate) solution.status = LcpStatus::solved;
         else if (solution.status == LcpStatus::solved) solution.status = LcpStatus::stalled;
-        const auto layout = inaccurate ? std::nullopt : cohesive_layout(problem_);
-        const bool spurious = layout && spurious_breaking(problem_, solution.z, *layout).n_spurious > 0;
+        const bool spurious =
+            !inaccurate && layout_ && spurious_breaking(problem_, *scaling_, solution.z, *layout_).n_spurious > 0;
         return {inaccurate, spurious, residual};
     }
 
     /// The residual of the box form is not strict where sweeps diverge. Within Assumption 1 no bond breaks spuriously.
-    bool is_accepted(const Eigen::VectorXd& x) const {
+    bool is_accepted(const Eigen::VectorXd& x) {
         if (!options_.exhaustive) return true;
         LcpSolution solution = result(LcpStatus::solved, x);
         const Rank rank = judge(solution);
@@ -175,6 +176,8 @@ private:
     const LcpOptions& options_;
     BoxLcp box_;
     bool can_sweep_;
+    std::optional<LcpScaling> scaling_;  // what judges need is found with the first answer
+    std::optional<CohesiveLayout> layout_;
     Eigen::VectorXd best_x_;
     double smallest_ = infinity;  // residual of best_x_ in the box form
     int count_ = 0;

@@ -15,9 +15,10 @@ constexpr int gauss_seidel_check_interval = 5;
 
 /// Row i of M x + q, and its entry in the column `other`.
 double row_value(const BoxLcp& box, int i, const Eigen::VectorXd& x, int other, double& entry) {
-    const int start = box.M.outerIndexPtr()[i], size = box.M.outerIndexPtr()[i + 1] - start;
-    const int* columns = box.M.innerIndexPtr() + start;
-    const double* values = box.M.valuePtr() + start;
+    const LcpRow row = row_of(box.M, i);
+    const int size = static_cast<int>(row.size());
+    const int* columns = row.columns.data();
+    const double* values = row.values.data();
     if (size > 0 && columns[size - 1] - columns[0] == size - 1) {  // without gaps, as in a dense matrix
         if (const int place = other - columns[0]; place >= 0 && place < size) entry = values[place];
         return box.q[i] + Eigen::Map<const Eigen::VectorXd>(values, size).dot(x.segment(columns[0], size));

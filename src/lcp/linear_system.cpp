@@ -18,8 +18,9 @@ LcpMatrix submatrix(const LcpMatrix& M, const std::vector<int>& indices) {
     A.reserve(M.nonZeros());
     for (int k = 0; k < size; ++k) {
         A.startVec(k);
-        for (LcpMatrix::InnerIterator entry(M, indices[k]); entry; ++entry)
-            if (place[entry.col()] >= 0) A.insertBack(k, place[entry.col()]) = entry.value();
+        const auto [columns, values] = row_of(M, indices[k]);
+        for (std::size_t e = 0; e < columns.size(); ++e)
+            if (place[columns[e]] >= 0) A.insertBack(k, place[columns[e]]) = values[e];
     }
     A.finalize();
     return A;

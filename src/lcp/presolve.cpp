@@ -12,42 +12,44 @@ namespace {
 constexpr double equal_numbers = 1e-13;  // relative difference of numbers that count as equal
 
 using Entries = std::vector<std::pair<int, double>>;  // index and value
+constexpr std::size_t max_entries = 3;                // of a row that states a bound, and of its column
 
-/// The entries of a row, or of a column of a column-major matrix; none where they are more than three.
-template <class Matrix>
-Entries few_entries(const Matrix& A, int k) {
+/// The entries of a row, or the first ones where it has more than three.
+Entries few_entries(const LcpMatrix& M, int row) {
     Entries entries;
-    if (A.outerIndexPtr()[k + 1] - A.outerIndexPtr()[k] > 3) return entries;
-    for (typename Matrix::InnerIterator entry(A, k); entry; ++entry) entries.emplace_back(entry.index(), entry.value());
+    const auto [columns, values] = row_of(M, row);
+    for (std::size_t e = 0; e < std::min(columns.size(), max_entries + 1); ++e)
+        entries.emplace_back(columns[e], values[e]);
     return entries;
 }
 
-/// Whether rows (or columns) i and j have the same pattern and opposite entries, apart from entry `ignored`.
-template <class Matrix>
-bool are_opposite(const Matrix& A, int i, int j, int ignored) {
+/// Whether rows i and j have the same pattern and opposite entries, apart from the column `ignored`.
+bool are_opposite_rows(const LcpMatrix& M, int i, int j, int ignored) {
+    const LcpRow a = row_of(M, i), b = row_of(M, j);
+    if (!std::ranges::equal(a.columns, b.columns)) return false;
     double scale = 0, largest_sum = 0;
-    typename Matrix::InnerIterator a(A, i), b(A, j);
-    for (; a && b; ++a, ++b) {
-        if (a.index() != b.index()) return false;
-        if (a.index() == ignored) continue;
-        scale = std::max(scale, std::abs(a.value()));
-        largest_sum = std::max(largest_sum, std::abs(a.value() + b.value()));
+    for (std::size_t e = 0; e < a.size(); ++e) {
+        if (a.columns[e] == ignored) continue;
+        scale = std::max(scale, std::abs(a.values[e]));
+        largest_sum = std::max(largest_sum, std::abs(a.values[e] + b.values[e]));
     }
-    return !a && !b && largest_sum <= equal_numbers * scale;
+    return largest_sum <= equal_numbers * scale;
 }
 
 bool equal(double a, double b) { return std::abs(a - b) <= equal_numbers * std::abs(a); }
 
-/// Finds the two patterns. Rows that fit neither stay as they are.
+/// Finds the two patterns. Rows that fit neither stay as they are. A dense matrix is read twice, and never transposed.
 class Patterns {
 public:
     explicit Patterns(const LcpProblem& problem)
-        : M_(problem.M), columns_(problem.M), q_(problem.q), role_(q_.size(), plain), unknown_of_(q_.size()) {
+        : M_(problem.M), q_(problem.q), role_(q_.size(), plain), unknown_of_(q_.size()) {
         for (int i = 0; i < q_.size(); ++i) unknown_of_[i] = {.row = i, .upper = infinity};
     }
 
     void recognise() {
-        for (int k = 0; k < q_.size(); ++k) recognise(k);
+        find_candidates();
+        for (const Candidate& candidate : candidates_) recognise(candidate);
+        undo_pairs_with_other_columns();
         undo_chains();
     }
 
@@ -67,14 +69,34 @@ public:
 private:
     enum Role : char { plain, first, second, slack };  // first: capped, or i of a pair
 
-    void recognise(int k) {
-        const Entries row = few_entries(M_, k), column = few_entries(columns_, k);
-        if (row.empty() || column.empty() || q_[k] < 0 || role_[k] != plain) return;
-        Entries negative, positive;
-        for (const auto& [j, value] : row) {
-            if (j == k) return;
-            (value < 0 ? negative : positive).emplace_back(j, value);
+    struct Candidate {
+        int k;  // may state a bound: has no diagonal entry, and at most three others
+        Entries row, column;
+    };
+
+    void find_candidates() {
+        std::vector<int> place(q_.size(), -1);
+        for (int k = 0; k < q_.size(); ++k) {
+            Entries row = few_entries(M_, k);
+            if (row.empty() || row.size() > max_entries || q_[k] < 0) continue;
+            if (std::ranges::any_of(row, [k](const auto& entry) { return entry.first == k; })) continue;
+            place[k] = static_cast<int>(candidates_.size());
+            candidates_.push_back({k, std::move(row), {}});
         }
+        if (candidates_.empty()) return;
+        for (int i = 0; i < q_.size(); ++i) {
+            const auto [columns, values] = row_of(M_, i);
+            for (std::size_t e = 0; e < columns.size(); ++e)
+                if (const int at = place[columns[e]]; at >= 0 && candidates_[at].column.size() <= max_entries)
+                    candidates_[at].column.emplace_back(i, values[e]);
+        }
+    }
+
+    void recognise(const Candidate& candidate) {
+        const auto& [k, row, column] = candidate;
+        if (column.empty() || column.size() > max_entries || role_[k] != plain) return;
+        Entries negative, positive;
+        for (const auto& [j, value] : row) (value < 0 ? negative : positive).emplace_back(j, value);
         if (negative.size() == 1 && positive.empty()) recognise_cap(k, negative[0].first, -negative[0].second, column);
         if (negative.size() == 2 && positive.size() <= 1 && equal(negative[0].second, negative[1].second))
             recognise_pair(k, negative[0].first, negative[1].first, -negative[0].second, positive, column);
@@ -98,13 +120,49 @@ private:
             else u.feeds = row, u.feed_factor = value, ++n_fed;
         if (!(u.slack_factor > 0) || !equal(u.slack_factor, factor_of_j) || n_fed > 1) return;
         if (std::abs(q_[i] + q_[j]) > equal_numbers * std::abs(q_[i])) return;
-        if (!are_opposite(M_, i, j, k) || !are_opposite(columns_, i, j, k)) return;
+        if (!are_opposite_rows(M_, i, j, k)) return;
         u.feed_factor /= u.slack_factor;
         if (!positive.empty()) u.bound_by = positive[0].first, u.bound_factor = positive[0].second / a;
         unknown_of_[i] = u;
         role_[i] = first;
         role_[j] = second;
         role_[k] = slack;
+    }
+
+    void undo(int i) {
+        const BoxUnknown u = unknown_of_[i];
+        for (const int row : {u.row, u.opposite, u.slack}) {
+            role_[row] = plain;
+            unknown_of_[row] = {.row = row, .upper = infinity};
+        }
+    }
+
+    bool is_pair(int i) const { return role_[i] == first && unknown_of_[i].two_sided; }
+
+    /// Undoes pairs whose columns i and j are not opposite, apart from the row of their bound.
+    void undo_pairs_with_other_columns() {
+        const auto n = q_.size();
+        std::vector<int> pair_of(n, -1), other(n, -1);  // of a column: i of its pair, and the other column
+        for (int i = 0; i < n; ++i) {
+            if (!is_pair(i)) continue;
+            const int j = unknown_of_[i].opposite;
+            pair_of[i] = pair_of[j] = i;
+            other[i] = j, other[j] = i;
+        }
+        Eigen::VectorXd scale = Eigen::VectorXd::Zero(n), largest_sum = scale, row = scale;
+        for (int r = 0; r < n; ++r) {
+            const auto [columns, values] = row_of(M_, r);
+            for (std::size_t e = 0; e < columns.size(); ++e) row[columns[e]] = values[e];
+            for (std::size_t e = 0; e < columns.size(); ++e) {
+                const int i = pair_of[columns[e]];
+                if (i < 0 || unknown_of_[i].slack == r) continue;
+                scale[i] = std::max(scale[i], std::abs(values[e]));
+                largest_sum[i] = std::max(largest_sum[i], std::abs(values[e] + row[other[columns[e]]]));
+            }
+            for (const int column : columns) row[column] = 0;
+        }
+        for (int i = 0; i < n; ++i)
+            if (is_pair(i) && largest_sum[i] > equal_numbers * scale[i]) undo(i);
     }
 
     /// A bound may depend on, and a slack may feed, only unknowns that are not two-sided themselves.
@@ -115,22 +173,18 @@ private:
         for (bool changed = true; changed;) {
             changed = false;
             for (int i = 0; i < q_.size(); ++i) {
-                const BoxUnknown u = unknown_of_[i];
-                if (role_[i] != first || !u.two_sided || (is_simple(u.bound_by) && is_simple(u.feeds))) continue;
-                for (const int row : {u.row, u.opposite, u.slack}) {
-                    role_[row] = plain;
-                    unknown_of_[row] = {.row = row, .upper = infinity};
-                }
+                if (!is_pair(i) || (is_simple(unknown_of_[i].bound_by) && is_simple(unknown_of_[i].feeds))) continue;
+                undo(i);
                 changed = true;
             }
         }
     }
 
     const LcpMatrix& M_;
-    const Eigen::SparseMatrix<double> columns_;
     const Eigen::VectorXd& q_;
     std::vector<Role> role_;
     std::vector<BoxUnknown> unknown_of_;
+    std::vector<Candidate> candidates_;
 };
 
 BoxLcp box_form(const LcpProblem& problem, bool eliminates_bounds) {

@@ -3,11 +3,25 @@
 // Complementarity Problem), and the arguments and results of every solver. The empty problem has the empty solution.
 #include <Eigen/SparseCore>
 
+#include <span>
 #include <string_view>
 
 namespace knap {
 
 using LcpMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// The entries of a row, with increasing columns. Loops over them take a quarter of the time of Eigen's iterators.
+struct LcpRow {
+    std::span<const int> columns;
+    std::span<const double> values;
+    std::size_t size() const { return columns.size(); }
+};
+
+inline LcpRow row_of(const LcpMatrix& M, int row) {
+    const int start = M.outerIndexPtr()[row];
+    const auto size = static_cast<std::size_t>(M.outerIndexPtr()[row + 1] - start);
+    return {{M.innerIndexPtr() + start, size}, {M.valuePtr() + start, size}};
+}
 
 struct LcpProblem {
     LcpMatrix M;        // [n, n]

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace knap {
 namespace {
@@ -15,12 +16,16 @@ constexpr double near_one = 1.5;        // largest entries between its inverse a
 /// The largest |entry| of D M D in each row or column of that number; 0 where there is none.
 Eigen::VectorXd largest_entries(const LcpMatrix& M, const Eigen::VectorXd& factor) {
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(M.rows());
-    for (int i = 0; i < M.outerSize(); ++i)
-        for (LcpMatrix::InnerIterator entry(M, i); entry; ++entry) {
-            const double size = std::abs(entry.value()) * factor[i] * factor[entry.col()];
-            largest[i] = std::max(largest[i], size);
-            largest[entry.col()] = std::max(largest[entry.col()], size);
+    for (int i = 0; i < M.outerSize(); ++i) {
+        const auto [columns, values] = row_of(M, i);
+        double largest_of_row = 0;
+        for (std::size_t e = 0; e < columns.size(); ++e) {
+            const double size = std::abs(values[e]) * factor[i] * factor[columns[e]];
+            largest_of_row = std::max(largest_of_row, size);
+            if (size > largest[columns[e]]) largest[columns[e]] = size;
         }
+        largest[i] = std::max(largest[i], largest_of_row);
+    }
     return largest;
 }
 
@@ -47,13 +52,25 @@ void follow_couplings(const LcpMatrix& M, Eigen::VectorXd& factor) {
     }
 }
 
+/// The entries in the rows and columns without a diagonal entry; most entries of M are elsewhere, and are not copied.
+LcpMatrix entries_of_bounds(const LcpMatrix& M, const Eigen::VectorXd& diagonal) {
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int i = 0; i < M.outerSize(); ++i) {
+        const auto [columns, values] = row_of(M, i);
+        for (std::size_t e = 0; e < columns.size(); ++e)
+            if (diagonal[i] == 0 || diagonal[columns[e]] == 0) entries.emplace_back(i, columns[e], values[e]);
+    }
+    LcpMatrix of_bounds(M.rows(), M.cols());
+    of_bounds.setFromTriplets(entries.begin(), entries.end());
+    return of_bounds;
+}
+
 /// The factors of rows without a diagonal entry, which are 0 at first: they start from their couplings to rows of known
 /// factor, so that other units give the same scaled problem, and are balanced with their largest entries. Rows that no
 /// coupling joins to a diagonal (the slip of a point whose two sides are prescribed, and its bound) start from their q.
 void scale_bounds(const LcpProblem& problem, const Eigen::VectorXd& diagonal, Eigen::VectorXd& factor) {
     const LcpMatrix& M = problem.M;
-    LcpMatrix of_bounds = M;  // their entries, in rows and columns
-    of_bounds.prune([&](int row, int column, double) { return diagonal[row] == 0 || diagonal[column] == 0; });
+    const LcpMatrix of_bounds = entries_of_bounds(M, diagonal);
     follow_couplings(of_bounds, factor);
     if ((factor.array() == 0).any()) {
         const double largest = problem.q.cwiseProduct(factor).cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1;
@@ -88,15 +105,19 @@ Eigen::VectorXd factors(const LcpProblem& problem) {
 
 }  // namespace
 
-LcpScaling equilibrate(LcpProblem& problem) {
+LcpScaling scaling_of(const LcpProblem& problem) {
     LcpScaling scaling{.factor = factors(problem)};
+    const double largest = problem.size() > 0 ? problem.q.cwiseProduct(scaling.factor).cwiseAbs().maxCoeff() : 0.0;
+    if (largest > 0) scaling.unit = power_of_two(largest);
+    return scaling;
+}
+
+LcpScaling equilibrate(LcpProblem& problem) {
+    LcpScaling scaling = scaling_of(problem);
     for (int i = 0; i < problem.M.outerSize(); ++i)
         for (LcpMatrix::InnerIterator entry(problem.M, i); entry; ++entry)
             entry.valueRef() *= scaling.factor[i] * scaling.factor[entry.col()];
-    problem.q.array() *= scaling.factor.array();
-    const double largest = problem.size() > 0 ? problem.q.cwiseAbs().maxCoeff() : 0.0;
-    if (largest > 0) scaling.unit = power_of_two(largest);
-    problem.q /= scaling.unit;
+    problem.q = scaling.scaled_w(problem.q);
     return scaling;
 }
 
@@ -106,10 +127,14 @@ double natural_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
     return (problem.M * z + problem.q).cwiseMin(z).cwiseAbs().maxCoeff();
 }
 
+double scaled_residual(const LcpScaling& scaling, const Eigen::VectorXd& z, const Eigen::VectorXd& w) {
+    if (!z.allFinite()) return infinity;
+    return z.size() > 0 ? scaling.scaled_w(w).cwiseMin(scaling.scaled_z(z)).cwiseAbs().maxCoeff() : 0;
+}
+
 double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z) {
     if (z.size() != problem.q.size()) return infinity;
-    LcpProblem scaled = problem;
-    return natural_residual(scaled, equilibrate(scaled).scaled_z(z));
+    return scaled_residual(scaling_of(problem), z, problem.M * z + problem.q);
 }
 
 }  // namespace knap

@@ -19,7 +19,10 @@ struct LcpScaling {
 
     Eigen::VectorXd original_z(const Eigen::VectorXd& scaled_z) const { return unit * factor.cwiseProduct(scaled_z); }
     Eigen::VectorXd scaled_z(const Eigen::VectorXd& z) const { return z.cwiseQuotient(factor) / unit; }
+    Eigen::VectorXd scaled_w(const Eigen::VectorXd& w) const { return w.cwiseProduct(factor) / unit; }
 };
+
+LcpScaling scaling_of(const LcpProblem& problem);
 
 /// Scales the problem in place.
 LcpScaling equilibrate(LcpProblem& problem);
@@ -28,7 +31,11 @@ LcpScaling equilibrate(LcpProblem& problem);
 double natural_residual(const LcpProblem& problem, const Eigen::VectorXd& z);
 
 /// The natural residual of the equilibrated problem, which depends neither on units nor on what a solver reports.
+/// As the factors are powers of two, it is found without the scaled problem.
 double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z);
+
+/// The same with the scaling of the problem and w = M z + q, for callers that judge several answers.
+double scaled_residual(const LcpScaling& scaling, const Eigen::VectorXd& z, const Eigen::VectorXd& w);
 
 inline constexpr double max_scaled_residual = 1e-10;  // of an answer that counts as a solution
 

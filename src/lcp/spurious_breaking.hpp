@@ -3,7 +3,7 @@
 // bounded from below only, so where a bond vanishes a large chi can pay for its breaking, with a residual of exactly
 // zero. Only for problems with the unknowns (m cohesive points, c contacts)
 //   [ S A (m) | S beta (m) | p_N (c) | p_T+, p_T- by point (2c) | theta zeta (c) | r_T+, r_T- by point (2m) | chi (m) ]
-#include "lcp/problem.hpp"
+#include "lcp/scaling.hpp"
 
 #include <optional>
 
@@ -31,5 +31,9 @@ struct SpuriousBreaking {
 /// load, or it was broken before. `tolerance`: of the equilibrated problem.
 SpuriousBreaking spurious_breaking(const LcpProblem& problem, const Eigen::VectorXd& z, const CohesiveLayout& layout,
                                    double tolerance = 1e-8);
+
+/// The same with the scaling of the problem.
+SpuriousBreaking spurious_breaking(const LcpProblem& problem, const LcpScaling& scaling, const Eigen::VectorXd& z,
+                                   const CohesiveLayout& layout, double tolerance = 1e-8);
 
 }  // namespace knap
