@@ -2,6 +2,7 @@
 
 #include "element/triangle_matrices.hpp"
 #include "stepper/common/elastic_energy.hpp"
+#include "stepper/common/point_work.hpp"
 #include "stepper/excavation.hpp"
 
 #include <climits>
@@ -34,6 +35,30 @@ constexpr EnergyTerm number(const char* name, const char* unit, const char* doc,
     return {{{name, unit, doc}, [](const EnergyRow& row) { return row.*member; }}, member, use};
 }
 
+/// What interfaces had consumed and stored before the start.
+StepReport surface_of(const Model& model, const State& state) {
+    StepReport sum;
+    for (std::size_t rank = 0; rank < state.split_fans.size(); ++rank) {
+        const auto points = model.points(model.fans[state.split_fans[rank]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const PointState& at = state.points[state.first_point[rank] + j];
+            if (points[j].cracked || at.cohesion == 1) continue;
+            const CohesiveLaw& law = law_of(model, state, points[j]);
+            const Vec2 u = opening(model, state, points[j].point);
+            const double s = law.equivalent_opening(u.x(), u.y());
+            account_cohesion(points[j], law,
+                             {.area = points[j].area,
+                              .before = at.cohesion,
+                              .after = at.cohesion,
+                              .opening = s,
+                              .at_works = s,
+                              .kappa = law.ramp(at.cohesion, at.largest_opening)},
+                             sum);
+        }
+    }
+    return sum;
+}
+
 enum CurveColour { blue, vermilion, green, orange, purple, sky };  // in the order of curve_colour()
 
 }  // namespace
@@ -47,6 +72,10 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
     start_energy_ = largest_energy_ = supplied_ = row_.kinetic + row_.strain;
+    const StepReport surface = surface_of(model, start);
+    row_.dissipated = surface.dissipated, row_.recoverable = surface.recoverable;
+    row_.interface_elastic = surface.interface_elastic;
+    start_surface_ = row_.surface();
 }
 
 void EnergyLedger::add(const State& end, const StepReport& report) {
@@ -68,7 +97,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     }
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.viscous_dissipation -
-                   row_.surface() - row_.excavated_recoverable;
+                   (row_.surface() - start_surface_) - row_.excavated_recoverable;
     largest_energy_ =
         std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable + row_.interface_elastic);

@@ -27,6 +27,7 @@
 //     excavated       kinetic and elastic energy of the regions that vanished, and the recoverable energy of their
 //                     interfaces; what these had dissipated remains in Psi
 //     viscous         dissipation of delayed softening: what points bear beyond their softening curve while beta falls
+//                     (a start in equilibrium may have damage: Psi at the start is no work, either)
 //     law lag         cohesive work + law change - crossing loss - viscous dissipation - Psi - excavated recoverable
 //                     energy: error of steps of finite size, in which the force and beta belong to different times
 //                     (staggering error of beta); it decreases with the step
@@ -188,13 +189,14 @@ public:
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
-        archive(start_energy_, excavated_dissipated_, consumed_change_, largest_energy_, largest_recoverable_,
-                largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_, n_steps_, row_,
-                worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_, kinetic_part_);
+        archive(start_energy_, start_surface_, excavated_dissipated_, consumed_change_, largest_energy_,
+                largest_recoverable_, largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_,
+                n_steps_, row_, worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_,
+                kinetic_part_);
     }
 
 private:
-    double start_energy_, largest_energy_,
+    double start_energy_, start_surface_, largest_energy_,
         largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0, law_lag_ = 0, largest_law_lag_ = 0,
         supplied_, smallest_mass_, weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
         largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0;

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <span>
 
 namespace knap {
@@ -131,111 +132,174 @@ std::vector<Vec2> forces_on_corners(const Model& model, const State& state) {
     return force;
 }
 
+/// What may happen to interfaces on the way.
+enum class Interfaces {
+    intact,    // nothing loses cohesion, or the search ends
+    glued,     // what has cohesion holds, however strong the forces
+    softening  // cohesion falls where the forces exceed it, as long as the body is stable
+};
+
+/// The model without large rotations, in whose place forces on its corners correct those of small ones.
+struct Still {
+    Still(const Model& turned, MassMatrix mass, Interfaces interfaces)
+        : model(turned),
+          scheme(model, {.bulk = BulkScheme::implicit_theta,
+                         .cohesion = interfaces == Interfaces::softening ? CohesionScheme::implicit_beta
+                                                                         : CohesionScheme::explicit_beta,
+                         .theta = 1,
+                         .mass = mass,
+                         .respect_assumption_1 = interfaces == Interfaces::softening}) {
+        scheme.leave_free_motions();
+        model.large_rotation = false;
+        for (CohesiveLaw& law : model.laws)
+            if (interfaces == Interfaces::glued && law.sigma_c > 0) law.sigma_c = infinity;
+        if (interfaces == Interfaces::glued) model.laws_follow_temperature = false;
+        if (!turned.large_rotation) return;
+        model.histories.push_back({.time = {0}, .value = {1}});
+        for (CornerLoad& load : model.corner_loads) load.face_stress = -1;
+        for (Index c = 0; c < model.mesh.n_corners(); ++c)
+            model.corner_loads.push_back(
+                {.corner = c, .history = static_cast<Index>(model.histories.size()) - 1, .force = Vec2::Zero()});
+    }
+    Still(const Still&) = delete;  // the scheme refers to the model
+
+    Model model;
+    ImplicitScheme scheme;
+};
+
 class EquilibriumSearch {
 public:
     EquilibriumSearch(const Model& model, MassMatrix mass, double time)
-        : time_(time),
-          turned_(frozen(model, time)),
-          still_(turned_),
-          // nothing may soften, so Assumption 1 does not matter
-          scheme_(still_,
-                  {.bulk = BulkScheme::implicit_theta, .theta = 1, .mass = mass, .respect_assumption_1 = false}) {
-        still_.large_rotation = false;
-        if (!model.large_rotation) return;
-        still_.histories.push_back({.time = {0}, .value = {1}});
-        for (CornerLoad& load : still_.corner_loads) load.face_stress = -1;
-        for (Index c = 0; c < model.mesh.n_corners(); ++c)
-            still_.corner_loads.push_back(
-                {.corner = c, .history = static_cast<Index>(still_.histories.size()) - 1, .force = Vec2::Zero()});
-    }
+        : mass_(mass), time_(time), turned_(frozen(model, time)) {}
 
-    State find(State now) {
+    State find(const State& start) {
+        State now = start;
         stop(now);
-        fit_laws(still_, now);
-        find_still(now);
-        if (!turned_.large_rotation) return now;
-        // Large rotations: forces of small ones + (forces of large ones - forces of small ones) = 0, with the bracket
-        // of the last round. A round leaves the part of the error by which turning changes the stiffness.
-        double last = infinity;
-        for (int round = 0;; ++round) {
-            const double change = correct(now);
-            if (change <= in_equilibrium || (change <= accepted_residual && change > 0.5 * last)) return now;
-            if (round == max_rounds || !(change <= 2 * last))
-                no_equilibrium("the body turns or strains too far", place_of_largest_displacement(now));
-            last = change;
-            find_still(now);
-        }
+        fit_laws(turned_, now);
+        const State unloaded = now;
+        if (settle(Interfaces::intact, now)) return now;
+        // On the way to the equilibrium forces are other than in it: first the forces of what holds altogether, then
+        // the damage that they do.
+        now = unloaded;
+        settle(Interfaces::glued, now);
+        settle(Interfaces::softening, now);
+        return now;
     }
 
 private:
-    [[noreturn]] void no_equilibrium(const char* reason, const Vec2& where) const {
-        throw SimulationError(formatted("no equilibrium under the loads at t = %.6g s: %s, at ", time_, reason) +
-                              place_text(where));
+    [[noreturn]] void no_equilibrium(const std::string& reason, const Vec2& where) const {
+        throw SimulationError(
+            formatted("no equilibrium under the loads at t = %.6g s: %s, at ", time_, reason.c_str()) +
+            place_text(where));
     }
 
     Vec2 place_of_largest_displacement(const State& state) const {
         Index farthest = 0;
-        for (Index c = 0; c < still_.mesh.n_corners(); ++c)
+        for (Index c = 0; c < turned_.mesh.n_corners(); ++c)
             if (state.displacement_of(c).norm() > state.displacement_of(farthest).norm()) farthest = c;
-        return still_.mesh.corner(farthest);
+        return turned_.mesh.corner(farthest);
     }
 
-    /// Renews the forces by which turning differs; returns their change, over the loads.
-    double correct(const State& now) {
-        const auto n = static_cast<std::size_t>(still_.mesh.n_corners());
-        const std::span<CornerLoad> corrections = std::span(still_.corner_loads).last(n);
-        const std::vector<Vec2> small = forces_on_corners(still_, now), large = forces_on_corners(turned_, now);
-        double change = 0;
-        for (std::size_t c = 0; c < n; ++c) {
-            const Vec2 lacks = large[c] - small[c];  // `small` has the last correction
-            change += lacks.norm();
-            corrections[c].force += lacks;
-        }
-        const double load = load_of(still_, now);
-        return load > 0 ? change / load : 0;
-    }
+    std::string unheld(const State& state, double acceleration, bool steps_are_small) const;
+    double correct(const State& now);
+    bool settle(Interfaces interfaces, State& now);
+    bool find_still(Interfaces interfaces, State& now);
 
-    void find_still(State& now);
-
+    MassMatrix mass_;
     double time_;
-    Model turned_, still_;
-    ImplicitScheme scheme_;
+    Model turned_;
+    std::unique_ptr<Still> still_;
 };
 
+/// From `now` on. False: an interface that was to stay intact loses cohesion.
+bool EquilibriumSearch::settle(Interfaces interfaces, State& now) {
+    auto still = std::make_unique<Still>(turned_, mass_, interfaces);
+    if (still_ && interfaces == Interfaces::softening) still->model.corner_loads = still_->model.corner_loads;
+    still_ = std::move(still);
+    if (!find_still(interfaces, now)) return false;
+    if (!turned_.large_rotation) return true;
+    // Large rotations: forces of small ones + (forces of large ones - forces of small ones) = 0, with the bracket
+    // of the last round. A round leaves the part of the error by which turning changes the stiffness.
+    double last = infinity;
+    for (int round = 0;; ++round) {
+        const double change = correct(now);
+        if (change <= in_equilibrium || (change <= accepted_residual && change > 0.5 * last)) return true;
+        if (round == max_rounds || !(change <= 2 * last))
+            no_equilibrium("the body turns or strains too far", place_of_largest_displacement(now));
+        last = change;
+        if (!find_still(interfaces, now)) return false;
+    }
+}
+
+/// Renews the forces by which turning differs; returns their change, over the loads.
+double EquilibriumSearch::correct(const State& now) {
+    const auto n = static_cast<std::size_t>(turned_.mesh.n_corners());
+    const std::span<CornerLoad> corrections = std::span(still_->model.corner_loads).last(n);
+    const std::vector<Vec2> small = forces_on_corners(still_->model, now), large = forces_on_corners(turned_, now);
+    double change = 0;
+    for (std::size_t c = 0; c < n; ++c) {
+        const Vec2 lacks = large[c] - small[c];  // `small` has the last correction
+        change += lacks.norm();
+        corrections[c].force += lacks;
+    }
+    const double load = load_of(still_->model, now);
+    return load > 0 ? change / load : 0;
+}
+
+/// Why a body moves away.
+std::string EquilibriumSearch::unheld(const State& state, double acceleration, bool steps_are_small) const {
+    const bool meets = !state.face_contacts.empty() || std::ranges::any_of(state.points, [](const PointState& point) {
+        return point.traction.x() > 0;
+    }) || std::ranges::any_of(state.obstacles, [](const ObstacleState& o) { return !o.reaction.isZero(0); });
+    const char* const bends = steps_are_small ? ", or it bends too far for steps that are solved" : "";
+    if (!meets) return std::string("nothing holds the body, it would move away") + bends;
+    return formatted("contact and friction do not hold the body, it would move away with %.3g m/s2%s", acceleration,
+                     bends);
+}
+
 /// With small rotations, from `now` on.
-void EquilibriumSearch::find_still(State& now) {
-    const double passage = passage_time(still_);
+bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
+    const Model& model = still_->model;
+    const double passage = passage_time(model);
     State next;
-    double h = first_step * passage, part = 1;  // of the loads, carried by inertia
-    int patience = 2, wait = 0;                 // steps without growth after a rejection
+    // what is in equilibrium but for its damage needs the largest step, whose solution depends on no way
+    double h = (interfaces == Interfaces::softening ? last_step : first_step) * passage;
+    double part = 1;             // of the loads, carried by inertia
+    int patience = 2, wait = 0;  // steps without growth after a rejection
+    bool once_more = false;
     for (int step = 0; part > in_equilibrium; ++step) {
         next.temperature = now.temperature;
-        const StepReport report = scheme_.step(now, h, next);
+        const StepReport report = still_->scheme.step(now, h, next);
         const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;
-        const Inertia inertia = rejected ? Inertia{} : inertia_of(still_, next, h);
-        const double load = rejected ? 0 : load_of(still_, next), after = load > 0 ? inertia.force / load : 0;
+        const Inertia inertia = rejected ? Inertia{} : inertia_of(model, next, h);
+        const double load = rejected ? 0 : load_of(model, next), after = load > 0 ? inertia.force / load : 0;
+        if (report.rejection == Rejection::assumption_1)
+            no_equilibrium("the preload is more than the interfaces hold", report.where);
         if (rejected || (after > jammed * part && !smallest)) {
-            if ((rejected && smallest) || step == max_steps)
+            if ((rejected && smallest && once_more) || step == max_steps)
                 no_equilibrium("contact and friction do not settle", report.where);
-            h /= growth;
+            // no size was solved: which ones are depends on where friction cycles, so others are tried from above
+            if (rejected && smallest) once_more = true, h = last_step * passage;
+            else h /= once_more ? std::sqrt(growth) : growth;
             wait = patience *= 2;
             continue;
         }
-        if (report.softened > 0)
-            no_equilibrium("the preload is more than the interfaces hold", place_of_damage(still_, now, next));
+        if (report.softened > 0 && interfaces == Interfaces::intact) return false;
         const bool stalled = after > stays * part;
         part = after;
         std::swap(now, next);
+        const double acceleration = now.velocity[now.node_of_corner[inertia.fastest]].norm() / h;
         stop(now);
         if (stalled && part <= accepted_residual) break;
         const double largest = wait > 0 ? h : last_step * passage;
         if ((stalled && h >= largest) || step == max_steps)
-            no_equilibrium(wait > 0 ? "nothing holds the body, or it bends too far for steps that are solved"
-                                    : "nothing holds the body, it would move away",
-                           still_.mesh.corner(inertia.fastest));
+            no_equilibrium(interfaces == Interfaces::softening ? "the preload is more than the interfaces hold"
+                                                               : unheld(now, acceleration, wait > 0),
+                           model.mesh.corner(inertia.fastest));
         h = std::min(growth * h, largest);
         wait = std::max(0, wait - 1);
     }
+    return true;
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ namespace knap {
 /// Static equilibrium under the loads and prescribed displacements at start.time (prescribed velocities: zero), with
 /// all interfaces bonded. Velocities stay those of `start`. Throws SimulationError where cohesion would fall, where the
 /// supports do not hold a body, where contact and friction find no equilibrium, and (large rotations) where the body
-/// turns too far for a search that begins with small rotations. Contacts of free faces do not hold anything here.
+/// turns too far for a search that begins with small rotations. State::face_contacts get forces [N]: there was no step.
 void start_in_equilibrium(const Model& model, MassMatrix mass, State& start);
 
 }  // namespace knap

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace knap {
 namespace {
@@ -65,12 +66,25 @@ Diagnostic described(const ReadResult& read, const Contradiction& c) {
 
 // ---- bodies without support
 
-/// Bodies: triangles connected by interfaces, cracked or not, since contact may hold a cracked one.
+/// Bodies: triangles connected by interfaces, cracked or not, since contact may hold a cracked one. With contact
+/// between free faces also those whose boxes meet: whether they hold each other shows the search of the equilibrium.
 std::vector<Index> bodies_of(const Model& model) {
-    UnionFind bodies(model.mesh.triangles.size());
-    for (const InteriorEdge& edge : model.mesh.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
-    std::vector<Index> body(model.mesh.n_triangles());
-    for (Index t = 0; t < model.mesh.n_triangles(); ++t) body[t] = bodies.find(t);
+    const Mesh& mesh = model.mesh;
+    UnionFind bodies(mesh.triangles.size());
+    for (const InteriorEdge& edge : mesh.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
+    std::map<Index, Box> boxes;
+    for (Index t = 0; t < mesh.n_triangles() && !model.contact_of_pair.empty(); ++t) {
+        Box box = bounding_box({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
+        const Vec2 near = Vec2::Constant(1e-3 * box.diagonal());  // as far as FaceContacts reaches
+        box = {box.low - near, box.high + near};
+        const auto [found, is_new] = boxes.try_emplace(bodies.find(t), box);
+        if (!is_new) found->second = {found->second.low.cwiseMin(box.low), found->second.high.cwiseMax(box.high)};
+    }
+    for (auto a = boxes.begin(); a != boxes.end(); ++a)
+        for (auto b = std::next(a); b != boxes.end(); ++b)
+            if (a->second.meets(b->second)) bodies.join(a->first, b->first);
+    std::vector<Index> body(mesh.n_triangles());
+    for (Index t = 0; t < mesh.n_triangles(); ++t) body[t] = bodies.find(t);
     return body;
 }
 
@@ -125,6 +139,7 @@ Balance balance_of(const Model& model, const std::vector<Index>& body, Index whi
 
 void refuse_unheld_body(const ReadResult& read, const Model& model) {
     if (!read.scenario.time.start_in_equilibrium || !model.obstacles.empty()) return;  // obstacles may hold it
+    if (!model.contact_of_pair.empty() && !model.ground.vertices.empty()) return;      // so may the ground
     const std::vector<Index> body = bodies_of(model);
     std::vector<char> supported(body.size(), 0);
     for (const Interface& interface : model.interfaces)

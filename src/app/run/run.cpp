@@ -192,8 +192,7 @@ void Run::report(const std::string& warning) {
     log_.add(warning);
 }
 
-/// Each gate warns once in a run.
-void Run::report_warnings() {
+void Run::report_warnings() {  // each gate warns once in a run
     for (const Gate* gate : recorder_.gates().new_warnings()) {
         const std::string text = warning_text(*gate, now_);
         report(text);
@@ -284,6 +283,7 @@ void Run::count(const StepReport& report) {
 void Run::step_to_end() {
     progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_);
     stepping_ = Stopwatch();
+    if (now_.n_steps == 0) report(start_damage_text(setup_.model, now_));
     const std::vector<double>& states = setup_.scenario.output.states;
     while (n_states_ < states.size() && StepControl::has_reached(now_, states[n_states_])) ++n_states_;
     try {

@@ -143,6 +143,8 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
         try {
             stepper.start_in_equilibrium(loaded);
             start = std::move(loaded);
+            const std::string damage = start_damage_text(model, start);
+            if (!damage.empty()) record.warnings.push_back(damage.substr(0, damage.size() - 1));
         } catch (const SimulationError& error) {
             record.status = "failed";
             record.reason = error.what();
@@ -151,6 +153,27 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
     }
     stepper.begin(start);
     return start;
+}
+
+std::string start_damage_text(const Model& model, const State& start) {
+    int n = 0;
+    double least = 1;
+    Vec2 where = Vec2::Zero();
+    for (std::size_t rank = 0; rank < start.split_fans.size(); ++rank) {
+        const auto points = model.points(model.fans[start.split_fans[rank]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const double beta = start.points[start.first_point[rank] + j].cohesion;
+            if (points[j].cracked || law_of(model, start, points[j]).sigma_c <= 0 || beta == 1) continue;
+            ++n;
+            if (beta < least) least = beta, where = model.mesh.corner(points[j].corner());
+        }
+    }
+    if (n == 0) return "";
+    return formatted(
+               "warning[start-damage]: in the equilibrium at t = %.6g s the forces exceed the strength of %d "
+               "interface points, which have softened until it held: the cohesion beta falls to %.3g at ",
+               start.time, n, least) +
+           place_text(where) + "\n";
 }
 
 std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step) {

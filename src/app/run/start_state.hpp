@@ -37,6 +37,9 @@ struct StartState {
 /// failed before its first step.
 State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record);
 
+/// A warning where the equilibrium took cohesion from interfaces, or nothing.
+std::string start_damage_text(const Model& model, const State& start);
+
 /// A warning for each prescribed displacement, and for the prescribed temperature, that does not begin where the other
 /// run was; `step` [s] is the first one.
 std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step);

@@ -72,11 +72,11 @@ void FaceContacts::read_boundary() {
     }
 }
 
-void FaceContacts::find(const State& begin, double h) {
+void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* corner_velocity) {
     contacts_.clear(), found_.clear(), refusal_.reset();
     const bool boundary_changed = boundary_.update(begin.retired);
     if (boundary_changed && boundary_.changed().empty()) complete_ = false;
-    if (boundary_.edges().empty() || !place_corners(begin, h, boundary_changed)) return;
+    if (boundary_.edges().empty() || !place_corners(begin, h, corner_velocity, boundary_changed)) return;
     if (blocks_.size() < nearby_.n_blocks()) blocks_.resize(nearby_.n_blocks());
     for_blocks(static_cast<std::ptrdiff_t>(nearby_.n_blocks()), [&](std::ptrdiff_t b) {
         Block& block = blocks_[b];
@@ -109,7 +109,7 @@ void FaceContacts::find(const State& begin, double h) {
 
 /// Positions and velocities of the ends of all free edges, and the search for nearby ones where they have moved too
 /// far. False, and a refusal, where a speed leaves nothing to find.
-bool FaceContacts::place_corners(const State& begin, double h, bool boundary_changed) {
+bool FaceContacts::place_corners(const State& begin, double h, const std::vector<Vec2>* rates, bool boundary_changed) {
     constexpr std::size_t block = 1024;
     if (!complete_) reference_.clear(), corners_.clear(), n_read_ = 0, longest_ = 0, total_ = 0, boundary_.sort();
     read_boundary();
@@ -121,8 +121,8 @@ bool FaceContacts::place_corners(const State& begin, double h, bool boundary_cha
             for (std::size_t k = first; k < last; ++k) {
                 const std::size_t c = k < ground ? k : k + n_ground;
                 const Index node = begin.node_of_corner[numbers[c]];
-                CornerMotion& at =
-                    corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = begin.velocity[node]};
+                const Vec2 v = rates ? (*rates)[numbers[c]] : begin.velocity[node];
+                CornerMotion& at = corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = v};
                 own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x) : 0,
                         .squared_speed = at.v.squaredNorm()};
             }
@@ -145,7 +145,7 @@ bool FaceContacts::place_corners(const State& begin, double h, bool boundary_cha
     }
     if (search && !boundary_.is_sorted()) {
         complete_ = false;
-        return place_corners(begin, h, boundary_changed);
+        return place_corners(begin, h, rates, boundary_changed);
     }
     if (search) {
         const double mean = total_ / static_cast<double>(boundary_.edges().size());

@@ -30,6 +30,19 @@ struct FaceContact {
                                   // iteration
 };
 
+/// That of the pair of materials; on a support that of its interface, whatever lies on it; of two faces of joints that
+/// of the joint, so that slip which leaves the points behind goes on with the same friction.
+inline ContactLaw law_between_faces(const Model& model, const FaceContact& contact) {
+    const auto of_interface = [&](Index law) -> ContactLaw {
+        return {.friction = model.laws[law].friction, .restitution = model.laws[law].restitution};
+    };
+    for (const Index corner : {contact.edge[0], contact.vertex[1]})
+        if (const GroundVertex* ground = model.ground_at(corner)) return of_interface(ground->law);
+    if (contact.joint_law >= 0) return of_interface(contact.joint_law);
+    const auto material = [&](Index corner) { return model.mesh.region[model.mesh.triangle_of(corner)]; };
+    return model.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
+}
+
 /// A contact whose step must be smaller.
 struct ContactRefusal {
     enum class Reason { speed, depth };
@@ -68,8 +81,9 @@ class FaceContacts {
 public:
     explicit FaceContacts(const Model& model);
 
-    /// Reads positions and velocities, State::retired and State::face_contacts.
-    void find(const State& begin, double h);
+    /// Reads positions and velocities, State::retired and State::face_contacts. `corner_velocity` [m/s, per corner]: in
+    /// place of those of the state.
+    void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr);
     /// In the order of (vertex, edge).
     std::span<const FaceContact> all() const { return contacts_; }
     /// Where the step moves a contact by more than 0.05 L, or else where one is deeper than 0.1 L: the worst place.
@@ -126,7 +140,7 @@ private:
     };
 
     void read_boundary();
-    bool place_corners(const State& begin, double h, bool boundary_changed);
+    bool place_corners(const State& begin, double h, const std::vector<Vec2>* corner_velocity, bool boundary_changed);
     void use_edges_of(std::size_t block);
     const CornerMotion& start_of(Index edge) const { return corners_[boundary_.edges()[edge].start_place]; }
     const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }

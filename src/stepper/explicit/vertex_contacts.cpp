@@ -71,8 +71,8 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     }
     const auto n = static_cast<Index>(contacts_.all().size());
     impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
-    // a lasting force has the impulse of its step
-    const double scale = step.begin.last_step > 0 ? step.kick_time / step.begin.last_step : 1;
+    // a lasting force has the impulse of its step; a start in equilibrium has forces
+    const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);
     for (Index i = 0; i < n; ++i) {
         add_terms(i);
         impulse_[i] = scale * Vec2(contacts_.all()[i].contact, contacts_.all()[i].tangential);
@@ -110,19 +110,6 @@ void VertexContacts::find_clusters() {
     for (std::size_t i = 0; i < n; ++i)
         clusters_[cluster(terms_of(i)[0].slot)].contacts.push_back(static_cast<Index>(i));
     for (std::size_t s = 0; s < fans_.size(); ++s) clusters_[cluster(s)].slots.push_back(s);
-}
-
-/// That of the pair of materials; on a support that of its interface, whatever lies on it; of two faces of joints that
-/// of the joint, so that slip which leaves the points behind goes on with the same friction.
-ContactLaw VertexContacts::law_between(const FaceContact& contact) const {
-    const auto of_interface = [&](Index law) -> ContactLaw {
-        return {.friction = model_.laws[law].friction, .restitution = model_.laws[law].restitution};
-    };
-    for (const Index corner : {contact.edge[0], contact.vertex[1]})
-        if (const GroundVertex* ground = model_.ground_at(corner)) return of_interface(ground->law);
-    if (contact.joint_law >= 0) return of_interface(contact.joint_law);
-    const auto material = [&](Index corner) { return model_.mesh.region[model_.mesh.triangle_of(corner)]; };
-    return model_.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
 }
 
 /// The parts of a fan move as rigid bodies: corners that points hold together which have not moved. Soft: a fan on a
@@ -292,7 +279,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         if (round > 0) assemble(cluster, step, more_soft, work);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
             const FaceContact& c = contacts_.all()[cluster.contacts[k]];
-            const ContactLaw law = law_between(c);
+            const ContactLaw law = law_between_faces(model_, c);
             problem.contact(k).law = contact_law(c.gap, before_[cluster.contacts[k]], law.friction, law.restitution,
                                                  step.drift_time, deep * c.length, merged * speed + error);
         }

@@ -90,7 +90,6 @@ private:
     std::span<const Term> terms_of(Index contact) const {
         return {terms_.data() + first_term_[contact], terms_.data() + first_term_[contact + 1]};
     }
-    ContactLaw law_between(const FaceContact& contact) const;
     Vec2 place_of_corner(Index corner, const State& state) const;  // [m]
 
     const Model& model_;

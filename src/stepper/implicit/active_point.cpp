@@ -39,10 +39,43 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     return made;
 }
 
+ActivePoint obstacle_point(const Model& model, const StepContext& step, const CornerPartition& nodes,
+                           const ObstacleContact& contact, const Vec3& obstacle_rate) {
+    const State& begin = *step.begin;
+    const Obstacle& obstacle = model.obstacles[contact.obstacle];
+    const Index node = nodes.node_of_corner[contact.corner];
+    const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
+               of_obstacle = velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+    double rate = contact.normal.dot(of_body - of_obstacle);
+    if (std::abs(rate) <= rate_rounding * (of_body.norm() + of_obstacle.norm())) rate = 0;  // no w meets such a bound
+    const bool led = obstacle.is_free() && contact.is_led_along(nodes.prescribed[node]);
+    ActivePoint made{
+        .sides = {.fan_point = -1,
+                  .before = -1,
+                  .after = node,
+                  .second_node = contact.is_on_edge() ? nodes.node_of_corner[contact.second_corner] : -1,
+                  .share = contact.share,
+                  .leaf_corner = contact.corner},
+        .normal = contact.normal,
+        .law = {.u_N = contact.gap,
+                .u_T = 0,
+                .strength = 0,
+                .cohesion = 0,
+                .material = &obstacle.contact,
+                .friction = led ? 0 : obstacle.contact.friction,
+                .contact = contact_bound_theta(contact.gap, rate, obstacle.contact.restitution, step.h, step.theta, 0),
+                .step = &step}};
+    made.support_rate = made.in_frame(velocity_at(obstacle_rate, contact));
+    apply_prescribed(nodes, made);
+    made.law.set_staircase();
+    return made;
+}
+
 void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
     std::array<bool, 2> prescribed{true, true}, along{false, false};  // x, y; N, T
     for (int k = 0; k < 2; ++k)
-        for (const Index node : {point.sides.before, point.sides.after, point.sides.second_node})
+        for (const Index node :
+             {point.sides.before, point.sides.after, point.sides.second_node, point.sides.before_too})
             prescribed[k] = prescribed[k] && nodes.is_prescribed(node, k);
     for (int k = 0; k < 2; ++k) {
         if (!prescribed[k]) continue;

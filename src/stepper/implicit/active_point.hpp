@@ -1,6 +1,7 @@
 #pragma once
 // An interface point of an active fan, or a contact with an obstacle, in the equations of an implicit step.
 #include "interface/point_law.hpp"
+#include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"
 
 #include <algorithm>
@@ -75,6 +76,12 @@ inline std::size_t end_of_fan(const std::vector<ActivePoint>& points, std::size_
 /// Of a fan, with its law over the step; all but its mass.
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
                             Index fan_point);
+
+/// Likewise a contact with an obstacle that moves with the rate `obstacle_rate` over the step.
+ActivePoint obstacle_point(const Model& model, const StepContext& step, const CornerPartition& nodes,
+                           const ObstacleContact& contact, const Vec3& obstacle_rate);
+
+constexpr double rate_rounding = 1e-14;  // of the rates
 
 /// Components (N, T) of its rate that are prescribed on all sides: no contact forms, and the rate alone decides
 /// friction.

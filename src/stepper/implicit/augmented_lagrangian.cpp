@@ -371,6 +371,13 @@ void AugmentedLagrangian::evaluate() {
     }
 }
 
+double AugmentedLagrangian::move_freely() {
+    evaluate();
+    const double largest = system_.move_freely(x_.points);
+    evaluate();
+    return largest;
+}
+
 void AugmentedLagrangian::sweep_fans() {
     if (matrix_.is_reduced()) return;
     fans_.sweep(0.1 * sweep_goal * unit_, x_.points, x_.rate, system_.impulse(), system_.residual());
@@ -378,7 +385,8 @@ void AugmentedLagrangian::sweep_fans() {
 }
 
 bool AugmentedLagrangian::find_direction() {
-    if (!newton_matrix_.factorise(x_.points, counts_.factorisations) || !system_.find_direction()) return false;
+    if (!newton_matrix_.factorise(x_.points, counts_.factorisations) || !system_.find_direction(x_.points))
+        return false;
     ++counts_.linear_solves;
     return true;
 }

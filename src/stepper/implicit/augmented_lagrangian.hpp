@@ -69,6 +69,11 @@ public:
     bool is_jammed() const { return n_jams_ >= max_jams; }
     Rejection rejection() const { return is_jammed() ? Rejection::jammed : Rejection::not_converged; }
 
+    /// Of the problems that follow (free_motions.hpp); null: none.
+    void use(FreeMotions* free) { system_.use(free), newton_matrix_.forget(); }
+    /// The motion along them whose balance the solution lacks: its largest rate [m/s].
+    double move_freely();
+
     void give_up_when(GiveUp condition) { given_up_ = condition; }
     const SolverCounts& counts() const { return counts_; }
     double unit() const { return unit_; }  // [N s] scale of the tolerances

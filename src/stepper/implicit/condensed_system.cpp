@@ -16,12 +16,13 @@ CondensedSystem::CondensedSystem(const Model& model, const ImplicitBulk& bulk, T
 void CondensedSystem::begin(const std::vector<ActivePoint>& points) {
     sides_.clear();
     for (const ActivePoint& point : points) sides_.push_back(point.sides);
-    if (points.size() < min_points) matrix_.set_all_near();
+    if (points.size() < min_points || free_) matrix_.set_all_near();
     else matrix_.set_near(sides_);
     forget();
 }
 
 bool CondensedSystem::begin_reduced(const std::vector<ActivePoint>& points) {
+    if (free_) return false;
     acting_.clear();
     for (const ActivePoint& point : points) {
         const bool both = point.fan >= 0 || point.law.friction > 0;
@@ -39,12 +40,13 @@ void CondensedSystem::evaluate() {
     if (!is_evaluated_) {
         bulk_.impulse(rate_, corner_impulse_);
         bulk_.sum_to_nodes(corner_impulse_, impulse_);
+        if (free_) free_->remove_resultants(rate_, impulse_);
     }
     is_evaluated_ = true;
     residual_ = impulse_;
 }
 
-bool CondensedSystem::find_direction() {
+bool CondensedSystem::find_direction(const std::vector<ActivePoint>& points) {
     right_side_.resize(rate_.size());
     if (!condensed_ && matrix_.has_far_nodes()) {
         for (const Index node : near_nodes()) residual_[node] -= impulse_[node];
@@ -57,7 +59,23 @@ bool CondensedSystem::find_direction() {
     for (const Index node : near_nodes()) right_side_[node] = -residual_[node];
     if (!matrix_.solve(right_side_, direction_)) return false;
     matrix_.bulk_part(right_side_, direction_, change_);
+    if (!free_ || !free_->find(points)) return true;
+    // the matrix has more mass, and nothing of the motion along N: M_hat d is short of M (d - mass_factor d before)
+    motion_.clear();
+    for (const Vec2& d : direction_) motion_.push_back(-matrix_.mass_factor() * d);
+    free_->complete(points, rate_, direction_);
+    for (std::size_t i = 0; i < motion_.size(); ++i) motion_[i] += direction_[i];
+    bulk_.momentum_of_nodes(motion_, change_);
     return true;
+}
+
+double CondensedSystem::move_freely(const std::vector<ActivePoint>& points) {
+    if (!free_->find(points)) return 0;
+    direction_.assign(rate_.size(), Vec2::Zero());
+    const double largest = free_->complete(points, rate_, direction_);
+    for (std::size_t i = 0; i < rate_.size(); ++i) rate_[i] += direction_[i];
+    forget();
+    return largest;
 }
 
 void CondensedSystem::step(double a) {

@@ -9,6 +9,7 @@
 // With few points nothing is eliminated, since every step then evaluates the body at little cost: 3 of 950 random
 // bodies, whose contacts are nearly redundant, were not solved with the rounding of a condensed balance.
 #include "stepper/implicit/active_point.hpp"
+#include "stepper/implicit/free_motions.hpp"
 #include "stepper/implicit/theta_matrix.hpp"
 
 namespace knap {
@@ -22,6 +23,10 @@ public:
     void begin(const std::vector<ActivePoint>& points);
     /// The same with a dense matrix on the nodes of the points alone. False: they are too many.
     bool begin_reduced(const std::vector<ActivePoint>& points);
+    /// Directions with these motions, and without condensation, from the next begin() on; null: none.
+    void use(FreeMotions* free) { free_ = free; }
+    /// The rates of all nodes, changed along them by what their balance lacks. Returns the largest change [m/s].
+    double move_freely(const std::vector<ActivePoint>& points);
     /// The rates have changed otherwise than by a step.
     void forget() { condensed_ = is_evaluated_ = false; }
     /// Only the near nodes are up to date.
@@ -30,7 +35,7 @@ public:
     /// residual() becomes what the bulk needs; the caller subtracts the impulses of the points.
     void evaluate();
     /// Newton's direction; the matrix is factorised. False: not found.
-    bool find_direction();
+    bool find_direction(const std::vector<ActivePoint>& points);
     void step(double a);
     /// The rates of all nodes.
     void complete();
@@ -56,12 +61,14 @@ private:
     ThetaMatrix& matrix_;
     std::vector<Vec2>& rate_;
     static constexpr std::size_t min_points = 16;
+    FreeMotions* free_ = nullptr;
     bool condensed_ = false;
     bool is_evaluated_ = false;  // r(w) of all nodes
     std::vector<PointSides> sides_;
     std::vector<ActingPoint> acting_;
     std::vector<Vec2> corner_impulse_, impulse_, residual_, right_side_, direction_, change_;
     std::vector<Vec2> condensed_at_;  // rates
+    std::vector<Vec2> motion_;        // [m/s] per node, with free_
 };
 
 }  // namespace knap

@@ -10,20 +10,23 @@
 
 namespace knap {
 
-/// The nodes on the two sides of an interface point, or of a contact with an obstacle, which is `before` there.
+/// The nodes on the two sides of an interface point; of a contact with an obstacle, which is `before` there; or of a
+/// contact between faces: a vertex, `before`, and a point of an edge.
 struct PointSides {
     Index fan_point;         // into Model::fan_points; -1: contact with an obstacle
     Index before, after;     // nodes; -1: the rigid support, or the obstacle
     Index second_node = -1;  // contact on an edge: the node of its second corner
     double share = 0;        // [-] of `second_node` in the motion of that contact
     Index leaf_corner = -1;  // contact: a corner of its triangle
+    Index before_too = -1;   // another node at the vertex, which moves with the mean of both
 
     /// visit(node, weight in the relative motion after - before)
     template <class Visit>
     void for_each_node(const Visit& visit) const {
         if (after >= 0) visit(after, 1 - share);
-        if (before >= 0) visit(before, -1.0);
+        if (before >= 0) visit(before, before_too >= 0 ? -0.5 : -1.0);
         if (second_node >= 0) visit(second_node, share);
+        if (before_too >= 0) visit(before_too, -0.5);
     }
     /// A force on `after`, and its reaction on `before`.
     void add_force(const Vec2& force, std::vector<Vec2>& of_node) const {
@@ -46,8 +49,9 @@ struct PointSides {
     }
     Vec2 jump(const std::vector<Vec2>& of_node) const {
         const auto at = [&](Index node) -> Vec2 { return node < 0 ? Vec2::Zero() : of_node[node]; };
-        if (second_node >= 0) return (1 - share) * at(after) + share * at(second_node) - at(before);
-        return at(after) - at(before);
+        const Vec2 vertex = before_too >= 0 ? Vec2(0.5 * (at(before) + at(before_too))) : at(before);
+        if (second_node >= 0) return (1 - share) * at(after) + share * at(second_node) - vertex;
+        return at(after) - vertex;
     }
     bool operator==(const PointSides&) const = default;
 };

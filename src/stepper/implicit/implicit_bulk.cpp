@@ -10,11 +10,11 @@
 
 namespace knap {
 
-ElementMatrix theta_element(const Model& model, Index t, double stiffness_factor, MassMatrix mass) {
+ElementMatrix theta_element(const Model& model, Index t, double stiffness_factor, MassMatrix mass, double mass_factor) {
     const Elastic& material = model.materials[model.mesh.region[t]];
     const ElementMatrix& shares = mass_matrix(model.mesh.order, mass);
     ElementMatrix M_hat = stiffness_factor * stiffness_matrix(model.mesh, t, material, model.plane, model.thickness);
-    const double m = model.triangle_mass(t);
+    const double m = mass_factor * model.triangle_mass(t);
     for (Index i = 0; i < shares.rows(); ++i)
         for (Index j = 0; j < shares.cols(); ++j)
             M_hat.block<2, 2>(2 * i, 2 * j).diagonal().array() += shares(i, j) * m;
@@ -30,7 +30,10 @@ ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass)
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         const Elastic& material = model.materials[model.mesh.region[t]];
         const ElementMatrix K = stiffness_matrix(model.mesh, t, material, model.plane, model.thickness);
-        for (Index k = 0; k < n; ++k) corner_stiffness_.push_back(0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1)));
+        for (Index k = 0; k < n; ++k) {
+            corner_stiffness_.push_back(0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1)));
+            largest_stiffness_ = std::max(largest_stiffness_, corner_stiffness_.back() * n / model.triangle_mass(t));
+        }
     }
     if (model.heat) thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness);
     load_.resize(model.mesh.n_corners());
@@ -141,21 +144,20 @@ void ImplicitBulk::for_triangles(const Work& work) const {
     });
 }
 
-template <class OfNode>
-void ImplicitBulk::add_mass_times(const OfNode& of_node, std::vector<Vec2>& of_corner) const {
-    const Index* node = nodes_->node_of_corner.data();
+template <class Velocity>
+void ImplicitBulk::add_mass_times(const Velocity& of_corner, std::vector<Vec2>& sum) const {
     const Index n = model_.mesh.corners_per_triangle();
     const ElementMatrix& shares = mass_matrix(model_.mesh.order, mass_);
     for_triangles([&](Index first, Index last) {
         if (mass_ == MassMatrix::lumped) {
-            for (Index c = n * first; c < n * last; ++c) of_corner[c] += model_.corner_mass[c] * of_node(node[c]);
+            for (Index c = n * first; c < n * last; ++c) sum[c] += model_.corner_mass[c] * of_corner(c);
             return;
         }
         for (Index t = first; t < last; ++t)
             for (Index j = 0; j < n; ++j) {
                 const double m = model_.triangle_mass(t);
-                const Vec2 a = of_node(node[n * t + j]);
-                for (Index i = 0; i < n; ++i) of_corner[n * t + i] += shares(i, j) * m * a;
+                const Vec2 a = of_corner(n * t + j);
+                for (Index i = 0; i < n; ++i) sum[n * t + i] += shares(i, j) * m * a;
             }
     });
 }
@@ -169,11 +171,32 @@ void ImplicitBulk::impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_
         for (Index c = n * first; c < n * last; ++c)
             of_corner[c] = -theta_h * (begin_force_[c] + theta_h * of_corner[c]);
     });
-    const auto change = [&](Index i) -> Vec2 {
-        if (!nodes_->prescribed[i][0] && !nodes_->prescribed[i][1]) return rate[i] - velocity_[i];
-        return step_->theta * (end_velocity(i, rate[i]) - velocity_[i]);
-    };
-    add_mass_times(change, of_corner);
+    const Index* node = nodes_->node_of_corner.data();
+    add_mass_times([&](Index c) { return change_of_velocity(node[c], rate[node[c]]); }, of_corner);
+}
+
+/// [m/s] theta (v+ - v)
+Vec2 ImplicitBulk::change_of_velocity(Index node, const Vec2& rate) const {
+    if (!nodes_->prescribed[node][0] && !nodes_->prescribed[node][1]) return rate - velocity_[node];
+    return step_->theta * (end_velocity(node, rate) - velocity_[node]);
+}
+
+void ImplicitBulk::momentum(const std::vector<Vec2>& velocity, std::vector<Vec2>& of_corner) const {
+    of_corner.assign(model_.mesh.n_corners(), Vec2::Zero());
+    add_mass_times([&](Index c) -> const Vec2& { return velocity[c]; }, of_corner);
+}
+
+void ImplicitBulk::momentum_of_nodes(const std::vector<Vec2>& velocity, std::vector<Vec2>& sum) const {
+    std::vector<Vec2> of_corner(model_.mesh.n_corners(), Vec2::Zero());
+    add_mass_times([&](Index c) -> const Vec2& { return velocity[nodes_->node_of_corner[c]]; }, of_corner);
+    for (std::size_t c = 0; c < of_corner.size(); ++c) sum[nodes_->node_of_corner[c]] += of_corner[c];
+}
+
+void ImplicitBulk::external_impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
+    of_corner.clear();
+    for (const Vec2& force : load_) of_corner.push_back(-step_->kick() * force);
+    const Index* node = nodes_->node_of_corner.data();
+    add_mass_times([&](Index c) { return change_of_velocity(node[c], rate[node[c]]); }, of_corner);
 }
 
 void ImplicitBulk::sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const {
@@ -193,7 +216,7 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
     const auto change = [&](Index i) -> Vec2 { return end(i) - velocity_[i]; };
     const auto momentum = [&](const auto& velocity) {  // of_corner = M velocity
         of_corner.assign(model_.mesh.n_corners(), Vec2::Zero());
-        add_mass_times(velocity, of_corner);
+        add_mass_times([&](Index c) -> Vec2 { return velocity(nodes_->node_of_corner[c]); }, of_corner);
     };
     const auto half_product = [&](const auto& value) {  // 1/2 of_corner . value
         double sum = 0;

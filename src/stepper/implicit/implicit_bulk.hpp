@@ -30,8 +30,9 @@ struct StepContext : ThetaStep {
     StepTimes times() const { return {.begin = begin->time, .h = h, .theta = theta}; }
 };
 
-/// M_hat of one triangle [kg]; `stiffness_factor` [s2]: theta^2 h^2.
-ElementMatrix theta_element(const Model& model, Index triangle, double stiffness_factor, MassMatrix mass);
+/// M_hat of one triangle [kg], of so many times its mass; `stiffness_factor` [s2]: theta^2 h^2.
+ElementMatrix theta_element(const Model& model, Index triangle, double stiffness_factor, MassMatrix mass,
+                            double mass_factor = 1);
 
 class ImplicitBulk {
 public:
@@ -45,8 +46,14 @@ public:
     void impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;  // [N s] r(w)
     void sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const;
 
-    Vec2 end_velocity(Index node, const Vec2& rate) const;       // [m/s] v+
-    double corner_inertia(Index corner) const;                   // [kg] mean of the diagonal of M_hat in its triangle
+    void momentum(const std::vector<Vec2>& velocity, std::vector<Vec2>& of_corner) const;     // [N s] M v, per corner
+    void momentum_of_nodes(const std::vector<Vec2>& velocity, std::vector<Vec2>& sum) const;  // adds M v, per node
+    /// [N s] Of r(w) what the body as a whole feels: without elastic and thermal forces.
+    void external_impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;
+
+    Vec2 end_velocity(Index node, const Vec2& rate) const;  // [m/s] v+
+    double corner_inertia(Index corner) const;              // [kg] mean of the diagonal of M_hat in its triangle
+    double largest_stiffness() const { return largest_stiffness_; }  // [1/s2] K_ii/M_ii of a corner
     double largest_impulse() const { return largest_impulse_; }  // [N s] of momenta and loads: the scale of rounding
     /// [N s] A hundredth of the largest term whose sum is (theta h)^2 K w: the same where few loads bend a body far.
     double largest_elastic_impulse(const std::vector<Vec2>& rate) const;
@@ -63,8 +70,9 @@ public:
 private:
     template <class Work>
     void for_triangles(const Work& work) const;
-    template <class OfNode>
-    void add_mass_times(const OfNode& of_node, std::vector<Vec2>& of_corner) const;
+    template <class Velocity>
+    void add_mass_times(const Velocity& of_corner, std::vector<Vec2>& sum) const;
+    Vec2 change_of_velocity(Index node, const Vec2& rate) const;
     double elastic_impulse(Index corner, double speed) const;
     void elastic_force(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
                        std::vector<Vec2>& of_corner) const;
@@ -82,6 +90,7 @@ private:
     std::vector<Vec2> velocity_;            // [m/s] v, per node
     std::vector<Vec2> prescribed_end_;      // [m/s] v+ of prescribed components, per node
     double begin_impulse_ = 0, largest_impulse_ = 0;
+    double largest_stiffness_ = 0;
 };
 
 }  // namespace knap

@@ -10,7 +10,6 @@
 namespace knap {
 namespace {
 
-constexpr double rate_rounding = 1e-14;  // of the rates
 constexpr int max_passes = 40;
 constexpr std::size_t max_lcp_points = 100;  // in the body: up to nine unknowns each, in a dense tableau at last
 // Over momenta, loads and strengths: a larger contact impulse is jammed and measures nothing else. Where a body that is
@@ -19,6 +18,9 @@ constexpr std::size_t max_lcp_points = 100;  // in the body: up to nine unknowns
 constexpr double max_pressing = 1e3;
 constexpr double obstacle_tolerance = 1e-12;        // of the largest impulse
 constexpr double max_energy_balance_error = 1e-11;  // of the energies; usual: 1e-15, tolerance of the balance: 1e-12
+constexpr int max_face_rounds = 5;                  // until no faces meet that were not found before
+constexpr int max_free_rounds = 2;
+constexpr double moved_freely = 1e-10;  // of the rates: less needs no other solution
 
 }  // namespace
 
@@ -31,18 +33,29 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       bond_check_(model),
       contacts_(model),
       obstacles_(model),
+      faces_(model),
+      free_motions_(model, bulk_),
+      sticking_rates_(model),
       active_point_of_(model.fan_points.size(), -1) {
     step_.theta = options.theta;
     step_.implicit_beta = options.cohesion == CohesionScheme::implicit_beta;
     reserve_capacity(model.mesh.n_corners(), x_.rate, node_inertia_);
     reserve_capacity(model.fan_points.size(), x_.points);
-    Index max_nodes = 0;  // of a fan, and the support
-    for (const Fan& fan : model.fans) max_nodes = std::max(max_nodes, fan.n_corners + 1);
-    clusters_.resize(max_nodes);
-    for (std::vector<Index>& cluster : clusters_) cluster.reserve(max_nodes);
 }
 
 StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
+    face_rate_.assign(model_.mesh.n_corners(), Vec2::Zero());
+    for (int round = 1;; ++round) {
+        StepReport report;
+        if (faces_.find(begin, h, face_rate_)) report = solve_step(begin, h, end);
+        else report.rejection = Rejection::contact_speed;
+        if (faces_.size() == 0 || report.rejection != Rejection::none || round == max_face_rounds) return report;
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c) face_rate_[c] = x_.rate[partition_.node_of_corner[c]];
+        if (!faces_.lacked(begin, h, face_rate_)) return report;
+    }
+}
+
+StepReport ImplicitScheme::solve_step(const State& begin, double h, State& end) {
     StepReport report;
     begin_step(begin, h, end.temperature);  // K u, F_theta, contacts with obstacles, first guesses
     solve_free_obstacles(report);           // rates of obstacles, each trial with a solution of the next line
@@ -50,7 +63,7 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
     if (report.rejection == Rejection::none && options_.respect_assumption_1 && solver_.violates_assumption_1())
         report.rejection = Rejection::assumption_1;
     if (report.rejection != Rejection::none) return rejected(report, report.rejection);
-    merge_sticking_rates();
+    sticking_rates_.merge(points_of_fans(), partition_, x_.rate);
     check_residual(report);
     if (report.residual > max_residual) return rejected(report, Rejection::not_converged);
     account_points(report);
@@ -65,6 +78,7 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     step_.begin = &begin;
     step_.end_temperature = std::move(end_temperature);
     step_.h = h;
+    moves_freely_ = false, solver_.use(nullptr);
     bulk_.begin_step(step_);
     obstacles_.begin_theta(begin, h, step_.theta);
     contacts_.find(begin, h, obstacles_.rate(), {});
@@ -73,7 +87,9 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     corner_rate_.clear();
     for (const Index node : begin.node_of_corner) corner_rate_.push_back(Vec2(rate[node]));
     active_.assign(model_.fans.size(), 0);
-    guess_.assign(model_.fan_points.size() + contacts_.all().size(), Vec2::Zero());
+    guess_.assign(model_.fan_points.size() + faces_.size() + contacts_.all().size(), Vec2::Zero());
+    for (std::size_t i = 0; i < faces_.size(); ++i)
+        guess_[model_.fan_points.size() + i] = step_.kick() * faces_.force_before(i);
     for (std::size_t rank = 0; rank < begin.split_fans.size(); ++rank) {
         const Fan& fan = model_.fans[begin.split_fans[rank]];
         active_[begin.split_fans[rank]] = 1;
@@ -100,7 +116,10 @@ void ImplicitScheme::solve_points(StepReport& report) {
         precision = Precision::preliminary;
         if (solved && activate_opening_fans(report)) ++pass;
         else if (solved && solver_.is_preliminary()) precision = Precision::full;
+        else if (solved && x_.points.empty() && needs_free_motions()) ++pass;
+        else if (solved && moves_freely_ && !move_freely()) ++pass;
         else if (solved) return void(report.fan_fallbacks += attempt == from_lemke);
+        else if (!solver_.is_jammed() && needs_free_motions()) attempt = thoroughly, ++pass;
         else if (attempt == thoroughly || solver_.is_jammed()) break;
         else {
             if (attempt == quickly) own_guess_ = {corner_rate_, active_, guess_};
@@ -124,8 +143,29 @@ void ImplicitScheme::solve_free_obstacles(StepReport& report) {
     report.rejection = Rejection::none;
 }
 
+/// True: from now on, since a motion of the present solution is free and its inertia hidden.
+bool ImplicitScheme::needs_free_motions() {
+    if (leaves_free_motions_ || moves_freely_) return false;
+    if (step_.stiffness_factor() * bulk_.largest_stiffness() <= FreeMotions::hidden) return false;
+    free_motions_.set(partition_);
+    if (!free_motions_.find(x_.points)) return false;
+    moves_freely_ = true, n_free_rounds_ = 0;
+    solver_.use(&free_motions_);
+    return true;
+}
+
+/// False: the problem is solved once more, from the rates to which the motions have led.
+bool ImplicitScheme::move_freely() {
+    double fastest = 0;
+    for (const Vec2& rate : x_.rate) fastest = std::max(fastest, rate.norm());
+    const bool moved = solver_.move_freely() > moved_freely * fastest;
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) corner_rate_[c] = x_.rate[partition_.node_of_corner[c]];
+    return !moved || ++n_free_rounds_ == max_free_rounds;
+}
+
 bool ImplicitScheme::lemke_is_cheap() const {
-    return model_.fan_points.size() <= max_lcp_points && model_.obstacles.empty() && StepLcp::fits(model_, options_);
+    return model_.fan_points.size() <= max_lcp_points && model_.obstacles.empty() && faces_.size() == 0 &&
+           StepLcp::fits(model_, options_);
 }
 
 /// Rates and multipliers from the step's complementarity problem, with all fans active. The method of
@@ -147,7 +187,13 @@ void ImplicitScheme::set_partition() {
     if (partition_.active != active_) partition_corners(model_, active_, partition_);
     bulk_.set_nodes(partition_, corner_rate_, x_.rate);
     make_points();
-    if (matrix_.set(partition_, step_.stiffness_factor())) solver_.forget_factor();
+    double mass_factor = 1;
+    if (moves_freely_) {
+        free_motions_.set(partition_);
+        mass_factor = std::max(1.0, FreeMotions::least_inertia * step_.stiffness_factor() * bulk_.largest_stiffness());
+    }
+    if (matrix_.set(partition_, step_.stiffness_factor(), mass_factor, faces_.sides(partition_)))
+        solver_.forget_factor();
 }
 
 void ImplicitScheme::make_points() {
@@ -165,42 +211,20 @@ void ImplicitScheme::make_points() {
             made.mass = mass_between(made.sides.before, made.sides.after);
         }
     }
-    for (const ObstacleContact& contact : contacts_.all()) x_.points.push_back(contact_point(contact));
-}
-
-ActivePoint ImplicitScheme::contact_point(const ObstacleContact& contact) const {
-    const State& begin = *step_.begin;
-    const Obstacle& obstacle = model_.obstacles[contact.obstacle];
-    const Index node = partition_.node_of_corner[contact.corner];
-    const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
-               of_obstacle = velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
-    double rate = contact.normal.dot(of_body - of_obstacle);
-    if (std::abs(rate) <= rate_rounding * (of_body.norm() + of_obstacle.norm())) rate = 0;  // no w meets such a bound
-    const bool led = obstacle.is_free() && contact.is_led_along(partition_.prescribed[node]);
-    ActivePoint made{
-        .sides = {.fan_point = -1,
-                  .before = -1,
-                  .after = node,
-                  .second_node = contact.is_on_edge() ? partition_.node_of_corner[contact.second_corner] : -1,
-                  .share = contact.share,
-                  .leaf_corner = contact.corner},
-        .normal = contact.normal,
-        .law = {
-            .u_N = contact.gap,
-            .u_T = 0,
-            .strength = 0,
-            .cohesion = 0,
-            .material = &obstacle.contact,
-            .friction = led ? 0 : obstacle.contact.friction,
-            .contact = contact_bound_theta(contact.gap, rate, obstacle.contact.restitution, step_.h, step_.theta, 0),
-            .step = &step_}};
-    made.support_rate = made.in_frame(velocity_at(obstacles_.rate()[contact.obstacle], contact));
-    made.mass = mass_between(-1, node);
-    if (const double s = contact.share; contact.is_on_edge())
-        made.mass = 1 / ((1 - s) * (1 - s) / made.mass + s * s / mass_between(-1, made.sides.second_node));
-    apply_prescribed(partition_, made);
-    made.law.set_staircase();
-    return made;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+        ActivePoint& made = x_.points.emplace_back(faces_.point(i, step_, partition_));
+        double compliance = 0;
+        made.sides.for_each_node(
+            [&](Index node, double weight) { compliance += weight * weight / mass_between(-1, node); });
+        made.mass = 1 / compliance;
+    }
+    for (const ObstacleContact& contact : contacts_.all()) {
+        ActivePoint& made = x_.points.emplace_back(
+            obstacle_point(model_, step_, partition_, contact, obstacles_.rate()[contact.obstacle]));
+        made.mass = mass_between(-1, made.sides.after);
+        if (const double s = contact.share; contact.is_on_edge())
+            made.mass = 1 / ((1 - s) * (1 - s) / made.mass + s * s / mass_between(-1, made.sides.second_node));
+    }
 }
 
 double ImplicitScheme::mass_between(Index before, Index after) const {
@@ -237,6 +261,7 @@ bool ImplicitScheme::activate_opening_fans(StepReport& report) {
         guess_of(j) = {x_.points[j].multipliers.contact, x_.points[j].multipliers.tangential};
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) corner_rate_[c] = x_.rate[partition_.node_of_corner[c]];
     contact_impulse_.assign(model_.mesh.n_corners(), Vec2::Zero());
+    for (std::size_t i = 0; i < faces_.size(); ++i) faces_.add_impulse(i, face_points()[i].impulse(), contact_impulse_);
     for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
         const ObstacleContact& contact = contacts_.all()[i];
         const Vec2 impulse = contact_points()[i].impulse();
@@ -266,41 +291,6 @@ bool ImplicitScheme::activate_opening_fans(StepReport& report) {
         }
     }
     return any;
-}
-
-/// Nodes of a fan that stick to each other move as one to the last bit: with the mean of their rates, which the solver
-/// leaves about 1e-13 apart.
-void ImplicitScheme::merge_sticking_rates() {
-    const auto end = x_.points.end() - static_cast<std::ptrdiff_t>(contacts_.all().size());
-    for (auto point = x_.points.begin(); point != end;) {
-        std::size_t n_clusters = 0;
-        const auto cluster_of = [&](Index node) -> std::vector<Index>& {  // node -1: the support
-            for (std::size_t i = 0; i < n_clusters; ++i)
-                if (std::ranges::find(clusters_[i], node) != clusters_[i].end()) return clusters_[i];
-            clusters_[n_clusters].assign(1, node);
-            return clusters_[n_clusters++];
-        };
-        for (const Index fan = point->fan; point != end && point->fan == fan; ++point) {
-            if (!point->is_stationary()) continue;
-            std::vector<Index>&from = cluster_of(point->sides.before), &to = cluster_of(point->sides.after);
-            if (&from == &to) continue;
-            to.insert(to.end(), from.begin(), from.end());
-            from.clear();
-        }
-        for (const std::vector<Index>& cluster : std::span(clusters_).first(n_clusters))
-            for (int k = 0; k < 2 && cluster.size() > 1; ++k) {
-                double sum = 0, given = 0;
-                bool is_given = false;
-                for (const Index node : cluster) {
-                    if (node < 0) is_given = true, given = 0;
-                    else if (!partition_.prescribed[node][k]) sum += x_.rate[node][k];
-                    else if (!is_given) is_given = true, given = x_.rate[node][k];
-                }
-                const double rate = is_given ? given : sum / static_cast<double>(cluster.size());
-                for (const Index node : cluster)
-                    if (!partition_.is_prescribed(node, k)) x_.rate[node][k] = rate;
-            }
-    }
 }
 
 void ImplicitScheme::check_residual(StepReport& report) const {
@@ -391,6 +381,7 @@ void ImplicitScheme::store(State& end, StepReport& report) const {
         end.velocity[to] = bulk_.end_velocity(node, x_.rate[node]);
         end.rate[to] = x_.rate[node];
     }
+    faces_.store(face_points(), step_.kick(), end);
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
     for (Index i = 0; i < partition_.n_nodes(); ++i) {
         const Index motion = model_.prescribed_of_corner[partition_.corner_of_node[i]];

@@ -17,13 +17,17 @@
 //     apart, e > 0:               no contact in this step: it must touch first
 // The work of an impulse is P . w; since b <= 0 and friction opposes w_T, every single contact and friction work is
 // <= 0. A corner near a rigid obstacle has one point more, on a support that moves; ObstacleMotion finds the rates of
-// free obstacles. Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+ is
-// the slope of its history there).
+// free obstacles. Where the model has contact between free faces, they meet as in a search of equilibrium
+// (face_points.hpp). Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+
+// is the slope of its history there).
 #include "stepper/common/bond_check.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
+#include "stepper/implicit/face_points.hpp"
+#include "stepper/implicit/free_motions.hpp"
+#include "stepper/implicit/sticking_rates.hpp"
 
 #include <tuple>
 
@@ -37,21 +41,24 @@ public:
     void set_theta(double theta) override { step_.theta = theta; }
     void give_up_when(GiveUp condition) override { solver_.give_up_when(condition); }
     FactorSize factor_size() const override { return matrix_.size(); }
+    /// What is free moves as rounding leaves it: of no use in a search of equilibrium.
+    void leave_free_motions() { leaves_free_motions_ = true; }
 
 private:
+    StepReport solve_step(const State& begin, double h, State& end);
     void begin_step(const State& begin, double h, SharedTemperatures end_temperature);
     void solve_points(StepReport& report);
     void solve_free_obstacles(StepReport& report);
+    bool needs_free_motions();
+    bool move_freely();
     bool lemke_is_cheap() const;
     bool start_from_lemke();
     void set_partition();
     void make_points();
-    ActivePoint contact_point(const ObstacleContact& contact) const;
     double mass_between(Index before, Index after) const;  // [kg] ActivePoint::mass
     Vec2& guess_of(std::size_t point);
     void guess_multipliers();
     bool activate_opening_fans(StepReport& report);
-    void merge_sticking_rates();
     void check_residual(StepReport& report) const;
     bool energy_balance_error_exceeds(const StepReport& report) const;
     void account_points(StepReport& report) const;
@@ -59,32 +66,44 @@ private:
     bool opens(Index fan) const;
     const std::vector<Vec3>& contact_wrenches();  // [N s, N s, N m s] of the body on each obstacle
     std::span<const ActivePoint> contact_points() const { return std::span(x_.points).last(contacts_.all().size()); }
+    std::span<const ActivePoint> points_of_fans() const {
+        return std::span(x_.points).first(x_.points.size() - contacts_.all().size() - faces_.size());
+    }
+    std::span<const ActivePoint> face_points() const {
+        return std::span(x_.points).subspan(points_of_fans().size(), faces_.size());
+    }
     StepReport rejected(StepReport report, Rejection rejection) const;
 
     const Model& model_;
     const SchemeOptions options_;
     StepContext step_;
     CornerPartition partition_;
-    Iterate x_;  // its points: those of active fans, then the contacts with obstacles in the order of contacts_
+    Iterate x_;  // its points: those of active fans, then faces_ and contacts_ in their orders
     ImplicitBulk bulk_;
     ThetaMatrix matrix_;
     AugmentedLagrangian solver_;
     BondCheck bond_check_;
     ObstacleContacts contacts_;
     ObstacleMotion obstacles_;
+    FacePoints faces_;
+    FreeMotions free_motions_;
+    StickingRates sticking_rates_;
 
     std::vector<std::uint8_t> active_;  // [0/1] per fan
     std::vector<Vec2> corner_rate_;     // [m/s] per corner: first guess of w
-    std::vector<Vec2> guess_;           // [N s] multipliers (contact, tangential), per fan point, then per contact
+    std::vector<Vec2> guess_;           // [N s] multipliers (contact, tangential), per fan point, face, contact
+    std::vector<Vec2> face_rate_;       // [m/s] per corner: with which faces_ was found
+    bool leaves_free_motions_ = false;
+    bool moves_freely_ = false;  // with free_motions_
+    int n_free_rounds_ = 0;
     std::tuple<std::vector<Vec2>, std::vector<std::uint8_t>, std::vector<Vec2>> own_guess_;  // the first, of all three
     std::vector<Index> active_point_of_;     // per fan point: into x_.points, or -1
     std::vector<double> node_inertia_;       // [kg] diagonal of M_hat
     double momentum_scale_ = 0, scale_ = 0;  // [N s] of loads, momenta and strengths; of the impulses of the points
 
     // workspace
-    std::vector<Vec2> contact_impulse_;         // [N s] theta times the impulses of obstacles, per corner
-    std::vector<Vec2> required_;                // [N s] per corner of the fan in the bond check
-    std::vector<std::vector<Index>> clusters_;  // nodes that stick to each other, of one fan
+    std::vector<Vec2> contact_impulse_;  // [N s] theta times the impulses of obstacles, per corner
+    std::vector<Vec2> required_;         // [N s] per corner of the fan in the bond check
     std::vector<Vec3> wrench_;
     std::vector<std::uint8_t> touched_;  // per obstacle
     ImplicitBulk::Workspace work_;

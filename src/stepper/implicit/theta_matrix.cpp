@@ -48,7 +48,7 @@ Index ThetaMatrix::leaf_of_point(Index fan_point) const {
 }
 
 ElementMatrix ThetaMatrix::element(Index triangle) const {
-    return theta_element(model_, triangle, stiffness_factor_, mass_);
+    return theta_element(model_, triangle, stiffness_factor_, mass_, mass_factor_);
 }
 
 double ThetaMatrix::largest_free(const std::vector<Vec2>& of_node, Index node) const {
@@ -59,13 +59,17 @@ double ThetaMatrix::largest_free(const std::vector<Vec2>& of_node, Index node) c
     return largest;
 }
 
-bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor) {
+bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor, double mass_factor,
+                      std::span<const PointSides> meetings) {
     nodes_ = &nodes;
-    const bool other_factor = stiffness_factor_ != stiffness_factor, other_nodes = active_ != nodes.active;
+    const bool other_factor = stiffness_factor_ != stiffness_factor || mass_factor_ != mass_factor;
+    bool other_nodes = active_ != nodes.active;
     if (other_factor) factor_.touch_all();
-    stiffness_factor_ = stiffness_factor;
-    for (std::size_t f = 0; other_nodes && f < model_.fans.size(); ++f)
-        if (active_.empty() || active_[f] != nodes.active[f]) place_fan(model_.fans[f]);
+    stiffness_factor_ = stiffness_factor, mass_factor_ = mass_factor;
+    const bool others_meet = !std::ranges::equal(meetings_, meetings) || (other_nodes && !meetings.empty());
+    for (std::size_t f = 0; (other_nodes || others_meet) && f < model_.fans.size(); ++f)
+        if (others_meet || active_.empty() || active_[f] != nodes.active[f]) place_fan(model_.fans[f]);
+    if (others_meet) place_meetings(meetings), other_nodes = true;
     active_ = nodes.active;
     set_all_near();
     if (other_factor || other_nodes) reduced_->forget();
@@ -104,6 +108,16 @@ void ThetaMatrix::place_fan(const Fan& fan) {
     }
 }
 
+/// The contact is an element of the leaf of its edge.
+void ThetaMatrix::place_meetings(std::span<const PointSides> meetings) {
+    meetings_.assign(meetings.begin(), meetings.end());
+    for (const PointSides& sides : meetings)
+        sides.for_each_node([&](Index node, double) {
+            Index* part = &eliminated_in_[2 * nodes_->corner_of_node[node]];
+            part[0] = part[1] = dissection_.smallest_common(part[0], leaf_of_corner(sides.leaf_corner));
+        });
+}
+
 void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const {
     const Index n = model_.mesh.corners_per_triangle();
     for (const Index t : dissection_.triangles_of(dissection_.parts[leaf])) {
@@ -121,7 +135,7 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
 void ThetaMatrix::add_point(const PointSides& sides, const Eigen::Matrix2d& block,
                             std::vector<Element>& elements) const {
     Element& made = elements.emplace_back(0);
-    double weights[2];
+    double weights[4];
     sides.for_each_node([&](Index node, double weight) {
         weights[made.n_unknowns / 2] = weight;
         for (int k = 0; k < 2; ++k) made.unknown[made.n_unknowns++] = unknown(node, k);

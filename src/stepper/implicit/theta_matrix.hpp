@@ -21,8 +21,10 @@ class ThetaMatrix {
 public:
     ThetaMatrix(const Model& model, MassMatrix mass);
 
-    /// Nodes, which must outlive their use here, and theta^2 h^2 [s2]. True: M or K or the nodes have changed.
-    bool set(const CornerPartition& nodes, double stiffness_factor);
+    /// Nodes, which must outlive their use here, theta^2 h^2 [s2], and M_hat with so many times M. True: M or K or the
+    /// nodes, or who meets whom, have changed. `meetings`: sides of contacts between faces, any two nodes of the body.
+    bool set(const CornerPartition& nodes, double stiffness_factor, double mass_factor = 1,
+             std::span<const PointSides> meetings = {});
     /// False: A without the friction that follows the contact impulses is not positive definite.
     bool factorise(const std::vector<PointTangent>& points);
     /// That of the last factorise(): none while the near nodes are others.
@@ -59,6 +61,7 @@ public:
     bool find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance);
 
     bool is_symmetric() const { return friction_.empty(); }
+    double mass_factor() const { return mass_factor_; }
     const CornerPartition& nodes() const { return *nodes_; }
     ElementMatrix element(Index triangle) const;  // [kg] of M_hat
     bool is_free(Index node, int component) const { return !nodes_->prescribed[node][component]; }
@@ -72,6 +75,7 @@ private:
     Index leaf_of_corner(Index corner) const { return dissection_.leaf_of_triangle[model_.mesh.triangle_of(corner)]; }
     Index leaf_of_point(Index fan_point) const;
     void place_fan(const Fan& fan);
+    void place_meetings(std::span<const PointSides> meetings);
     void set_block(Index fan_point, const Eigen::Matrix2d& block);
     void set_contacts(std::span<const PointTangent> points);
     void add_elements(Index leaf, std::vector<Element>& elements) const;
@@ -100,8 +104,10 @@ private:
     Grouped<Index> points_of_leaf_;  // fan points
 
     // in the factor
-    std::vector<std::uint8_t> active_;      // per fan
-    double stiffness_factor_ = 0;           // [s2]
+    std::vector<std::uint8_t> active_;  // per fan
+    double stiffness_factor_ = 0;       // [s2]
+    double mass_factor_ = 1;            // [-]
+    std::vector<PointSides> meetings_;
     std::vector<Index> eliminated_in_;      // per unknown: part of the dissection
     std::vector<Eigen::Matrix2d> block_;    // [kg] per fan point
     std::vector<Index> with_block_;         // fan points whose block is not zero
