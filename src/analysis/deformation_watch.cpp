@@ -95,7 +95,16 @@ double DeformationWatch::search_path() const {
     return 0.1 * std::sqrt(body_area_ / std::max<Index>(1, model_.mesh.n_triangles()));
 }
 
+double DeformationWatch::rounding_energy(double path) const {
+    if (model_.large_rotation) return 0;
+    double modulus = 0;  // [Pa]
+    for (const Elastic& material : model_.materials) modulus = std::max(modulus, material.E);
+    const double u = displacement_ + std::min(path, look_path_);  // since the last look
+    return std::ldexp(std::sqrt(model_.mesh.n_triangles()) * modulus * model_.thickness * u * u, 3 - 53);
+}
+
 void DeformationWatch::look_at(const State& state) {
+    for (const Vec2& u : state.displacement) displacement_ = std::max(displacement_, u.norm());
     // F = R U with R by the angle atan2(F_yx - F_xy, F_xx + F_yy); the angle is computed only where its tangent exceeds
     // that of the largest so far
     const Mesh& mesh = model_.mesh;

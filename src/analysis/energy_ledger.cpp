@@ -81,6 +81,7 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
 void EnergyLedger::add(const State& end, const StepReport& report) {
     const double surface_before = row_.surface();
     ++n_steps_;
+    path_ += end.last_step * report.largest_speed;
     supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work) +
                  std::max(0.0, report.thermal_work);
     row_.time = end.time, row_.step = end.last_step;
@@ -108,7 +109,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     // unloading both belong to the middle
     const bool half_later = end.rate.empty() && row_.interface_elastic == 0;
     const double lag = row_.law_lag + (half_later ? 0.5 * (row_.surface() - surface_before - report.law_change) : 0);
-    law_lag_ = over_dissipated(lag);
+    law_lag_ = lag;
     if (const double now = over_dissipated(lag, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
         largest_law_lag_ = now;
 

@@ -171,7 +171,8 @@ public:
     /// Law lag over that scale: positive where the interfaces did more work than their law requires. With the explicit
     /// bulk at the middle of the last step, where the works are. Now; and with the largest absolute value over all
     /// steps, on the scale with min_part = 0.01 and min_points = 1, so that the first points that soften give no alarm.
-    double law_lag() const { return law_lag_; }
+    double law_lag() const { return over_dissipated(law_lag_); }
+    double law_lag_energy() const { return law_lag_; }  // [J]
     double largest_law_lag() const { return largest_law_lag_; }
 
     double supplied() const { return supplied_; }  // [J] energy at the start and positive external work since
@@ -186,20 +187,21 @@ public:
     /// there was no strain energy.
     double kinetic_part() const { return kinetic_part_.median(); }
     std::int64_t n_steps() const { return n_steps_; }
+    double path() const { return path_; }                    // [m] sum over the steps of the way of the fastest point
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
 
     void serialize(auto& archive) {
         archive(start_energy_, start_surface_, excavated_dissipated_, consumed_change_, largest_energy_,
                 largest_recoverable_, largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_,
                 n_steps_, row_, worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_,
-                kinetic_part_);
+                kinetic_part_, path_);
     }
 
 private:
     double start_energy_, start_surface_, largest_energy_,
         largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0, law_lag_ = 0, largest_law_lag_ = 0,
         supplied_, smallest_mass_, weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
-        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0;
+        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0, path_ = 0;
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace knap {
 namespace {
@@ -29,11 +30,15 @@ constexpr std::string_view at_rounding =
     "Usual cause: an interface problem at the limit of rounding (very large friction, slivers). Try a smaller "
     "time.step, a better mesh, or less friction.";
 
+// [-] Of the energy that thermal strains would have if they were held: a body that expands so freely has no stress.
+constexpr double negligible_stress = 1e-4;
+
 double energy_scale(const EnergyLedger& ledger) { return ledger.largest_energy() > 0 ? ledger.largest_energy() : 1; }
 
-/// A loss [J] over the dissipated energy, at the end of the run, if the interfaces dissipated anything.
+/// A loss [J] over the dissipated energy, or over that of the weakest point where less was dissipated; at the end of a
+/// run in which the interfaces dissipated anything.
 GateValue over_dissipated(const GateView& run, double loss) {
-    return {.value = std::abs(run.ledger.over_dissipated(loss)),
+    return {.value = std::abs(run.ledger.over_dissipated(loss, 1e-6, 1)),
             .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
 }
 
@@ -49,6 +54,18 @@ double rounding_of(std::int64_t n_steps) { return std::ldexp(static_cast<double>
 double rounding_of_energy(const EnergyLedger& ledger) {
     return rounding_of(ledger.n_steps()) * (1 + ledger.largest_free_thermal() / energy_scale(ledger));
 }
+
+// [J] and over the largest energy: where a body only moves, all its energy is rounding.
+double rounding_energy(const GateView& run) {
+    return run.deformation == nullptr ? 0 : run.deformation->rounding_energy(run.ledger.path());
+}
+double rounding_part(const GateView& run) { return rounding_energy(run) / energy_scale(run.ledger); }
+
+// The defect of the elastic energy by large rotations stays bounded in one flight; impacts and contacts begin new ones,
+// and in each turn of the body the stresses go once round. A part of 1e-3 a turn is allowed, counted by the path of the
+// fastest point along the circle round the body.
+constexpr double rotation_work_a_turn = 1e-3;
+double turns(const GateView& run) { return run.ledger.path() / (std::numbers::pi * run.size); }
 
 // [m/s] With a step of s times the stable step, the strain energy of the leapfrog, 1/2 u_n' K u_{n+1}, is at least -s^2
 // times the kinetic energy, which so is at most 1/(1 - s^2) of the supplied energy: 2.8 times with a safety of 0.8. No
@@ -77,17 +94,23 @@ const GateRule rules[] = {
      {infinity, infinity, fixed},
      [](const GateView& run) {
          return GateValue{.value = run.ledger.largest_residual() / energy_scale(run.ledger),
-                          .limit = 1e-10 + rounding_of_energy(run.ledger)};
+                          .limit = 1e-10 + rounding_of_energy(run.ledger) + rounding_part(run)};
      }},
     {{"impact_injection", "",
       "largest work of one impact in one step over the largest energy; a positive work injects energy", at_rounding},
      {infinity, max_injected, fixed},
-     [](const GateView& run) { return GateValue{run.ledger.worst().worst_impact_work / energy_scale(run.ledger)}; }},
+     [](const GateView& run) {
+         return GateValue{.value = run.ledger.worst().worst_impact_work / energy_scale(run.ledger),
+                          .limit = max_injected + rounding_part(run)};
+     }},
     {{"friction_injection", "",
       "largest work of friction at one point in one step over the largest energy; a positive work injects energy",
       at_rounding},
      {infinity, max_injected, fixed},
-     [](const GateView& run) { return GateValue{run.ledger.worst().worst_friction_work / energy_scale(run.ledger)}; }},
+     [](const GateView& run) {
+         return GateValue{.value = run.ledger.worst().worst_friction_work / energy_scale(run.ledger),
+                          .limit = max_injected + rounding_part(run)};
+     }},
     {{"cohesion_growth", "", "largest increase of the cohesion beta of a point; cohesion never heals", at_rounding},
      {infinity, 0, fixed},
      [](const GateView& run) { return GateValue{run.ledger.worst().largest_beta_growth}; }},
@@ -133,7 +156,7 @@ const GateRule rules[] = {
      {1e-6, 1e-5, fixed},
      [](const GateView& run) {
          const double scale = -run.ledger.row().impact_work - run.ledger.row().friction_work;
-         const double least = 1e-3 * run.ledger.largest_energy();  // before much has met
+         const double least = std::max(1e-3 * run.ledger.largest_energy(), 1e6 * rounding_energy(run));  // few have met
          return GateValue{run.ledger.worst().contact_injection > 0
                               ? run.ledger.worst().contact_injection / std::max(scale, least)
                               : 0.0};
@@ -160,7 +183,7 @@ const GateRule rules[] = {
       "time.safety, theta = 0.5, or a mesh with more edges in the process zone; limits.law_lag sets another limit."},
      {0.02, 0.2, allowed},
      [](const GateView& run) {
-         const double now = run.ended ? std::abs(run.ledger.law_lag()) : 0;
+         const double now = run.ended ? std::abs(run.ledger.over_dissipated(run.ledger.law_lag_energy(), 1e-6, 1)) : 0;
          return GateValue{
              std::max(std::abs(run.ledger.largest_law_lag()), now),
              run.deformation == nullptr ? std::nullopt : run.deformation->place_of(run.ledger.worst().drop_corner)};
@@ -183,12 +206,14 @@ const GateRule rules[] = {
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
     {{"rotation_work_part", "",
       "largest defect of the elastic energy by large rotations (rotation_work) over the largest energy; it decreases "
-      "with the square of the step (place: of the largest strain)",
+      "with the square of the step; the limit is 1e-3 and as much for each turn, by the path of the fastest point over "
+      "the circumference of the body (place: of the largest strain)",
       "Try a smaller time.step or time.safety, or a slower motion."},
-     {infinity, 1e-3, allowed},
+     {infinity, infinity, allowed},
      [](const GateView& run) {
          return GateValue{.value = run.ledger.largest_rotation_work() / energy_scale(run.ledger),
-                          .place = of_deformation<&DeformationWatch::strain>(run).place};
+                          .place = of_deformation<&DeformationWatch::strain>(run).place,
+                          .limit = rotation_work_a_turn * (1 + turns(run))};
      }},
     {{"heat_residual", "", "error of the balance of heat over its contents and flows; with conduction",
       "The equations of heat conduction were not solved to rounding: look for flat triangles (mesh.quality) and "
@@ -213,7 +238,8 @@ const GateRule rules[] = {
          const EnergyRow& row = run.ledger.row();
          return GateValue{
              .value = run.kinetic_part,
-             .judged = !std::isnan(run.kinetic_part) && std::abs(row.thermal_work) > std::abs(row.external_work)};
+             .judged = !std::isnan(run.kinetic_part) && std::abs(row.thermal_work) > std::abs(row.external_work) &&
+                       run.ledger.largest_energy() > negligible_stress * run.ledger.largest_free_thermal()};
      }},
     {{"rotation", "deg",
       "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by "

@@ -173,6 +173,8 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     std::printf("run\n  stable step %.4g s, h = %.4g s (%.3g CFL), %lld steps, %.3g triangle-steps\n", plan.stable_step,
                 plan.limits.largest, plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
                 static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
+    if (plan.n_at_corners > 0)
+        std::printf("  %lld of them end at corners of tables over time\n", static_cast<long long>(plan.n_at_corners));
     if (const SchemeChangeOptions& change = plan.limits.change; plan.limits.changes())
         std::printf(
             "  these are implicit, down to %.4g s (%.3g CFL) where they fail; then explicit ones of %.4g s go on, at "

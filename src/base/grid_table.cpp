@@ -4,6 +4,7 @@
 #include "base/formatted.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace knap {
 
@@ -62,6 +63,23 @@ double GridTable::operator()(double x, double y, double t) const {
         if (weight != 0) sum += weight * values_[(i[2] * axes_[1].size() + i[1]) * axes_[0].size() + i[0]];
     }
     return sum;
+}
+
+double GridTable::corner(double begin, double end, double shortest, double tolerance) const {
+    const std::vector<double>&x = axes_[0], &y = axes_[1], &t = axes_[2];
+    const auto [low, high] = std::ranges::minmax(values_);
+    double farthest = tolerance * (high - low), found = end;
+    for (auto at = std::ranges::upper_bound(t, begin); at != t.end() && *at < end; ++at) {
+        if (*at - begin < shortest) continue;
+        const double part = (*at - begin) / (end - begin);
+        for (std::size_t i = 0; i < x.size() * y.size(); ++i) {
+            const double here = x[i % x.size()], there = y[i / x.size()],
+                         line = (1 - part) * (*this)(here, there, begin) + part * (*this)(here, there, end),
+                         off = std::abs((*this)(here, there, *at) - line);
+            if (off > farthest) farthest = off, found = *at;
+        }
+    }
+    return found;
 }
 
 }  // namespace knap

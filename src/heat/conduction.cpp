@@ -5,7 +5,6 @@
 #include "element/shape_functions.hpp"
 #include "element/triangle_matrices.hpp"
 #include "heat/corner_pairs.hpp"
-#include "model/selections.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +13,6 @@
 namespace knap {
 namespace {
 
-constexpr double safety = 0.8;                // of the stable explicit step
 constexpr double closed_conductivities = 50;  // h_0 of a closed point over k/l
 constexpr double newton_tolerance = 1e-12;  // where heat bends: sum of the errors over all heat, to rounding if it can
 constexpr int max_newton_steps = 60;
@@ -33,7 +31,7 @@ void conduct(const double* w, const double* T, double* into) {
 
 }  // namespace
 
-Conduction::Conduction(const Model& model) : model_(model) {
+Conduction::Conduction(const Model& model) : model_(model), exchanges_(model) {
     const Mesh& mesh = model.mesh;
     const Heat& heat = *model.heat;
     const auto pairs = corner_pairs(mesh.order);
@@ -53,59 +51,10 @@ Conduction::Conduction(const Model& model) : model_(model) {
             capacity_.push_back(thermal.heat_capacity * corner_share(mesh.order, k, model.triangle_mass(t)) /
                                 heat.time_factor);
     }
-    add_exchanges();
+    for (const auto& at : exchanges_.all()) diagonal_[at.corner] += at.conductance;
     into_.resize(mesh.n_corners());
     of_gaps_.resize(mesh.n_corners());
 }
-
-void Conduction::add_exchanges() {
-    const Mesh& mesh = model_.mesh;
-    const Index n = mesh.corners_per_triangle();
-    for (const HeatExchange& exchange : model_.heat->exchanges) {
-        using Kind = HeatExchange::Kind;
-        if (exchange.kind == Kind::temperature) {
-            prescription_.resize(mesh.n_corners(), nullptr);
-            const std::vector<char> selected = selected_corners(mesh, exchange.on);
-            for (Index c = 0; c < mesh.n_corners(); ++c)
-                if (selected[c]) prescription_[c] = &exchange;
-        } else if (exchange.kind == Kind::source) {
-            is_heated_ = true;
-            for (const Index t : selected_triangles(mesh, exchange.on))
-                for (Index k = 0; k < n; ++k) {
-                    const double volume = corner_share(mesh.order, k, mesh.area(t) * model_.thickness);
-                    exchanges_.push_back({n * t + k, 0, exchange.value * volume, &exchange});
-                }
-        } else {
-            is_heated_ = is_heated_ || exchange.kind == Kind::flux;
-            add_edges(exchange);
-        }
-    }
-    for (const CornerExchange& at : exchanges_) diagonal_[at.corner] += at.conductance;
-}
-
-/// Trapezoidal shares of an edge; of order 2 of its two halves.
-void Conduction::add_edges(const HeatExchange& exchange) {
-    const Mesh& mesh = model_.mesh;
-    for (const std::size_t i : selected_edges(mesh, exchange.on)) {
-        const auto& [triangle, side, boundary] = mesh.boundary_edges[i];
-        const Index first = mesh.corners_per_triangle() * triangle;
-        const double area = mesh.side_vector(triangle, side).norm() * model_.thickness;
-        const auto add = [&](Index k, double share) {
-            const bool convects = exchange.kind == HeatExchange::Kind::convection;
-            exchanges_.push_back({first + k, convects ? exchange.transfer * share * area : 0,
-                                  convects ? 0 : exchange.value * share * area, &exchange});
-        };
-        const double at_ends = mesh.order == 1 ? 0.5 : 0.25;
-        add(side, at_ends), add((side + 1) % 3, at_ends);
-        if (mesh.order == 2) add(3 + side, 0.5);
-    }
-}
-
-double Conduction::outside(const CornerExchange& at, double time) const {
-    return model_.heat->follow(at.of->value, at.of->history, time);
-}
-
-double Conduction::given(const CornerExchange& at, double time) const { return at.heat * at.of->history(time); }
 
 double Conduction::conductance_of(const FanPoint& point, double u_N) const {
     const Heat& heat = *model_.heat;
@@ -156,7 +105,7 @@ void Conduction::follow_conductivity(const std::vector<double>& T) {
     }
 }
 
-double Conduction::add_heat(const std::vector<double>& T, double time, std::vector<double>& into) const {
+double Conduction::add_heat(const std::vector<double>& T, std::vector<double>& into) const {
     const Mesh& mesh = model_.mesh;
     const std::vector<double>& w = present();
     const bool linear = mesh.order == 1;
@@ -168,12 +117,7 @@ double Conduction::add_heat(const std::vector<double>& T, double time, std::vect
         const double flow = gap.conductance * (T[gap.b] - T[gap.a]);
         into[gap.a] += flow, into[gap.b] -= flow;
     }
-    double sum = 0;
-    for (const CornerExchange& at : exchanges_) {
-        const double flow = at.conductance > 0 ? at.conductance * (outside(at, time) - T[at.corner]) : given(at, time);
-        into[at.corner] += flow, sum += flow;
-    }
-    return sum;
+    return exchanges_.add_heat(T, into);
 }
 
 /// Of a split fan.
@@ -215,13 +159,6 @@ void Conduction::for_each_node(const State& begin, const Visit& visit) const {
 #pragma omp for schedule(static)
         for (Index f = 0; f < n_fans; ++f) for_each_node_of(f, begin, memory, visit);
     }
-}
-
-void Conduction::set_prescribed(double time) {
-    prescribed_.resize(prescription_.size());
-    for (std::size_t c = 0; c < prescription_.size(); ++c)
-        if (const HeatExchange* of = prescription_[c])
-            prescribed_[c] = model_.heat->follow(of->value, of->history, time);
 }
 
 const Thermal& Conduction::thermal_of(Index corner) const {
@@ -284,15 +221,15 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
     for (int i = 0; i < n_steps; ++i) {
         const double time = start + i * dt;
         follow_conductivity(T);
-        heat_in += dt * add_heat(T, time, into_);
-        set_prescribed(time + dt);
+        exchanges_.begin_step(time, time + dt, 0);
+        heat_in += dt * add_heat(T, into_);
         for_each_node(begin, [&](std::span<const Index> corners) {
             const double C = node_capacity_[corners[0]];
             double flow = 0, held = 0;
             bool is_held = false;
             for (const Index c : corners) {
                 flow += into_[c];
-                if (!prescription_.empty() && prescription_[c]) is_held = true, held = prescribed_[c];
+                if (exchanges_.hold(c)) is_held = true, held = exchanges_.held(c);
             }
             const double T_start = T[corners[0]], T_end = is_held  ? held
                                                           : bends_ ? warmed(corners, T_start, dt * flow)
@@ -303,12 +240,12 @@ SharedTemperatures Conduction::explicit_step(const State& begin, double end) {
                 for (const Index c : corners) stored += capacity_[c] * (level(c, T_end) - level(c, T_start));
             }
             for (const Index c : corners) T[c] = T_end;
-            if (prescription_.empty()) return;
+            if (!exchanges_.hold_any()) return;
             // what the prescription supplies, kept to be summed in order
             into_[corners[0]] = is_held ? stored - dt * flow : 0;
             for (const Index c : corners.subspan(1)) into_[c] = 0;
         });
-        if (!prescription_.empty())
+        if (exchanges_.hold_any())
             for (const double supplied : into_) heat_in += supplied;
     }
     return finished(begin, end, std::move(T), heat_in);
@@ -323,7 +260,7 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     const double dt = end - begin.temperature->time;
     const std::vector<double>& T = begin.temperature->of_corner;
     find_gaps(begin);
-    set_prescribed(end);
+    exchanges_.begin_step(begin.temperature->time, end, 1);
     follow_conductivity(T);
     // unknowns: nodes that are not held
     std::vector<Index> unknown(mesh.n_corners(), -1);
@@ -332,11 +269,10 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     std::vector<Index> memory;
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f)
         for_each_node_of(f, begin, memory, [&](std::span<const Index> corners) {
-            const auto held = std::ranges::find_if(
-                corners, [&](Index c) { return !prescription_.empty() && prescription_[c] != nullptr; });
+            const auto held = std::ranges::find_if(corners, [&](Index c) { return exchanges_.hold(c); });
             for (const Index c : corners)
                 if (held == corners.end()) unknown[c] = n_unknowns;
-                else dT[c] = prescribed_[*held] - T[c];
+                else dT[c] = exchanges_.held(*held) - T[c];
             n_unknowns += held == corners.end();
         });
     std::vector<Eigen::Triplet<double>> entries;
@@ -355,7 +291,7 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
         for (std::size_t i = 0; i < pairs.size(); ++i)
             couple(n * t + pairs[i][0], n * t + pairs[i][1], present()[pairs.size() * t + i]);
     for (const Gap& gap : gaps_) couple(gap.a, gap.b, gap.conductance);
-    for (const CornerExchange& at : exchanges_)
+    for (const auto& at : exchanges_.all())
         if (unknown[at.corner] >= 0) entries.emplace_back(unknown[at.corner], unknown[at.corner], dt * at.conductance);
     const std::size_t n_constant = entries.size();
 
@@ -364,7 +300,7 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     // what the nodes have still to store at T_end
     const auto add_error = [&](Eigen::VectorXd& error) {
         content = 0;
-        add_heat(T_end, end, into_);
+        add_heat(T_end, into_);
         for (Index c = 0; c < mesh.n_corners(); ++c) {
             if (unknown[c] < 0) continue;
             error[unknown[c]] += dt * into_[c] - capacity_[c] * (level(c, T_end[c]) - level(c, T[c]));
@@ -415,7 +351,7 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
         }
     }
     // through the boundary at the end, and what holds the prescribed nodes
-    double heat_in = dt * add_heat(T_end, end, into_);
+    double heat_in = dt * add_heat(T_end, into_);
     for (Index c = 0; c < mesh.n_corners(); ++c)
         if (unknown[c] < 0) heat_in += capacity_[c] * (level(c, T_end[c]) - level(c, T[c])) - dt * into_[c];
     return finished(begin, end, std::move(T_end), heat_in);
@@ -423,25 +359,27 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
 
 SharedTemperatures Conduction::finished(const State& begin, double end, std::vector<double> T, double heat_in) const {
     const Temperatures& before = *begin.temperature;
+    // A temperature is rounded, and so is the heat that it stores, and that it sends on in the step: the latter counts
+    // where a step is far beyond the passage of an edge.
+    constexpr double much_sent = 1e-4;
     double low = std::ranges::min(before.of_corner), high = std::ranges::max(before.of_corner), change = 0, moved = 0,
-           content = 0;
+           content = 0, sent = 0;
     for (std::size_t c = 0; c < T.size(); ++c) {
         const double after = level(static_cast<Index>(c), T[c]),
                      heat = capacity_[c] * (after - level(static_cast<Index>(c), before.of_corner[c]));
-        change += heat, moved += std::abs(heat), content += capacity_[c] * std::abs(after);
+        change += heat, moved += std::abs(heat);
+        content += capacity_[c] * std::abs(after);
+        sent += (end - before.time) * (diagonal_[c] + of_gaps_[c]) * std::abs(T[c]);
     }
-    for (const CornerExchange& at : exchanges_)
-        if (at.conductance > 0)
-            for (const double time : {before.time, end})
-                low = std::min(low, outside(at, time)), high = std::max(high, outside(at, time));
-    for (std::size_t c = 0; c < prescription_.size(); ++c)
-        if (prescription_[c]) low = std::min(low, prescribed_[c]), high = std::max(high, prescribed_[c]);
-    const double overshoot = is_heated_ ? 0 : std::max({0.0, std::ranges::max(T) - high, low - std::ranges::min(T)});
+    exchanges_.widen(before.time, end, low, high);
+    const double beyond = std::max(std::ranges::max(T) - high, low - std::ranges::min(T)),
+                 rounding = 1e-12 * std::max(std::abs(low), std::abs(high)),
+                 overshoot = exchanges_.give_heat() || beyond <= rounding ? 0 : beyond;
     const auto made = make_temperatures(model_, end, std::move(T));
     made->heat = before.heat + change;
     made->heat_in = before.heat_in + heat_in;
     made->heat_moved = before.heat_moved + moved;
-    made->heat_scale = std::max(before.heat_scale, content);
+    made->heat_scale = std::max({before.heat_scale, content, much_sent * sent});
     made->range = std::max(before.range, high - low);
     made->overshoot = std::max(before.overshoot, overshoot);
     return made;

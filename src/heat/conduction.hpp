@@ -15,7 +15,7 @@
 // conducts on its six linear triangles. On Delaunay meshes all w summed round an edge are >= 0; then an explicit step
 // up to C_i/sum_j w_ij, and every implicit one, keeps T between its bounds (maximum principle). Where single corners
 // split off a mesh with obtuse triangles it may be exceeded; `overshoot` tells.
-#include "model/state.hpp"
+#include "heat/heat_exchanges.hpp"
 
 #include <Eigen/SparseCholesky>
 
@@ -27,6 +27,7 @@ namespace knap {
 class Conduction {
 public:
     explicit Conduction(const Model& model);
+    static constexpr double safety = 0.8;  // of the stable explicit step
 
     /// From the temperatures of `begin`, which may be older than its motion, to the time `end` [s]: forward steps of at
     /// most 0.8 of the stable one.
@@ -39,33 +40,22 @@ public:
     double stable_step(const State& begin);
 
 private:
-    struct CornerExchange {
-        Index corner;
-        double conductance;  // [W/K] to the outside
-        double heat;         // [W] given
-        const HeatExchange* of;
-    };
     struct Gap {
         Index a, b;          // corners
         double conductance;  // [W/K]
     };
 
-    void add_exchanges();
-    void add_edges(const HeatExchange& exchange);
-    double outside(const CornerExchange& at, double time) const;  // [K]
-    double given(const CornerExchange& at, double time) const;    // [W]
     void find_gaps(const State& begin);
     void follow_conductivity(const std::vector<double>& T);
     const std::vector<double>& present() const { return conductivity_varies_ ? present_ : conductance_; }
     double conductance_of(const FanPoint& point, double u_N) const;
     bool is_intact(const State& begin, Index rank, std::size_t point) const;
     /// Heat [W] into every corner at these temperatures, and its sum over boundaries and sources.
-    double add_heat(const std::vector<double>& T, double time, std::vector<double>& into) const;
+    double add_heat(const std::vector<double>& T, std::vector<double>& into) const;
     template <class Visit>
     void for_each_node_of(Index fan, const State& begin, std::vector<Index>& memory, const Visit& visit) const;
     template <class Visit>
     void for_each_node(const State& begin, const Visit& visit) const;
-    void set_prescribed(double time);
     /// [K] H of a corner over its capacity: T itself where nothing freezes and no c depends on T.
     double level(Index corner, double T) const;
     const Thermal& thermal_of(Index corner) const;
@@ -75,16 +65,13 @@ private:
     SharedTemperatures finished(const State& begin, double end, std::vector<double> T, double heat_in) const;
 
     const Model& model_;
-    std::vector<double> capacity_;     // [J/K] per corner
-    std::vector<double> conductance_;  // [W/K] w of the pairs of corners of each triangle, the largest of all T
-    std::vector<double> present_;      // [W/K] at the temperatures of the step, where conductivities depend on them
-    std::vector<double> diagonal_;     // [W/K] per corner: sum of |w| and of exchanges
-    std::vector<CornerExchange> exchanges_;
-    std::vector<const HeatExchange*> prescription_;  // per corner; null: free; empty: nothing is prescribed
-    std::vector<double> prescribed_;                 // [K] per corner, at the end of the step
-    bool is_heated_ = false;                         // flux or source: no maximum principle
-    bool bends_ = false;                             // some material has latent heat or a c(T)
-    bool conductivity_varies_ = false;               // some material has a k(T)
+    HeatExchanges exchanges_;
+    std::vector<double> capacity_;      // [J/K] per corner
+    std::vector<double> conductance_;   // [W/K] w of the pairs of corners of each triangle, the largest of all T
+    std::vector<double> present_;       // [W/K] at the temperatures of the step, where conductivities depend on them
+    std::vector<double> diagonal_;      // [W/K] per corner: sum of |w| and of exchanges
+    bool bends_ = false;                // some material has latent heat or a c(T)
+    bool conductivity_varies_ = false;  // some material has a k(T)
     std::vector<Gap> gaps_;
     std::vector<double> into_, of_gaps_;  // [W], [W/K] per corner
     std::vector<double> node_capacity_;   // [J/K] of the nodes of stable_step, at the first corner of each

@@ -11,7 +11,11 @@ SharedTemperatures HeatStep::after(const State& begin, double h, bool implicit_b
     if (is_constant_) return begin.temperature;
     if (!implicit_bulk && (begin.n_steps + 1) % model_.heat->every != 0) return begin.temperature;
     const double end = begin.time + h;
-    if (!conduction_) return field_at(model_, end);
+    if (!conduction_) {
+        if (implicit_bulk) return field_at(model_, end);
+        const TimeFunction& history = model_.heat->field.history;
+        return field_at(model_, end, history.over_step(begin.temperature->time, end, 1));
+    }
     return implicit_bulk ? conduction_->implicit_step(begin, end) : conduction_->explicit_step(begin, end);
 }
 

@@ -37,6 +37,7 @@ public:
     }
 
     bool varies() const { return !parts_.empty(); }
+    const TemperatureTable& table() const { return parts_; }
     const std::vector<double>& bends() const { return parts_.temperature; }
     double smallest() const { return varies() ? std::ranges::min(parts_.value) : 1; }
     double operator()(double T) const { return varies() ? parts_(T) : 1; }

@@ -53,12 +53,18 @@ void fit_laws(const Model& model, Temperatures& temperatures) {
 }
 
 SharedTemperatures field_at(const Model& model, double time) {
-    if (model.heat->field.is_uniform())
+    return field_at(model, time, model.heat->field.history(time));
+}
+
+SharedTemperatures field_at(const Model& model, double time, double factor) {
+    const Heat& heat = *model.heat;
+    if (heat.field.is_uniform())
         return make_temperatures(
-            model, time, std::vector<double>(model.mesh.n_corners(), model.heat->field_at(model.mesh.corner(0), time)));
+            model, time,
+            std::vector<double>(model.mesh.n_corners(), heat.field_at(model.mesh.corner(0), time, factor)));
     std::vector<double> of_corner(model.mesh.n_corners());
 #pragma omp parallel for schedule(static) if (model.mesh.n_corners() > 4096)
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) of_corner[c] = model.heat->field_at(model.mesh.corner(c), time);
+    for (Index c = 0; c < model.mesh.n_corners(); ++c) of_corner[c] = heat.field_at(model.mesh.corner(c), time, factor);
     return make_temperatures(model, time, std::move(of_corner));
 }
 

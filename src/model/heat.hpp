@@ -56,11 +56,12 @@ struct Heat {
     double time_factor = 1;           // [-] heat runs so many times faster than the motion
     int every = 10;                   // mechanical steps of the explicit bulk for one of the heat
 
-    /// [K] A prescribed temperature of value `value`.
-    double follow(double value, const TimeFunction& history, double t) const {
-        return reference + history(t) * (value - reference);
+    /// [K] A prescribed temperature of value `value`, with a factor of its history.
+    double follow(double value, double factor) const { return reference + factor * (value - reference); }
+    double field_at(const Vec2& place, double t, double factor) const {
+        return follow(field.value_at(place, t), factor);
     }
-    double field_at(const Vec2& place, double t) const { return follow(field.value_at(place, t), field.history, t); }
+    double field_at(const Vec2& place, double t) const { return field_at(place, t, field.history(t)); }
 };
 
 /// Temperatures and thermal strains at one moment. They never change once made, so that states share them.
@@ -77,7 +78,7 @@ struct Temperatures {
     double heat = 0;        // [J] sum of C (T - T at the start)
     double heat_in = 0;     // [J] through boundaries and from sources
     double heat_moved = 0;  // [J] sum of |C dT| over all steps of the heat
-    double heat_scale = 0;  // [J] largest sum of C |T|: the scale of rounding
+    double heat_scale = 0;  // [J] largest sum of C |T| and of the flows in a step with it: the scale of rounding
     double range = 0;       // [K] largest difference between temperatures, those outside included
     double overshoot = 0;   // [K] largest excess of a temperature over those around it, where nothing is heated
 
@@ -97,7 +98,8 @@ std::shared_ptr<Temperatures> make_temperatures(const Model& model, double time,
 double temperature_at(const Temperatures& temperatures, const FanPoint& point);
 /// The laws of the points at these temperatures.
 void fit_laws(const Model& model, Temperatures& temperatures);
-/// The field of the scenario.
+/// The field of the scenario; `factor`: of its history, where that is not the one of the time.
 SharedTemperatures field_at(const Model& model, double time);
+SharedTemperatures field_at(const Model& model, double time, double factor);
 
 }  // namespace knap

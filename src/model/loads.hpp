@@ -16,6 +16,26 @@ struct TimeFunction {
     std::vector<double> value;  // same length
     double operator()(double t) const;
     double slope_before(double t) const;  // [1/s] derivative from the left
+
+    /// The mean over [begin, end] minus that of the values at both ends: what a step that knows its ends alone misses.
+    /// 0 below a thousandth of the values around: such a step resolves the table, and keeps the bits of one without
+    /// points inside.
+    double beyond_trapezoid(double begin, double end) const;
+    /// Of a step with the theta scheme: (1 - theta) f(begin) + theta f(end) + beyond_trapezoid, within what f takes in
+    /// between. With theta = 1/2 this is the mean of f.
+    double over_step(double begin, double end, double theta) const;
+    /// Of a kick of central differences at `t` between steps of size `before` and `after` [s]: f(t) and half of what
+    /// both steps miss. The sum of all kicks is the integral of f.
+    double over_kick(double t, double before, double after) const;
+    std::array<double, 2> range(double begin, double end) const;  // least and largest value in the interval
+    /// [s] Where a step from `begin` to `end` had better end, at least `shortest` [s] after its begin: at the point
+    /// farthest from the straight line, if that is more than `corner_tolerance` of the largest value. Else `end`.
+    double corner(double begin, double end, double shortest) const;
+    static constexpr double corner_tolerance = 0.01;
+
+private:
+    template <class Visit>
+    void for_each_piece(double begin, double end, const Visit& visit) const;
 };
 
 /// A step of size h [s] from `begin` [s], as far as prescribed motions need it.

@@ -108,18 +108,37 @@ void check_locking(Reading& reading) {
                          "mesh.order = 2, or smaller triangles; compare two sizes");
 }
 
-/// Times after the end of the run.
+constexpr double negligible_factor = 1e-3;
+
+/// Tables whose times the run does not meet.
 void check_times(Reading& reading) {
     const Scenario& scenario = reading.scenario;
     const double end = scenario.time.end;
     if (!(end > 0)) return;
     const auto check_history = [&](const std::string& path, const TimeFunction& history) {
-        if (history.time.empty() || history.time.front() < end) return;
-        reading.table(path).warning("after-the-end", "table",
-                                    "begins at " + shortest(history.time.front()) + " s, and the run ends at " +
-                                        shortest(end) + " s: its factor is " + shortest(history.value.front()) +
-                                        " all the time",
-                                    "a number without a unit is in seconds");
+        if (history.time.empty()) return;
+        const Table table = reading.table(path);
+        const char* const key = table.given("ramp") ? "ramp" : table.given("csv") ? "csv" : "table";
+        const auto largest = [](const auto& values) {
+            return std::max(std::abs(std::ranges::min(values)), std::abs(std::ranges::max(values)));
+        };
+        const double in_run = largest(history.range(0, end)), in_all = largest(history.value);
+        if (history.time.front() >= end)
+            table.warning("after-the-end", key,
+                          "begins at " + shortest(history.time.front()) + " s, and the run ends at " + shortest(end) +
+                              " s: its factor is " + shortest(history.value.front()) + " all the time",
+                          "a number without a unit is in seconds");
+        else if (in_run < negligible_factor * in_all)
+            table.warning("after-the-end", key,
+                          "has a factor of at most " + decimal(in_run, std::chars_format::general, 3) +
+                              " until the run ends at " + shortest(end) + " s: its largest one, " + shortest(in_all) +
+                              ", comes later",
+                          "a number without a unit is in seconds");
+        else if (history.time.back() < 0)
+            table.warning("before-the-start", key,
+                          "ends at " + shortest(history.time.back()) + " s, before the run starts: its factor is " +
+                              shortest(history.value.back()) + " all the time",
+                          "times count from the start of the run");
     };
     for (std::size_t i = 0; i < scenario.loads.size(); ++i) check_history(item("load", i), scenario.loads[i].history);
     for (std::size_t i = 0; i < scenario.crack_pressures.size(); ++i)
@@ -129,10 +148,14 @@ void check_times(Reading& reading) {
         for (std::size_t i = 0; i < scenario.heat->exchanges.size(); ++i)
             check_history(item("heat.exchange", i), scenario.heat->exchanges[i].history);
     }
-    for (std::size_t i = 0; i < scenario.obstacles.size(); ++i)
-        check_history(item("obstacle", i), std::ranges::max(scenario.obstacles[i].drive, {}, [](const Drive& drive) {
-                                               return drive.history.time.size();
-                                           }).history);
+    for (std::size_t i = 0; i < scenario.obstacles.size(); ++i) {  // one history for all
+        TimeFunction history;
+        for (const Drive& drive : scenario.obstacles[i].drive)
+            if (!drive.history.time.empty()) history = drive.history;
+        for (const ObstacleForce& force : scenario.obstacles[i].forces)
+            if (!force.history.time.empty()) history = force.history;
+        check_history(item("obstacle", i), history);
+    }
     for (const NamedLaw& named : scenario.laws)
         if (const double tau = named.law.relaxation_time; tau > end)
             reading.table("interface." + named.name)

@@ -26,7 +26,8 @@ public:
           released_(model.mesh.n_corners(), Vec2::Zero()) {
         elastic_energy(model, begin, given_);
         for (const CornerLoad& load : model.corner_loads)
-            given_[load.corner] += model.histories[load.history](begin.time) * knap::force_of(model, load, begin);
+            given_[load.corner] += model.histories[load.history].over_kick(begin.time, begin.last_step, end.last_step) *
+                                   knap::force_of(model, load, begin);
     }
 
     std::vector<CornerLoad> loads() {

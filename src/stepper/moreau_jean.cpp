@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
+#include "model/time_tables.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/law_change.hpp"
 #include "stepper/explicit/explicit_scheme.hpp"
@@ -66,6 +67,10 @@ double MoreauJean::stable_step() const {
 }
 
 FactorSize MoreauJean::factor_size() const { return implicit_ ? implicit_->factor_size() : FactorSize{}; }
+
+double MoreauJean::step_size(const State& begin, double h) const {
+    return is_implicit(begin) ? step_to_corner(model_, begin.time, h) : h;
+}
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
     if (heat_) end.temperature = heat_->after(begin, h, is_implicit(begin));

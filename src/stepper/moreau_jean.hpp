@@ -25,6 +25,9 @@ public:
     /// longer finite.
     StepReport step(const State& begin, double h, State& end);
 
+    /// [s] The size of the step from a state, at most `h` [s]: implicit ones end at corners of tables over time.
+    double step_size(const State& begin, double h) const;
+
     /// BulkScheme::automatic, after an explicit step: the step that brings the velocities to the end of all steps so
     /// far, so that implicit ones can follow (stepper/scheme_change.hpp). `end` is void after a rejection.
     StepReport close_leapfrog(const State& begin, State& end);

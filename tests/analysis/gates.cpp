@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <set>
 
 namespace gates_test {
@@ -193,6 +194,75 @@ TEST_CASE("gates: the speed limit is that of the lightest corner with ten times 
     CHECK(level(4.4, 1) == GateLevel::ok);
     CHECK(level(4.5, 1) == GateLevel::violated);  // sqrt 20
     CHECK(level(0, 0) == GateLevel::ok);
+}
+
+TEST_CASE("gates: the rounding of a body that only moves is no residual and a real one is") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    Model stiff = model;
+    stiff.materials[0].E = 30e9;
+    State moved = initial_state(stiff);
+    for (Vec2& u : moved.displacement) u = {2e-4, 0};
+    moved.last_step = 1;
+    DeformationWatch watch(stiff);
+    watch.look_at(moved);
+    CHECK(watch.rounding_energy(2e-4) == relative(std::ldexp(30e9 * 16e-8, -50), 1e-12));
+    EnergyLedger ledger(stiff, initial_state(stiff));
+    ledger.add(moved, {.strain = 1.1e-13, .external_work = 1e-13, .worst_impact_work = 1e-15, .largest_speed = 2e-4});
+    Gates gates;
+    const auto level = [&](const char* gate) { return named(gates, gate).level; };
+    judge({ledger, 1, 1, false, &watch}, {}, gates);
+    CHECK(level("energy_residual") == GateLevel::ok);
+    CHECK(level("impact_injection") == GateLevel::ok);
+    ledger.add(moved, {.strain = 1e-9, .external_work = 0.9e-9, .worst_impact_work = 1e-11});  // far above rounding
+    judge({ledger, 1, 1, false, &watch}, {}, gates);
+    CHECK(level("energy_residual") == GateLevel::violated);
+    CHECK(level("impact_injection") == GateLevel::violated);
+}
+
+TEST_CASE("gates: the defect of large rotations may grow with the turns of the body alone") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    State now = initial_state(model);
+    now.last_step = 0.1;
+    const auto level = [&](double speed, int n, double defect) {
+        EnergyLedger ledger(model, now);
+        for (int i = 0; i < n; ++i)
+            ledger.add(
+                now,
+                {.kinetic = 1, .external_work = i == 0 ? 1. : 0., .rotation_work = defect, .largest_speed = speed});
+        Gates gates;
+        judge({ledger, 1, 1}, {}, gates);
+        return named(gates, "rotation_work_part").level;
+    };
+    CHECK(level(0, 100, 0.9e-5) == GateLevel::ok);
+    CHECK(level(0, 100, 1.1e-5) == GateLevel::violated);                  // at rest
+    CHECK(level(0.1 * std::numbers::pi, 2000, 0.9e-5) == GateLevel::ok);  // 20 turns, 0.018 of the energy
+    CHECK(level(0.1 * std::numbers::pi, 2000, 1.1e-5) == GateLevel::violated);
+}
+
+TEST_CASE("gates: a loss is no part of next to nothing that was dissipated and free warming has no inertia to judge") {
+    const Model model = make_model(point_masses(CohesiveLaw{.sigma_c = 1, .G_c = 0.5}, true));
+    const State now = initial_state(model);
+    EnergyLedger first(model, now, MassMatrix::lumped, 0.5);  // the first point has lost a thousandth of its cohesion
+    first.add(now, {.kinetic = 1e-3,
+                    .dissipated = 5e-7,
+                    .external_work = 1e-3,
+                    .crossing_loss = 1e-5,
+                    .scheme_dissipation = 1e-5});
+    Gates gates;
+    judge({first, 1, 1, true}, {}, gates);
+    CHECK(named(gates, "crossing_loss").level == GateLevel::ok);
+    CHECK(named(gates, "scheme_dissipation_part").value == relative(2e-5, 1e-12));
+    State warm = now;
+    const auto temperatures = std::make_shared<Temperatures>();
+    temperatures->free_energy = 4e-4;
+    warm.temperature = temperatures;
+    EnergyLedger free(model, now);
+    free.add(warm, {.kinetic = 1e-8, .strain = 1e-8, .thermal_work = 2e-8});
+    judge({free, 1, 1, true, nullptr, 1.0}, {}, gates);
+    CHECK(named(gates, "kinetic_part").level == GateLevel::ok);
+    free.add(warm, {.kinetic = 1e-5, .strain = 1e-5, .thermal_work = 2e-5});
+    judge({free, 1, 1, true, nullptr, 1.0}, {}, gates);
+    CHECK(named(gates, "kinetic_part").level == GateLevel::warning);
 }
 
 }  // namespace gates_test

@@ -134,6 +134,41 @@ TEST_CASE("flux and sources heat a body by what they supply") {
     }
 }
 
+TEST_CASE("heat between steps: a flux and a source give all of their heat and a warm moment is no overshoot") {
+    const TimeFunction pulse{{0, 0.2121, 0.2122, 0.2127, 0.213}, {0, 0, 1, 1, 0}},
+        several{{0, 0.11, 0.18, 0.18, 0.37}, {0, 0, 2, 1, 0}};
+    for (const bool implicit : {false, true})
+        for (const auto& [table, integral] : {std::pair{&pulse, 7e-4}, {&several, 0.165}}) {
+            Heat heat = conducting("5");
+            heat.exchanges = {exchange(Kind::flux, "right", 3), {.kind = Kind::source, .on = {}, .value = 2}};
+            for (HeatExchange& each : heat.exchanges) each.history = *table;
+            Slab slab(heated(bar_mesh(6, 3, 2, 1), heat, unit));
+            for (int i = 1; i <= 10; ++i) slab.go(0.05 * i, implicit);
+            CHECK(slab.now.temperature->heat_in == relative(integral * (3 * 1 + 2 * 2), 1e-12));
+            CHECK(slab.book() < 1e-14);
+        }
+    for (const Kind kind : {Kind::temperature, Kind::convection}) {
+        Heat heat = conducting("5");
+        heat.exchanges = {exchange(kind, "right", 50, kind == Kind::convection ? 3 : 0)};
+        heat.exchanges[0].history = pulse;
+        heat.exchanges[0].value = 50, heat.reference = 5;
+        Slab slab(heated(bar_mesh(6, 3, 2, 1), heat, unit));
+        for (int i = 1; i <= 10; ++i) slab.go(0.05 * i, false);
+        CHECK(slab.now.temperature->heat > 1e-4);  // it had been lost between two steps
+        CHECK(slab.now.temperature->overshoot <= 1e-12);
+        CHECK(slab.book() < 1e-14);
+    }
+}
+
+TEST_CASE("heat in steps far beyond the passage of an edge is balanced to the rounding of its flows") {
+    Heat heat = conducting("20");
+    heat.exchanges = {exchange(Kind::temperature, "left", 100)};
+    Slab slab(heated(bar_mesh(20, 10, 2, 1), heat, unit));
+    for (int i = 1; i <= 3; ++i) slab.go(1e8 * i, true);
+    CHECK(slab.at({2, 0}) == relative(100, 1e-6));
+    CHECK(slab.book() < 1e-11);
+}
+
 // h = 1/(u_N/k_f + 1/h_0): the jump of temperature at an open crack in a bar between 0 and 1.
 TEST_CASE("an open crack resists as the gap that it is") {
     Heat heat = conducting("0", {0, 0});

@@ -588,7 +588,10 @@ TEST_CASE("warnings: what begins after the end") {
     CHECK(table.code == "after-the-end");
     CHECK(table.line == 19);
     CHECK(reports(table, "begins at 90 s, and the run ends at 8e-05 s: its factor is 0 all the time"));
-    CHECK(samples::read(with(load + "traction = [0, 1]\ntable = [[0, 0], [100, 1]]\n")).warnings.empty());
+    const Diagnostic seconds = warning_of(with(load + "traction = [0, 1]\ntable = [[0, 0], [100, 1]]\n"));
+    CHECK(seconds.code == "after-the-end");
+    CHECK(reports(seconds, "has a factor of at most 8e-07 until the run ends at 8e-05 s"));
+    CHECK(samples::read(with(load + "traction = [0, 1]\ntable = [[0, 0], [1e-3, 1]]\n")).warnings.empty());
     CHECK(reports(warning_of(with("[[study.quantity]]\nof = \"surface\"\nat = \"1 ms\"\n")), "there is no such value"));
 }
 

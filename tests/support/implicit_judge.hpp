@@ -222,8 +222,7 @@ private:
         for (Vec2& force : left) force *= h_;
         for (const CornerLoad& load : model_.corner_loads) {
             const TimeFunction& history = model_.histories[load.history];
-            left[load.corner] +=
-                h_ * (theta * history(begin_.time + h_) + (1 - theta) * history(begin_.time)) * load.force;
+            left[load.corner] += h_ * history.over_step(begin_.time, begin_.time + h_, theta) * load.force;
         }
         for (const FanPoint& point : model_.fan_points) {
             if (unbreakable(point)) continue;

@@ -145,7 +145,7 @@ private:
         double work = 0;
         for (const CornerLoad& load : model.corner_loads) {
             const TimeFunction& history = model.histories[load.history];
-            const double mean = options.theta * history(now.time + h) + (1 - options.theta) * history(now.time);
+            const double mean = history.over_step(now.time, now.time + h, options.theta);
             work += h * mean * load.force.dot(end.rate[load.corner]);
         }
         for (const FanPoint& at : model.fan_points) {

@@ -40,9 +40,15 @@ std::vector<Diagnostic> findings_of_steep_loads(const ReadResult& read, const Mo
 /// Warnings: temperatures at t = 0 that strain a body which starts undeformed, by much of the strength.
 std::vector<Diagnostic> findings_of_hot_start(const ReadResult& read, const Model& model);
 
-/// Warnings: on these places, supports, fluids, steep loads and hot starts, the resolution of the process zone, the
-/// conduction of heat, jumps of prescribed displacements, details that reduce the stable step, and implausible numbers
-/// of steps, frames, lines and pictures. Without `cost` it is estimated where a run may be long.
+/// Warnings: slender parts with few edges of first order across, which something can bend.
+std::vector<Diagnostic> findings_of_bending(const ReadResult& read, const Model& model);
+
+/// Warnings: tables over time that steps do not resolve, and tables over temperature that the run does not reach.
+std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& model, const StepPlan& plan);
+
+/// Warnings: on these places, supports, fluids, tables, bending, steep loads and hot starts, the resolution of the
+/// process zone, the conduction of heat, jumps of prescribed displacements, details that reduce the stable step, and
+/// implausible numbers of steps, frames, lines and pictures. Without `cost` it is estimated where a run may be long.
 std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
                                           const Cost* cost = nullptr);
 

@@ -4,6 +4,7 @@
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "mesh/polygon.hpp"
+#include "model/selections.hpp"
 #include "output/outputs.hpp"
 
 #include <algorithm>
@@ -13,13 +14,64 @@ namespace knap {
 
 double HeatScales::layer() const { return std::sqrt(diffusivity * std::min(duration, passage)); }
 
+namespace {
+
+/// [m] The way of heat through the body: its smaller side, unless that is insulated; then the largest distance from
+/// where heat comes or goes, or the side along which the temperature varies.
+double way_of_heat(const Scenario& scenario, const Mesh& mesh) {
+    const Heat& heat = *scenario.heat;
+    const Box box = bounding_box(mesh.vertices);
+    const Vec2 sides = box.extent();
+    if (heat.exchanges.empty()) {
+        const auto varies = [&](int k) {
+            constexpr int n = 8;
+            double low = infinity, high = -infinity;
+            for (int i = 0; i <= n; ++i) {
+                Vec2 place = 0.5 * (box.low + box.high);
+                place[k] = box.low[k] + sides[k] * i / n;
+                const double T = heat.field_at(place, 0);
+                low = std::min(low, T), high = std::max(high, T);
+            }
+            return high - low > 1e-9 * (std::abs(low) + std::abs(high));
+        };
+        const bool x = varies(0), y = varies(1);
+        return x == y ? sides.minCoeff() : x ? sides.x() : sides.y();
+    }
+    std::vector<Vec2> given;
+    for (const HeatExchange& exchange : heat.exchanges) {
+        using Kind = HeatExchange::Kind;
+        if (exchange.kind == Kind::source) {
+            for (const Index t : selected_triangles(mesh, exchange.on)) given.push_back(mesh.centroid(t));
+        } else if (exchange.kind == Kind::temperature) {
+            const std::vector<char> selected = selected_corners(mesh, exchange.on);
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                if (selected[c]) given.push_back(mesh.corner(c));
+        } else {
+            for (const std::size_t e : selected_edges(mesh, exchange.on))
+                given.push_back(mesh.corner(mesh.boundary_edges[e].triangle, mesh.boundary_edges[e].side));
+        }
+    }
+    constexpr std::size_t many = 1024;  // of each are enough for a length
+    const std::size_t every_given = given.size() / many + 1, every_vertex = mesh.vertices.size() / many + 1;
+    double depth = 0;
+    for (std::size_t v = 0; v < mesh.vertices.size() && !given.empty(); v += every_vertex) {
+        double nearest = infinity;
+        for (std::size_t g = 0; g < given.size(); g += every_given)
+            nearest = std::min(nearest, (given[g] - mesh.vertices[v]).squaredNorm());
+        depth = std::max(depth, std::sqrt(nearest));
+    }
+    return std::max(sides.minCoeff(), depth);
+}
+
+}  // namespace
+
 std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, double step) {
     std::vector<HeatScales> found;
     if (!scenario.heat || !scenario.heat->conduction) return found;
     const Heat& heat = *scenario.heat;
     double transfer = 0;  // [W/(m2 K)] largest
     for (const HeatExchange& exchange : heat.exchanges) transfer = std::max(transfer, exchange.transfer);
-    const double edge = scenario.finest_edge(mean_edge(mesh)), side = bounding_box(mesh.vertices).extent().minCoeff();
+    const double edge = scenario.finest_edge(mean_edge(mesh)), way = way_of_heat(scenario, mesh);
     const SchemeOptions& scheme = scenario.time.scheme;
     const bool implicit = scheme.takes_implicit_steps(), damped = scheme.damping * scenario.time.end >= 10 ||
                                                                   (implicit && scheme.theta > 0.5) ||
@@ -31,7 +83,7 @@ std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, d
         const double kappa = thermal.conductivity / (elastic.density * thermal.heat_capacity);
         found.push_back({.material = scenario.materials[i].name,
                          .diffusivity = kappa,
-                         .passage = side * side / kappa,
+                         .passage = way * way / kappa,
                          .duration = heat.time_factor * scenario.time.end,
                          .edge = edge,
                          .convection = transfer > 0 ? thermal.smallest_conductivity() / transfer : 0,
@@ -85,6 +137,35 @@ double smallest_strength(const Scenario& scenario) {
 }
 
 }  // namespace
+
+std::array<double, 2> temperatures_of_run(const Scenario& scenario, const Mesh& mesh) {
+    const Heat& heat = *scenario.heat;
+    const double end = scenario.time.end;
+    FieldExtremes found = field_extremes(scenario, mesh, 0);
+    const auto include = [&](double T) {
+        found.lowest = std::min(found.lowest, T), found.highest = std::max(found.highest, T);
+    };
+    if (!heat.conduction && !heat.field.is_constant()) {
+        constexpr int n_samples = 8;
+        std::vector<double> times;
+        for (int i = 1; i <= n_samples; ++i) times.push_back(end * i / n_samples);
+        for (const double t : heat.field.history.time)
+            if (t > 0 && t < end && times.size() < 3 * n_samples) times.push_back(t);
+        for (const double t : times) {
+            const FieldExtremes at = field_extremes(scenario, mesh, t);
+            include(at.lowest), include(at.highest);
+        }
+    }
+    for (const HeatExchange& exchange : heat.exchanges) {
+        using Kind = HeatExchange::Kind;
+        const bool gives = exchange.kind == Kind::flux || exchange.kind == Kind::source;
+        for (const double factor : exchange.history.range(0, end))
+            if (!gives) include(heat.follow(exchange.value, factor));
+            else if (const double heating = exchange.value * factor; heating != 0)
+                include(std::copysign(infinity, heating));
+    }
+    return {found.lowest, found.highest};
+}
 
 std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
     if (!scenario.heat) return "";

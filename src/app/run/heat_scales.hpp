@@ -3,6 +3,7 @@
 #include "model/model.hpp"
 #include "scenario/scenario.hpp"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace knap {
 struct HeatScales {
     std::string material;
     double diffusivity;  // [m2/s] kappa_T = k/(rho c), the largest of the tables
-    double passage;      // [s] L^2/kappa_T through the smaller side of the body
+    double passage;      // [s] L^2/kappa_T, L: the way of heat through the body
     double duration;     // [s] of the run
     double edge;         // [m] finest one
     double convection;   // [m] smallest k/(coefficient of convection): a face cools in the time of this depth; or 0
@@ -36,6 +37,9 @@ struct HeatScales {
 
 /// Empty without conduction. `step`: [s] the largest one of the run.
 std::vector<HeatScales> judge_heat(const Scenario& scenario, const Mesh& mesh, double step);
+
+/// [K] Lowest and highest temperature that the body can have until time.end; infinite where heat is given or taken.
+std::array<double, 2> temperatures_of_run(const Scenario& scenario, const Mesh& mesh);
 
 /// Temperatures and strains; with conduction a line or two for each material. Empty without heat.
 std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step);

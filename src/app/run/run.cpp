@@ -214,7 +214,7 @@ void Run::replace_model(const auto& replace) {
 /// A trial step of the whole body shows the forces that the region exerts on the rest.
 void Run::excavate() {
     const SchemeOptions& scheme = setup_.scenario.time.scheme;
-    double h = control_.next(now_);
+    double h = stepper_->step_size(now_, control_.next(now_));
     for (StepReport trial = stepper_->step(now_, h, next_); trial.rejection != Rejection::none;
          trial = stepper_->step(now_, h, next_))
         if (h *= 0.5; h < setup_.plan.limits.smallest)
@@ -244,7 +244,7 @@ void Run::adapt(const std::optional<Vec2>& also) {
 /// One attempt of a step: the state advances, or stays where the step is cut back. Throws SimulationError where the run
 /// cannot continue.
 void Run::step() {
-    const double h = control_.next(now_);
+    const double h = stepper_->step_size(now_, control_.next(now_));
     const StepReport report = stepper_->step(now_, h, next_);
     if (report.rejection == Rejection::too_coarse) return adapt(report.where);
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {

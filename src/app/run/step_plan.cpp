@@ -3,6 +3,7 @@
 #include "analysis/rest_watch.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
+#include "model/time_tables.hpp"
 #include "stepper/adaptation.hpp"
 
 #include <algorithm>
@@ -35,6 +36,18 @@ std::int64_t count(const char* key, double end, double step, const char* cure) {
                                 step, n, max_steps),
                       cure);
     return std::max<std::int64_t>(1, static_cast<std::int64_t>(n));
+}
+
+/// Implicit steps end at corners of tables over time.
+void count_corners(const Model& model, double end, StepPlan& plan) {
+    constexpr std::int64_t many = 1'000'000;  // beside which corners do not count
+    std::int64_t n = 0;
+    for (double t = 0; t < end * (1 - 1e-12) && plan.n_steps < many; ++n) {
+        const double h = step_to_corner(model, t, plan.limits.largest);
+        plan.n_at_corners += h < plan.limits.largest;
+        t += h;
+    }
+    if (plan.n_at_corners > 0) plan.n_steps = n;
 }
 
 /// [s] The requested time.step.
@@ -105,6 +118,7 @@ StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Mo
     if (double& quiet_for = plan.limits.change.quiet_for; plan.limits.changes() && quiet_for == 0)
         quiet_for = quiet_passages * shear_passage(model);
     plan.stable_of_triangle = std::move(stable);
+    if (time.scheme.takes_implicit_steps()) count_corners(model, std::min(time.end, until), plan);
     return plan;
 }
 

@@ -18,6 +18,7 @@ struct StepPlan {
     std::int64_t n_steps;                         // if all have the largest size
     double stable_step;                           // [s] of the explicit bulk: that of the worst free triangle
     std::vector<double> stable_of_triangle = {};  // [s] each free triangle
+    std::int64_t n_at_corners = 0;                // of n_steps: implicit ones that end at corners of tables over time
 };
 
 /// A step that the mesh does not allow, or step sizes in the wrong order.

@@ -16,6 +16,15 @@ constexpr double no_line_search_below = 1e3;  // times the tolerance: the last d
 constexpr double difference = 1e-6;           // [-] of the speeds, for the slope: exact up to rounding
 constexpr int few = 12;                       // components that are solved on the stack
 
+/// [-] What the history of a force does over the step beyond what its values at single times say.
+double missed_of(const TimeFunction& history, const StepTimes& times, double before) {
+    const double end = times.begin + times.h;
+    if (times.central_differences) return history.over_kick(times.begin, before, times.h) - history(times.begin);
+    if (history.beyond_trapezoid(times.begin, end) == 0) return 0;
+    return history.over_step(times.begin, end, times.theta) -
+           (times.theta * history(end) + (1 - times.theta) * history(times.begin));
+}
+
 }  // namespace
 
 void ObstacleMotion::begin_explicit(const State& begin, double kick_time, double drift_time, double damping) {
@@ -36,6 +45,9 @@ void ObstacleMotion::begin_step(const State& begin, const StepTimes& times) {
         const ObstacleState& state = begin.obstacles[o];
         force_[o] = force_at(obstacle, times.begin);
         if (theta_scheme_) force_[o] = theta_ * force_at(obstacle, times.begin + times.h) + (1 - theta_) * force_[o];
+        for (const ObstacleForce& each : obstacle.forces)
+            if (const double missed = missed_of(each.history, times, begin.last_step); missed != 0)
+                for (int k = 0; k < 3; ++k) force_[o][k] += obstacle.is_free(k) ? missed * each.value[k] : 0;
         for (int k = 0; k < 3; ++k) {
             const Drive& drive = obstacle.drive[k];
             if (obstacle.is_free(k)) {

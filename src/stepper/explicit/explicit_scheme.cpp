@@ -68,10 +68,10 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .damping = 0.25 * (begin.last_step + h) * damping_,
                             .large_rotation = model_.large_rotation,
                             .corner_impulse = corner_impulse_};
-    // fans that were split before are split at the end, too
-    copy_partition(model_, begin, end);
+    copy_partition(model_, begin, end);  // fans that were split before are split at the end, too
     end.viscous_stress.resize(no_viscous_stress_.size());
-    for (std::size_t i = 0; i < amplitude_.size(); ++i) amplitude_[i] = model_.histories[i](begin.time);
+    for (std::size_t i = 0; i < amplitude_.size(); ++i)
+        amplitude_[i] = model_.histories[i].over_kick(begin.time, begin.last_step, h);
     StepReport report;
     // rows of src/README.md, Explicit step. First: fans in contact and those whose incubation is due are candidates
     if (contacts_) {

@@ -66,7 +66,7 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     const State& begin = *step.begin;
     amplitude_.clear();
     for (const TimeFunction& history : model_.histories)
-        amplitude_.push_back(step.theta * history(begin.time + step.h) + (1 - step.theta) * history(begin.time));
+        amplitude_.push_back(history.over_step(begin.time, begin.time + step.h, step.theta));
     std::ranges::fill(load_, Vec2::Zero());
     for (const CornerLoad& load : model_.corner_loads) load_[load.corner] += amplitude_[load.history] * load.force;
     for (const CornerLoad& load : crack_forces_.find(begin))
