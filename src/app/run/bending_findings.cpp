@@ -14,7 +14,7 @@ namespace {
 
 constexpr double enough_edges = 6;  // across: a beam then lacks less than 5 % of its deflection
 constexpr double slender = 6;       // [-] length over thickness
-constexpr double much = 0.05;       // [-] of all loads: across a part
+constexpr double much_across = 0.05;       // [-] of all loads: across a part
 constexpr double same_face = 0.8;   // cosine between the normals of neighbouring edges
 
 /// A face of the body, at its boundary or at a crack.
@@ -157,7 +157,7 @@ private:
     bool is_bent(const Vec2& across) const {
         const bool by_heat = model_.heat != nullptr && (model_.heat->conduction || !model_.heat->field.is_uniform());
         return by_heat || !model_.crack_fluids.empty() || std::ranges::any_of(bends_, [&](const Vec2& action) {
-                   return std::abs(action.x() * across.x()) + std::abs(action.y() * across.y()) > much;
+                   return std::abs(action.x() * across.x()) + std::abs(action.y() * across.y()) > much_across;
                });
     }
 

@@ -14,7 +14,7 @@
 namespace knap {
 namespace {
 
-constexpr double much = 0.05;  // [-] of the largest value of a table
+constexpr double much_of_table = 0.05;  // [-] of the largest value of a table
 
 /// Between two ends of steps; those of a table do not tell of it.
 struct Peak {
@@ -33,7 +33,7 @@ std::optional<Peak> unresolved_peak(const TimeFunction& table, double h, double 
         const double before = table(begin), after = table(begin + h), low = std::min(before, after),
                      high = std::max(before, after);
         const double passed = std::max(table.value[i] - high, low - table.value[i]);
-        if (passed > much * largest && (!found || passed > found->passed)) found = Peak{t, table.value[i], passed};
+        if (passed > much_of_table * largest && (!found || passed > found->passed)) found = Peak{t, table.value[i], passed};
     }
     return found;
 }
