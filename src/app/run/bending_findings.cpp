@@ -12,10 +12,10 @@
 namespace knap {
 namespace {
 
-constexpr double enough_edges = 6;  // across: a beam then lacks less than 5 % of its deflection
-constexpr double slender = 6;       // [-] length over thickness
-constexpr double much_across = 0.05;       // [-] of all loads: across a part
-constexpr double same_face = 0.8;   // cosine between the normals of neighbouring edges
+constexpr double enough_edges = 6;    // across: a beam then lacks less than 5 % of its deflection
+constexpr double slender = 6;         // [-] length over thickness
+constexpr double much_across = 0.05;  // [-] of all loads: across a part
+constexpr double same_face = 0.8;     // cosine between the normals of neighbouring edges
 
 /// A face of the body, at its boundary or at a crack.
 struct Face {

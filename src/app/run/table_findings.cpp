@@ -33,7 +33,8 @@ std::optional<Peak> unresolved_peak(const TimeFunction& table, double h, double 
         const double before = table(begin), after = table(begin + h), low = std::min(before, after),
                      high = std::max(before, after);
         const double passed = std::max(table.value[i] - high, low - table.value[i]);
-        if (passed > much_of_table * largest && (!found || passed > found->passed)) found = Peak{t, table.value[i], passed};
+        if (passed > much_of_table * largest && (!found || passed > found->passed))
+            found = Peak{t, table.value[i], passed};
     }
     return found;
 }
