@@ -279,21 +279,38 @@ void write_part(const FramePart& part, const Frame& frame, const path& file) {
     writer->SetDataModeToAppended();
     writer->EncodeAppendedDataOff();
     writer->SetCompressorTypeToLZ4();
-    write_whole_file(file, [&](const path& written) {
-        writer->SetFileName(written.c_str());
-        if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
-            throw OutputError("cannot write " + file.string() + ": " +
-                              vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
-    });
+    writer->WriteToOutputStringOn();  // VTK does not look whether the system takes the last bytes
+    if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
+        throw OutputError("cannot make " + file.string() + ": " +
+                          vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
+    write_whole_file(file, writer->GetOutputString());
 }
+
+/// What is wrong with a file of VTK by its end; empty where it is whole. (VTK reads half a file without an error.)
+std::string fault_of(const path& file) {
+    constexpr std::string_view mark = "</VTKFile>";
+    std::error_code none;
+    if (!std::filesystem::exists(file, none)) return "does not exist";
+    std::ifstream in(file, std::ios::binary | std::ios::ate);
+    const std::streamoff size = in.tellg();
+    if (size == 0) return "is empty";
+    std::string end(static_cast<std::size_t>(std::clamp<std::streamoff>(size, 0, 2 * mark.size())), '\0');
+    in.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
+    if (!in.read(end.data(), static_cast<std::streamsize>(end.size()))) return "cannot be read";
+    return end.find(mark) == end.npos ? "is cut off after " + std::to_string(size) + " bytes" : "";
+}
+
+constexpr const char* cure_of_damage =
+    "`knap run` of its scenario with --force computes the run again and writes all files; the others can be used";
 
 void read_part(const FramePart& part, const path& file, Frame& frame) {
     const auto fail = [&](const std::string& problem) {
-        throw UserError("damaged-file", "`" + file.string() + "` " + problem);
+        throw UserError("damaged-file", "`" + file.string() + "` " + problem, cure_of_damage);
     };
     prepare_vtk();
     if (!std::filesystem::is_regular_file(file))
-        throw UserError("missing-file", "there is no file `" + file.string() + "`");
+        throw UserError("missing-file", "there is no file `" + file.string() + "`", cure_of_damage);
+    if (const std::string fault = fault_of(file); !fault.empty()) fail(fault);
     vtkNew<vtkXMLUnstructuredGridReader> reader;
     reader->SetFileName(file.string().c_str());
     reader->Update();
@@ -366,19 +383,31 @@ void VtkSeries::write(const Frame& frame) {
     write_collection(run_, times_, obstacles);
 }
 
-bool VtkSeries::has(std::size_t frame) const {
+void VtkSeries::list(bool obstacles) const {
+    if (!times_.empty()) write_collection(run_, times_, obstacles);
+}
+
+void VtkSeries::flush() {
     std::error_code none;
-    return std::ranges::all_of(parts_with(false), [&](const FramePart& part) {
-        return std::filesystem::exists(run_ / file_of(part, frame), none);
-    });
+    for (; n_flushed_ < times_.size(); ++n_flushed_)
+        for (const FramePart& part : parts())
+            if (const path file = run_ / file_of(part, n_flushed_); std::filesystem::exists(file, none))
+                flush_to_disk(file);
+    for (const path& named : {run_ / "run.pvd", run_ / "fields"})
+        if (std::filesystem::exists(named, none)) flush_to_disk(named);
+}
+
+bool VtkSeries::has(std::size_t frame) const {
+    return std::ranges::all_of(parts_with(false),
+                               [&](const FramePart& part) { return fault_of(run_ / file_of(part, frame)).empty(); });
 }
 
 std::vector<std::string> VtkSeries::missing(bool obstacles) const {
     std::vector<std::string> files;
-    std::error_code none;
     for (std::size_t i = 0; i < times_.size(); ++i)
         for (const FramePart& part : parts_with(obstacles))
-            if (!std::filesystem::exists(run_ / file_of(part, i), none)) files.push_back(file_of(part, i));
+            if (const std::string fault = fault_of(run_ / file_of(part, i)); !fault.empty())
+                files.push_back(file_of(part, i) + " " + fault);
     return files;
 }
 
@@ -386,6 +415,8 @@ std::vector<double> frame_times(const path& run) {
     const path file = run / "run.pvd";
     std::ifstream in(file, std::ios::binary);
     if (!in) throw UserError("missing-file", "cannot read `" + file.string() + "`");
+    if (const std::string fault = fault_of(file); !fault.empty())
+        throw UserError("damaged-file", "`" + file.string() + "` " + fault, cure_of_damage);
     std::vector<double> times;
     const std::string key = "timestep=\"";
     for (std::string line; std::getline(in, line);) {

@@ -25,18 +25,23 @@ public:
     /// Writes the next frame and lists it. Whatever interrupts the run, run.pvd and all files that it lists are
     /// complete. Throws OutputError naming the path that could not be written.
     void write(const Frame& frame);
+    /// Writes run.pvd anew, where there are frames.
+    void list(bool obstacles) const;
+    /// Returns when all frames so far are on the disk, and a loss of power takes none of them. Throws OutputError.
+    void flush();
 
     const std::vector<double>& times() const { return times_; }  // [s]
 
-    /// Whether the bulk and interfaces of this frame exist.
+    /// Whether the bulk and interfaces of this frame are whole.
     bool has(std::size_t frame) const;
 
-    /// Files of these frames that no longer exist: "fields/bulk_0003.vtu".
+    /// Files of these frames that are lost or damaged: "fields/bulk_0003.vtu is empty".
     std::vector<std::string> missing(bool obstacles) const;
 
 private:
     std::filesystem::path run_;
     std::vector<double> times_;
+    std::size_t n_flushed_ = times_.size();  // a checkpoint that counts frames has flushed them
 };
 
 /// Times [s] of the frames of a finished or interrupted run. Throws UserError when there is no run.pvd.

@@ -82,6 +82,26 @@ std::string unpacked_checkpoint(const std::string& file) {
 
 fs::path state_file(double time) { return fs::path("states") / (shortest(time) + ".state"); }
 
+std::string fault_of_state(const fs::path& file, Moment* moment) {
+    std::error_code error;
+    const std::uintmax_t size = fs::file_size(file, error);
+    if (error) return "cannot be read: " + error.message();
+    if (size == 0) return "is empty";
+    std::string line(longest_line, '\0');
+    std::ifstream in(file, std::ios::binary);
+    in.read(line.data(), static_cast<std::streamsize>(line.size()));
+    line.resize(std::min(line.find('\n'), line.size()));
+    try {
+        const Head head = head_of(line);
+        if (moment) *moment = head.moment;
+        const std::size_t expected = line.size() + 1 + head.size;
+        if (size != expected) return formatted("has %ju bytes instead of %zu", size, expected);
+    } catch (const SimulationError& problem) {
+        return std::string("cannot be used: ") + problem.what();
+    }
+    return "";
+}
+
 std::vector<StoredState> stored_states(const fs::path& run) {
     std::vector<fs::path> files;
     for (const char* name : {newest_checkpoint, previous_checkpoint, checkpoint_of_end}) files.push_back(run / name);
@@ -91,21 +111,17 @@ std::vector<StoredState> stored_states(const fs::path& run) {
     std::vector<StoredState> states;
     for (const fs::path& file : files) {
         if (!fs::is_regular_file(file, none)) continue;
-        std::string line(longest_line, '\0');
-        std::ifstream in(file, std::ios::binary);
-        in.read(line.data(), static_cast<std::streamsize>(line.size()));
-        try {
-            states.push_back({file, head_of(line.substr(0, line.find('\n'))).moment});
-        } catch (const SimulationError&) {
-            // of another format
-        }
+        StoredState& state = states.emplace_back(StoredState{.file = file});
+        state.fault = fault_of_state(file, &state.moment);
     }
     std::ranges::sort(states, {}, [](const StoredState& state) { return std::pair(state.moment.time, state.file); });
     return states;
 }
 
 const StoredState* state_at(const std::vector<StoredState>& states, double time) {
-    const auto distance = [&](const StoredState& state) { return std::abs(state.moment.time - time); };
+    const auto distance = [&](const StoredState& state) {
+        return state.fault.empty() ? std::abs(state.moment.time - time) : INFINITY;
+    };
     const auto nearest = std::ranges::min_element(states, {}, distance);
     if (nearest == states.end() || !(distance(*nearest) <= 2 * nearest->moment.last_step * (1 + 1e-9))) return nullptr;
     return &*nearest;

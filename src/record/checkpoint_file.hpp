@@ -36,15 +36,19 @@ std::string unpacked_checkpoint(const std::string& file);
 /// Name of a state file [s]: "states/4e-05.state".
 std::filesystem::path state_file(double time);
 
+/// Why a file is no whole state of this format, by its first line and its size: "is empty"; empty where it is one.
+std::string fault_of_state(const std::filesystem::path& file, Moment* moment = nullptr);
+
 struct StoredState {
     std::filesystem::path file;
-    Moment moment;
+    Moment moment = {};
+    std::string fault = {};  // fault_of_state
 };
-/// The checkpoints and states in the directory of a run, in the order of time; files that are none are left out.
+/// The checkpoints and states in the directory of a run, in the order of time.
 std::vector<StoredState> stored_states(const std::filesystem::path& run);
 
-/// The one that belongs to a time [s]: it was the first after it, or (a checkpoint) at most two steps away; null where
-/// there is none.
+/// The one without a fault that belongs to a time [s]: it was the first after it, or (a checkpoint) at most two steps
+/// away; null where there is none.
 const StoredState* state_at(const std::vector<StoredState>& states, double time);
 
 }  // namespace knap

@@ -1,5 +1,7 @@
 #include "record/figure_output.hpp"
 
+#include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "figures/canvas.hpp"
 #include "record/run_files.hpp"
 
@@ -63,8 +65,13 @@ void FigureOutput::draw_sequences(const FrameOutput& frames) {
                                                     frames.times().begin());
             if (k < frames.times().size() && frames.has(k) && (shown.empty() || shown.back() != k)) shown.push_back(k);
         }
-        for (const auto& file : draw_sequence(figure, directory_, shown, histories_, context_, directory_ / "figures"))
-            drawn_.push_back(file);
+        try {
+            for (const auto& file :
+                 draw_sequence(figure, directory_, shown, histories_, context_, directory_ / "figures"))
+                drawn_.push_back(file);
+        } catch (const UserError& error) {  // of a frame that looks whole
+            undrawn_.push_back("figures/" + figure.file + " is not drawn: " + error.diagnostics.front().message);
+        }
     }
 }
 
@@ -80,12 +87,18 @@ void FigureOutput::show_last_state(double end) {
     }
 }
 
+void FigureOutput::flush() {
+    for (std::error_code none; n_flushed_ < drawn_.size(); ++n_flushed_)
+        if (std::filesystem::exists(drawn_[n_flushed_], none)) flush_to_disk(drawn_[n_flushed_]);
+}
+
 std::vector<std::string> FigureOutput::missing_files() const {
-    std::vector<std::string> files;
-    for (std::error_code none; const std::filesystem::path& figure : drawn_)
-        if (const std::filesystem::path file = "figures" / figure.filename();
-            !std::filesystem::exists(directory_ / file, none))
-            files.push_back(file.string());
+    std::vector<std::string> files = undrawn_;
+    for (std::error_code none; const std::filesystem::path& figure : drawn_) {
+        const std::filesystem::path file = "figures" / figure.filename();
+        if (!std::filesystem::exists(directory_ / file, none)) files.push_back(file.string() + " does not exist");
+        else if (std::filesystem::file_size(directory_ / file, none) == 0) files.push_back(file.string() + " is empty");
+    }
     return files;
 }
 

@@ -23,6 +23,9 @@ public:
     void draw_sequences(const FrameOutput& frames);
 
     const std::vector<std::filesystem::path>& drawn() const { return drawn_; }
+    /// Returns when all figures so far are on the disk.
+    void flush();
+    /// Figures that are lost, empty, or could not be drawn: "figures/cracks.png does not exist".
     std::vector<std::string> missing_files() const;
 
     void serialize(auto& archive) { archive(next_at_, drawn_); }
@@ -40,6 +43,8 @@ private:
     OutputTime& time_;
     std::vector<std::size_t> next_at_;  // per figure: number of its next time
     std::vector<std::filesystem::path> drawn_;
+    std::size_t n_flushed_ = 0;
+    std::vector<std::string> undrawn_;  // with the reason
 };
 
 }  // namespace knap

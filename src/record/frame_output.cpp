@@ -8,6 +8,7 @@ namespace knap {
 
 void FrameOutput::open() {
     series_.emplace(directory_, times_);
+    series_->list(!model_.obstacles.empty());
     writer_.emplace([this](const State& then) {
         Frame frame = make_frame(model_, then, false);
         const std::vector<Index> of_triangle = find_fragments(model_, then).piece_of_triangle;
@@ -49,6 +50,10 @@ void FrameOutput::wait() {
     const Stopwatch watch;
     complete();
     if (is_open()) time_.waited_for_frames += watch.wall();
+}
+
+void FrameOutput::flush() {
+    if (is_open()) series_->flush();
 }
 
 void FrameOutput::write(const State& now) {

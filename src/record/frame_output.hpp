@@ -22,12 +22,14 @@ public:
     void after_step(const State& now, bool of_figure);
     /// The last frame.
     void finish(const State& now, bool ended_early);
-    /// Returns when all frames so far are on disk; wait(): while the steps do.
+    /// Returns when all frames so far are written; wait(): while the steps do.
     void complete();
     void wait();
+    /// Of the frames that are written: returns when a loss of power takes none of them.
+    void flush();
 
     const std::vector<double>& times() const { return times_; }  // [s]
-    bool has(std::size_t k) const { return series_->has(k); }    // it was not deleted
+    bool has(std::size_t k) const { return series_->has(k); }    // it is whole
     std::vector<std::string> missing_files() const;
     double uncounted() const { return writer_ ? writer_->cpu() - counted_ : 0; }  // [s] of the writer, not yet in time
 

@@ -154,6 +154,7 @@ void Recorder::finish(const State& now, bool ended_early) {
     frames_.finish(now, ended_early);
     {
         const Timed timed(time_);
+        tables_.close();
         tables_.all().fragments = fragment_table(find_fragments(model_, now));
         tables_.write("fragments.csv", histories().fragments);
         write_arms();
@@ -223,6 +224,12 @@ OutputTime Recorder::time() const {
     OutputTime time = time_;
     time.cpu += frames_.uncounted(), time.frames += frames_.uncounted();
     return time;
+}
+
+void Recorder::flush_files() {
+    frames_.wait();
+    frames_.flush();
+    figures_.flush();
 }
 
 std::vector<std::string> Recorder::missing_files() const {

@@ -78,8 +78,10 @@ public:
     std::vector<ProbeSubject> after_adaptation(const State& now, const Renumbering& numbers,
                                                const LeapfrogEnergies& energies);
 
-    /// Returns when all frames so far are on disk: before a checkpoint that counts them.
+    /// Returns when all frames so far are written.
     void finish_frames() { frames_.wait(); }
+    /// The same when they and the figures are on the disk: before a checkpoint that counts them.
+    void flush_files();
 
     /// Last lines, last frame, and the figures of the end; also after an interruption. Where the run ended early,
     /// figures at times that it did not reach show its last state.
@@ -101,7 +103,7 @@ public:
     const RecorderOptions& options() const { return options_; }
     const std::vector<std::filesystem::path>& figures() const { return figures_.drawn(); }
     OutputTime time() const;
-    /// Frames and figures that this run wrote and that no longer exist.
+    /// Frames and figures that this run wrote and that are lost or damaged: "fields/bulk_0003.vtu is empty".
     std::vector<std::string> missing_files() const;
 
     /// What goes on in a run that starts from this one: its energy balance and its cracks.

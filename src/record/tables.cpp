@@ -1,11 +1,8 @@
 #include "record/tables.hpp"
 
-#include "base/error.hpp"
 #include "record/outputs.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 
 namespace knap {
 
@@ -19,8 +16,13 @@ void Tables::open() {
     if (directory_.empty()) return;
     for (Sheet& sheet : sheets_) {
         write(sheet.file, histories_.*sheet.table);
-        sheet.stream = std::ofstream(directory_ / sheet.file, std::ios::app);
+        sheet.growing.emplace(directory_ / sheet.file);
     }
+}
+
+void Tables::close() {
+    for (Sheet& sheet : sheets_)
+        if (sheet.growing) sheet.growing->close(), sheet.growing.reset();
 }
 
 void Tables::write_lines(const State& now) {
@@ -35,10 +37,7 @@ void Tables::add_line(History Histories::*table, std::vector<double> line) {
 void Tables::append(Sheet& sheet, std::vector<double> line) {
     std::vector<std::vector<double>>& rows = (histories_.*sheet.table).rows;
     rows.push_back(std::move(line));
-    if (!sheet.stream.is_open()) return;
-    sheet.stream << csv_line(rows.back()) << "\n" << std::flush;
-    if (!sheet.stream)
-        throw OutputError("cannot write " + (directory_ / sheet.file).string() + ": " + std::strerror(errno));
+    if (sheet.growing) sheet.growing->add(csv_line(rows.back()) + "\n");
 }
 
 void Tables::write(const char* file, const History& table) const {

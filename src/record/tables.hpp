@@ -1,10 +1,11 @@
 #pragma once
 // The tables of a run: in memory, and in files of its directory that grow line by line.
+#include "base/appended_file.hpp"
 #include "model/state.hpp"
 #include "output/history_csv.hpp"
 
-#include <fstream>
 #include <functional>
+#include <optional>
 
 namespace knap {
 
@@ -17,8 +18,9 @@ public:
 
     /// `line`: what write_lines() adds; without it lines come by add_line().
     void add(History Histories::*table, std::vector<std::string> columns, Line line = {});
-    /// Writes all lines so far and opens the files for the next ones.
+    /// Writes all lines so far and opens the files for the next ones. This and what follows throw OutputError.
     void open();
+    void close();
     void write_lines(const State& now);
     void add_line(History Histories::*table, std::vector<double> line);
 
@@ -36,7 +38,7 @@ private:
         const char* file;
         History Histories::*table;
         Line line;
-        std::ofstream stream;
+        std::optional<AppendedFile> growing;
     };
     void append(Sheet& sheet, std::vector<double> line);
 

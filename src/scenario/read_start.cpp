@@ -17,7 +17,8 @@ constexpr std::size_t max_times = 12;  // in a message
 
 std::string times_text(const std::vector<StoredState>& states) {
     std::vector<std::string> times;
-    for (const StoredState& state : states) times.push_back(formatted("%.6g s", state.moment.time));
+    for (const StoredState& state : states)
+        if (state.fault.empty()) times.push_back(formatted("%.6g s", state.moment.time));
     times.erase(std::unique(times.begin(), times.end()), times.end());
     const std::size_t n = times.size();
     times.resize(std::min(n, max_times));
@@ -40,6 +41,14 @@ std::optional<fs::path> find_state(const Table& time, const std::string& run, co
     }
     const std::vector<StoredState> states = stored_states(directory);
     if (const StoredState* state = state_at(states, requested.value)) return state->file;
+    for (const StoredState& state : states)
+        if (!state.fault.empty()) {
+            time.error("bad-state", "start",
+                       ": the run in `" + directory.string() + "` has no state at " + shortest(requested.value) +
+                           " s that can be used, and `" + state.file.string() + "` " + state.fault,
+                       "run the other scenario again with --force and this program");
+            return std::nullopt;
+        }
     const std::string cure = "`output.states = \"" + at +
                              "\"` in its scenario keeps that state; frames hold only what "
                              "is drawn";
@@ -77,7 +86,7 @@ void read_start(const Table& time) {
         time.scenario().time.start_run = name;
     } catch (const std::runtime_error& error) {
         time.error("bad-state", "start", ": `" + file.string() + "` cannot be used: " + error.what(),
-                   "run the other scenario again with this program");
+                   "run the other scenario again with --force and this program");
     }
 }
 

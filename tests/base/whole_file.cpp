@@ -1,7 +1,9 @@
 // Files that are written as a whole.
 #include "base/whole_file.hpp"
 
+#include "base/appended_file.hpp"
 #include "base/error.hpp"
+#include "support/limited.hpp"
 
 #include <doctest/doctest.h>
 
@@ -63,6 +65,73 @@ TEST_CASE("errors of files name the path") {
     const fs::path missing = scratch.path / "missing" / "file";
     CHECK(message([&] { read_whole_file(missing); }).find(missing.string()) != std::string::npos);
     CHECK(message([&] { write_whole_file(missing, "x"); }).find(missing.string()) != std::string::npos);
+}
+
+TEST_CASE("a temporary name leads nowhere else") {
+    const Scratch scratch;
+    const fs::path file = scratch.path / "run.json", other = scratch.path / "of someone else";
+    write_whole_file(other, "precious");
+    fs::create_symlink(other, scratch.path / "run.json.part");
+    write_whole_file(file, "record");
+    CHECK(read_whole_file(other) == "precious");
+    CHECK(read_whole_file(file) == "record");
+    fs::create_symlink(other, scratch.path / "run.json.part");
+    write_whole_file(file, [](const fs::path& part) { write_whole_file(part, "by its name"); });
+    CHECK(read_whole_file(other) == "precious");
+    CHECK(read_whole_file(file) == "by its name");
+    fs::create_directory(scratch.path / "run.json.part");
+    CHECK_THROWS_AS(write_whole_file(file, "third"), OutputError);
+    CHECK(read_whole_file(file) == "by its name");
+    fs::remove(scratch.path / "run.json.part");
+    CHECK(scratch.n_files() == 2);
+    fs::create_symlink(other, scratch.path / "log.txt");
+    CHECK_THROWS_WITH_AS(AppendedFile(scratch.path / "log.txt"), doctest::Contains("it is a symbolic link"),
+                         OutputError);
+}
+
+TEST_CASE("a file that grows is with the system after every line or the reason is told") {
+    const Scratch scratch;
+    const fs::path path = scratch.path / "energy.csv";
+    const auto reason = [](const auto& action) -> std::string {
+        try {
+            action();
+        } catch (const OutputError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    {
+        AppendedFile file(path);
+        file.add("first\n");
+        CHECK(read_whole_file(path) == "first\n");
+        AppendedFile moved = std::move(file);
+        moved.add("second\n");
+        CHECK(moved.size() == 13);
+        moved.truncate(6);
+        moved.close();
+        CHECK(moved.descriptor() == -1);
+    }
+    CHECK(read_whole_file(path) == "first\n");
+    CHECK(AppendedFile(path).size() == 6);
+    if (fs::exists("/dev/full")) {
+        AppendedFile full("/dev/full");
+        CHECK(reason([&] { full.add("x"); }).find("/dev/full: No space left") != std::string::npos);
+    }
+    const tests::Limited no_more_files(RLIMIT_NOFILE, 0);
+    CHECK(reason([&] { AppendedFile{path}; }).find("energy.csv: Too many open files") != std::string::npos);
+    CHECK(reason([&] { write_whole_file(path, "x"); }).find("energy.csv: Too many open files") != std::string::npos);
+    CHECK(reason([&] { read_whole_file(path); }).find("energy.csv: Too many open files") != std::string::npos);
+}
+
+TEST_CASE("a file that cannot be read to its end is an error") {
+    CHECK_THROWS_WITH_AS(read_whole_file("/proc/self/mem"), doctest::Contains("Input/output error"), OutputError);
+    CHECK_THROWS_WITH_AS(read_whole_file(fs::temp_directory_path()), doctest::Contains("Is a directory"), OutputError);
+    const Scratch scratch;
+    write_whole_file(scratch.path / "none", "");
+    CHECK(read_whole_file(scratch.path / "none").empty());
+    const std::string large(300'000, 'x');
+    write_whole_file(scratch.path / "large", large, true);
+    CHECK(read_whole_file(scratch.path / "large") == large);
 }
 
 }  // namespace whole_file_test

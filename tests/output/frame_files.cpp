@@ -153,7 +153,7 @@ TEST_CASE("frame files: run.pvd is whole after every frame and goes on after a r
     fs::remove(run / "run.pvd");
     frame.time = 5e-6;
     resumed.write(frame);
-    CHECK(resumed.missing(false) == std::vector<std::string>{"fields/interfaces_0001.vtu"});
+    CHECK(resumed.missing(false) == std::vector<std::string>{"fields/interfaces_0001.vtu does not exist"});
     CHECK(resumed.missing(true).size() == 1 + resumed.times().size());
     CHECK(frame_times(run) == std::vector<double>{times[0], times[1], 5e-6});
     CHECK(nearest_frame(frame_times(run), 4e-6) == 2);
@@ -190,6 +190,46 @@ TEST_CASE("frame files: a file that cannot be written or read is named") {
     CHECK(message([&] { read_frame(run, 0); }).find("bulk_0000.vtu") != std::string::npos);
     CHECK(message([&] { read_frame(run, 7); }).find("bulk_0007.vtu") != std::string::npos);
     CHECK(message([&] { frame_times(run / "none"); }).find("run.pvd") != std::string::npos);
+}
+
+TEST_CASE("frame files: what is empty or cut off is named and never read") {
+    const fs::path run = fresh("damaged");
+    Frame frame = synthetic::frame(8);
+    VtkSeries series(run);
+    series.write(frame);
+    series.write(frame);
+    series.flush();
+    const fs::path bulk = run / "fields/bulk_0001.vtu";
+    const std::string whole = contents(bulk);
+    const auto message = [&]() -> std::string {
+        try {
+            read_frame(run, 1);
+        } catch (const UserError& error) {
+            return error.what();
+        }
+        return "";
+    };
+    CHECK(message().empty());
+    for (const double part : {0.0, 0.001, 0.3, 0.999}) {
+        CAPTURE(part);
+        std::ofstream(bulk, std::ios::binary)
+            << whole.substr(0, static_cast<std::size_t>(part * static_cast<double>(whole.size())));
+        CHECK(series.has(0));
+        CHECK_FALSE(series.has(1));
+        REQUIRE(series.missing(false).size() == 1);
+        CHECK(series.missing(false)[0].starts_with("fields/bulk_0001.vtu is "));
+        CHECK(message().find(part > 0 ? "bulk_0001.vtu` is cut off after" : "bulk_0001.vtu` is empty") !=
+              std::string::npos);
+        CHECK(message().find("--force") != std::string::npos);
+    }
+    std::string zeroed = whole;  // as some file systems leave it after a loss of power
+    std::fill(zeroed.begin() + static_cast<std::ptrdiff_t>(whole.size() / 2), zeroed.end(), '\0');
+    std::ofstream(bulk, std::ios::binary) << zeroed;
+    CHECK(message().find("is cut off") != std::string::npos);
+    std::ofstream(run / "run.pvd", std::ios::binary) << contents(run / "run.pvd").substr(0, 200);
+    CHECK_THROWS_AS(frame_times(run), UserError);
+    series.list(false);
+    CHECK(frame_times(run).size() == 2);
 }
 
 TEST_CASE("frame files: no half file has the name of a frame and an older one stays where there is no room") {

@@ -170,4 +170,30 @@ std::string Checkpoints::problem_in(const fs::path& directory, bool also_end) {
     return problem;
 }
 
+// ---- states
+
+bool KeptStates::is_due(const State& now) const {
+    return n_ < times_.size() && StepControl::has_reached(now, times_[n_]);
+}
+
+void KeptStates::skip_to(const State& now) {
+    while (is_due(now)) ++n_;
+}
+
+void KeptStates::write(RunMemory memory) {
+    std::error_code error;
+    if (fs::create_directories(directory_ / "states", error); error)
+        throw OutputError("cannot make " + (directory_ / "states").string() + ": " + error.message());
+    const std::string bytes = packed(memory);
+    for (; is_due(memory.now); ++n_) write_whole_file(directory_ / state_file(times_[n_]), bytes, true);
+}
+
+std::vector<std::string> KeptStates::missing() const {
+    std::vector<std::string> files;
+    for (std::size_t i = 0; i < n_; ++i)
+        if (const std::string fault = fault_of_state(directory_ / state_file(times_[i])); !fault.empty())
+            files.push_back(state_file(times_[i]).string() + " " + fault);
+    return files;
+}
+
 }  // namespace knap

@@ -68,6 +68,27 @@ private:
     Stopwatch watch_;
 };
 
+/// The states of output.states.
+class KeptStates {
+public:
+    /// `times` [s], in their order.
+    KeptStates(std::filesystem::path directory, std::vector<double> times)
+        : directory_(std::move(directory)), times_(std::move(times)) {}
+
+    /// Those that are reached were written by an earlier part of the run.
+    void skip_to(const State& now);
+    bool is_due(const State& now) const;
+    /// Those that are reached. Throws OutputError.
+    void write(RunMemory memory);
+    /// Those that were reached and are lost or damaged: "states/4e-05.state is empty".
+    std::vector<std::string> missing() const;
+
+private:
+    std::filesystem::path directory_;
+    std::vector<double> times_;
+    std::size_t n_ = 0;  // that are reached
+};
+
 /// A memory as bytes, and back into a memory of the same scenario. Restoring throws SimulationError where the bytes are
 /// not the memory of a run; `memory` is then partly overwritten. The numbers themselves are not checked: a right
 /// checksum shows that this program wrote them.

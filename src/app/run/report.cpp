@@ -132,9 +132,12 @@ std::vector<std::size_t> from_coarse_to_fine(std::size_t n) {
 /// the report began.
 std::string frames(const RunRecord& record, const Recorder& recorder, const fs::path& directory,
                    const Stopwatch& watch) {
-    std::error_code none;
-    if (!fs::exists(directory / "run.pvd", none)) return "";
-    const std::vector<double> times = frame_times(directory);
+    std::vector<double> times;
+    try {
+        times = frame_times(directory);
+    } catch (const UserError&) {
+        // no frames, or their list is damaged
+    }
     if (times.empty()) return "";
     FigureOptions options{.file = "frames.webp"};
     const auto first =
@@ -157,7 +160,7 @@ std::string frames(const RunRecord& record, const Recorder& recorder, const fs::
             size += bytes.size();
             pictures[k] = {bytes, options.show + ", t = " + time_text(frame.time)};
         } catch (const UserError&) {
-            continue;  // a frame that was deleted
+            continue;  // a frame that was deleted or damaged
         }
     }
     std::vector<std::pair<std::string, std::string>> list;

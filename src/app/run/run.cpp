@@ -61,7 +61,8 @@ public:
           recorder_(setup.model, now_,
                     recorder_options(setup.scenario, setup.model, setup.origin.works, setup.directory, place.resumes(),
                                      other != nullptr)),
-          checkpoints_(setup.directory, setup.scenario.output.checkpoint_every) {}
+          checkpoints_(setup.directory, setup.scenario.output.checkpoint_every),
+          states_(setup.directory, setup.scenario.output.states) {}
 
     /// Continues from the last checkpoint. `text`: what else there is to report. A refusal changes nothing.
     void resume(const std::string& text);
@@ -79,7 +80,7 @@ private:
     void renew_stepper();
     RunMemory memory();
     void save();
-    void keep_states();
+    std::vector<std::string> missing_files() const;
     void report_warnings();
     void report(const std::string& warning);
     TimeSpent spent() const;
@@ -88,13 +89,14 @@ private:
     std::optional<MoreauJean>& stepper_;
     Excavations excavations_;
     Adaptation adaptation_;
-    RunLog& log_;
+    AppendedFile& log_;
     RunRecord& record_;
     const Stopwatch& clock_;
     State now_, next_ = now_;
     StepControl control_;
     Recorder recorder_;
     Checkpoints checkpoints_;
+    KeptStates states_;
     RunMemory memory_{// its times: of the earlier parts
                       .origin = setup_.origin,
                       .now = now_,
@@ -106,7 +108,6 @@ private:
     Stopwatch stepping_;
     std::int64_t first_step_ = now_.n_steps;
     std::int64_t triangle_steps_ = 0;
-    std::size_t n_states_ = 0;                      // of output.states, that are kept
     double earlier_output_ = recorder_.time().cpu;  // [s]
     double until_ = std::min(setup_.options.until, setup_.scenario.time.end);
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
@@ -131,12 +132,13 @@ void Run::resume(const std::string& text) {
     recorder_.model_changed();
     log_.truncate(memory_.log_size);
     recorder_.open_files();
+    states_.skip_to(now_);
     first_step_ = now_.n_steps;
     earlier_output_ = recorder_.time().cpu;
     const std::string report = warning + text +
                                formatted("resumed: continues from the checkpoint at t = %.9g s, step %lld\n", now_.time,
                                          static_cast<long long>(now_.n_steps)) +
-                               missing_text(recorder_.missing_files());
+                               missing_text(missing_files());
     std::fputs(report.c_str(), stderr);  // also with --quiet
     log_.add(report);
 }
@@ -165,7 +167,7 @@ TimeSpent Run::spent() const {
 
 /// Of this moment.
 RunMemory Run::memory() {
-    recorder_.finish_frames();
+    recorder_.flush_files();
     RunMemory memory = memory_;
     memory.log_size = log_.size(), memory.spent = spent();
     return memory;
@@ -176,14 +178,11 @@ void Run::save() {
     checkpoints_.write(memory);
 }
 
-/// Of output.states, where one is reached.
-void Run::keep_states() {
-    const std::vector<double>& times = setup_.scenario.output.states;
-    for (; n_states_ < times.size() && StepControl::has_reached(now_, times[n_states_]); ++n_states_) {
-        RunMemory memory = this->memory();
-        std::filesystem::create_directories(setup_.directory / "states");
-        write_whole_file(setup_.directory / state_file(times[n_states_]), packed(memory), true);
-    }
+/// That are lost or damaged.
+std::vector<std::string> Run::missing_files() const {
+    std::vector<std::string> files = recorder_.missing_files(), states = states_.missing();
+    files.insert(files.end(), states.begin(), states.end());
+    return files;
 }
 
 void Run::report(const std::string& warning) {
@@ -273,7 +272,7 @@ void Run::count(const StepReport& report) {
     recorder_.after_step(now_, report);
     progress_->after_step(now_, recorder_, setup_.model.mesh.n_triangles());
     report_warnings();
-    keep_states();
+    if (states_.is_due(now_)) states_.write(memory());
     const GateKeeper& gates = recorder_.gates();
     if (!gates.pass())
         throw SimulationError(violated_text(gates.gates(), now_, place_of_largest_speed(setup_.model, now_)));
@@ -284,8 +283,7 @@ void Run::step_to_end() {
     progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_);
     stepping_ = Stopwatch();
     if (now_.n_steps == 0) report(start_damage_text(setup_.model, now_));
-    const std::vector<double>& states = setup_.scenario.output.states;
-    while (n_states_ < states.size() && StepControl::has_reached(now_, states[n_states_])) ++n_states_;
+    states_.skip_to(now_);
     try {
         while (record_.status == "running" && !StepControl::has_reached(now_, until_) && !recorder_.at_rest()) {
             if (InterruptGuard::interrupted()) {
@@ -332,7 +330,7 @@ void Run::finish() {
     report_warnings();
     record_.summary = summarise(setup_.model, now_, recorder_);
     for (const std::string& warning :
-         {missing_text(recorder_.missing_files()), not_dumped_text(setup_.options.dump_lcp, first_step_, now_.n_steps),
+         {missing_text(missing_files()), not_dumped_text(setup_.options.dump_lcp, first_step_, now_.n_steps),
           over && recorder_.rest() && !recorder_.at_rest() ? not_at_rest_text(time_end) : "",
           complete ? not_failed_text(setup_.scenario, record_.summary, recorder_.n_breaks()) : ""}) {
         report(warning);
@@ -429,6 +427,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
         if (place.resumes()) run.resume(continuation.text);
         run.step_to_end();
         run.finish();
+        place.log().close();
         return exit_code(record);
     } catch (const std::bad_alloc&) {
         record.status = "failed", record.reason = "there was not enough memory; a larger mesh.size needs less";

@@ -26,10 +26,9 @@ UserError cannot(const std::string& what, const fs::path& path, const std::error
     return UserError("cannot-write", "cannot " + what + " `" + path.string() + "`: " + error.message());
 }
 
-/// Locks an open file until it is closed. Where another process has locked it, closes it and throws UserError.
+/// Locks an open file until it is closed. Throws UserError where another process has locked it.
 void lock_or_refuse(int file, const fs::path& directory) {
     if (flock(file, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;  // other errors: no locks there
-    close(file);
     throw UserError("run-busy", "another process is running in `" + directory.string() + "`",
                     "wait for it, or choose another directory with --output");
 }
@@ -168,34 +167,24 @@ void clear(const fs::path& directory, const FirstFiles& kept) {
 DirectoryLock::DirectoryLock(const fs::path& directory)
     : file_(open(directory.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
     if (file_ < 0) throw cannot("look into", directory, last_error());
-    lock_or_refuse(file_, directory);
+    try {
+        lock_or_refuse(file_, directory);
+    } catch (...) {
+        close(file_);
+        throw;
+    }
 }
 
 DirectoryLock::~DirectoryLock() { close(file_); }
 
-RunLog::RunLog(fs::path path)
-    : path_(std::move(path)), file_(open(path_.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
-    if (file_ < 0) throw cannot("write", path_, last_error());
-    lock_or_refuse(file_, path_.parent_path());
-    size_ = lseek(file_, 0, SEEK_END);
-}
-
-RunLog::~RunLog() { close(file_); }
-
-void RunLog::add(const std::string& text) {
-    for (std::size_t done = 0; done < text.size();) {
-        const ssize_t n = ::write(file_, text.data() + done, text.size() - done);
-        if (n < 0 && errno == EINTR) continue;
-        if (n < 0) throw OutputError("cannot write " + path_.string() + ": " + last_error().message());
-        done += static_cast<std::size_t>(n);
+AppendedFile open_log(const fs::path& path) {
+    try {
+        AppendedFile log(path);
+        lock_or_refuse(log.descriptor(), path.parent_path());
+        return log;
+    } catch (const OutputError& error) {
+        throw UserError("cannot-write", error.what());
     }
-    size_ += static_cast<std::int64_t>(text.size());
-}
-
-void RunLog::truncate(std::int64_t size) {
-    size_ = std::min(size, size_);
-    if (ftruncate(file_, size_) != 0)
-        throw OutputError("cannot write " + path_.string() + ": " + last_error().message());
 }
 
 bool never_began(const fs::path& directory, const EarlierRecord& record) {
@@ -231,7 +220,7 @@ RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, c
     continues_in(directory, files, force, shorter);
     std::error_code error;
     if (fs::create_directories(directory, error); error) throw cannot("make", directory, error);
-    log_.emplace(directory / "log.txt");
+    log_.emplace(open_log(directory / "log.txt"));
     resumes_ = continues_in(directory, files, force, shorter);
     if (!resumes_) {
         write_first(directory, files, record);

@@ -9,6 +9,7 @@
 //
 // The directory that the user named keeps its identity: mount point, link target, owner and mode. A run that is killed
 // at any moment leaves it either as good as empty or with a run.json of its state, and the same command continues.
+#include "base/appended_file.hpp"
 #include "record/run_record.hpp"
 
 #include <filesystem>
@@ -32,25 +33,9 @@ private:
     int file_;
 };
 
-/// log.txt of a run; every line is on disk at once. Its holder is the only process that writes into the directory.
-class RunLog {
-public:
-    /// Throws UserError where another process has this run, or the file cannot be opened.
-    explicit RunLog(std::filesystem::path path);
-    ~RunLog();
-    RunLog(const RunLog&) = delete;
-    RunLog& operator=(const RunLog&) = delete;
-
-    /// Throws OutputError.
-    void add(const std::string& text);
-    std::int64_t size() const { return size_; }  // [byte]
-    void truncate(std::int64_t size);            // [byte]
-
-private:
-    std::filesystem::path path_;
-    int file_;
-    std::int64_t size_ = 0;
-};
+/// log.txt of a run, locked: its holder is the only process that writes into the directory. Throws UserError where
+/// another process has this run, or the file cannot be opened.
+AppendedFile open_log(const std::filesystem::path& path);
 
 /// Names and texts of the files with which a run starts, besides its run.json.
 using FirstFiles = std::vector<std::pair<std::string, std::string>>;
@@ -66,10 +51,10 @@ public:
                  const std::optional<FirstFiles>& shorter = std::nullopt);
 
     bool resumes() const { return resumes_; }  // from a checkpoint
-    RunLog& log() { return *log_; }
+    AppendedFile& log() { return *log_; }
 
 private:
-    std::optional<RunLog> log_;
+    std::optional<AppendedFile> log_;
     bool resumes_ = false;
 };
 

@@ -106,9 +106,11 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
 
 std::string missing_text(const std::vector<std::string>& files) {
     if (files.empty()) return "";
-    const std::string others = files.size() > 1 ? " and " + std::to_string(files.size() - 1) + " more files" : "";
+    const std::size_t n = files.size() - 1;
+    const std::string others =
+        n > 0 ? ", and " + std::to_string(n) + " more file" + (n > 1 ? "s are" : " is") + " lost or damaged" : "";
     return "warning[missing-file]: " + files.front() + others +
-           " of this run no longer exist; all other outputs are unaffected, --force writes all of them again\n";
+           "; all other outputs are unaffected, --force computes the run again and writes all of them\n";
 }
 
 std::string not_dumped_text(const StepSelection& selected, std::int64_t before, std::int64_t now) {
