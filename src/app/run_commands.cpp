@@ -1,5 +1,6 @@
 // knap render and knap info: finished runs.
 #include "app/commands.hpp"
+#include "app/run/findings.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
@@ -66,6 +67,13 @@ std::vector<std::filesystem::path> draw(const FigureOptions& figure, const Finis
                                         const std::filesystem::path& directory) {
     if (!shows_body(figure.show)) return {draw_figure(figure, Frame{}, run.histories, run.context, directory).file};
     const std::vector<std::size_t> frames = frames_for(figure, run);
+    try {
+        check_picture_size(figure, Vec2(1, 10));  // no picture is higher
+    } catch (const UserError&) {
+        check_picture_size(figure, figure.box
+                                       ? figure.box->extent()
+                                       : bounding_box(read_frame(run.directory, frames.back()).position).extent());
+    }
     FigureOptions drawn = figure;  // the file names carry the times of the frames, not the requested ones
     drawn.at.clear();
     if (figure.at.size() > 1)

@@ -9,6 +9,7 @@
 #include "app/run/run_text.hpp"
 #include "app/run/setup.hpp"
 #include "app/run/start_state.hpp"
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
@@ -30,8 +31,8 @@ namespace {
 void print_mesh(const MeshReport& mesh) {
     std::printf("mesh\n  triangles %d, vertices %d, interfaces %d, pre-cracked edges %d\n", mesh.n_triangles,
                 mesh.n_vertices, mesh.n_interior_edges, mesh.n_cracked_edges);
-    std::printf("  edge lengths %.3g / %.3g / %.3g mm (smallest, mean, largest)\n", 1e3 * mesh.smallest_edge,
-                1e3 * mesh.mean_edge, 1e3 * mesh.largest_edge);
+    std::printf("  edge lengths %s / %s / %s (smallest, mean, largest)\n", readable(mesh.smallest_edge, "m").c_str(),
+                readable(mesh.mean_edge, "m").c_str(), readable(mesh.largest_edge, "m").c_str());
     std::printf("  angles: smallest %.1f, 1 %% of the triangles below %.1f, largest %.1f degree\n", mesh.smallest_angle,
                 mesh.smallest_angle_percentiles[0], mesh.largest_angle);
     if (mesh.n_paths > 0)
@@ -71,10 +72,10 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
     const double fine = scenario.finest_edge(mean_edge(mesh)), coarse = scenario.mesh.size / scenario.order;
     const bool refined = (!scenario.mesh.refine.empty() || scenario.adapt.active()) && coarse > fine;
     for (const Resolution& r : found) {
-        std::printf("  %-12s law %s: process zone %.3g mm (at rest), %.1f edges%s", r.material.c_str(), r.law.c_str(),
-                    1e3 * r.steep_zone(), r.n_edges, refined ? " where refined" : "");
+        std::printf("  %-12s law %s: process zone %s (at rest), %.1f edges%s", r.material.c_str(), r.law.c_str(),
+                    readable(r.steep_zone(), "m").c_str(), r.n_edges, refined ? " where refined" : "");
         if (refined) std::printf(", %.1f elsewhere", r.n_edges * fine / coarse);
-        std::printf("; cohesive length %.3g mm\n", 1e3 * r.cohesive_length);
+        std::printf("; cohesive length %s\n", readable(r.cohesive_length, "m").c_str());
     }
     bool as_measured = false;
     for (const NamedLaw& law : scenario.laws) {
@@ -93,20 +94,20 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
     for (const NamedLaw& law : scenario.laws)
         if (law.measured_sigma_c > 0)
             std::printf(
-                "  law %s: a specimen (%s, %.4g mm) with sigma_c %.4g MPa breaks at the strength that the law gives "
-                "for %.4g MPa as measured; the surplus of this mesh is %.3f +- %.3f\n",
-                law.name.c_str(), test_word(scenario.strength.test), 1e3 * scenario.strength.size,
-                1e-6 * law.law.sigma_c, 1e-6 * law.measured_sigma_c, law.strength_surplus.mean,
-                law.strength_surplus.deviation);
+                "  law %s: a specimen (%s, %s) with sigma_c %s breaks at the strength that the law gives "
+                "for %s as measured; the surplus of this mesh is %.3f +- %.3f\n",
+                law.name.c_str(), test_word(scenario.strength.test), readable(scenario.strength.size, "m", 4).c_str(),
+                readable(law.law.sigma_c, "Pa", 4).c_str(), readable(law.measured_sigma_c, "Pa", 4).c_str(),
+                law.strength_surplus.mean, law.strength_surplus.deviation);
     if (const LawStrength strength = law_strength(scenario); strength.measured > 0)
-        std::printf("  specimen: %.4g MPa as measured, %.4g MPa by the law of its interfaces\n",
-                    1e-6 * strength.measured, 1e-6 * strength.of_interfaces);
+        std::printf("  specimen: %s as measured, %s by the law of its interfaces\n",
+                    readable(strength.measured, "Pa", 4).c_str(), readable(strength.of_interfaces, "Pa", 4).c_str());
     else if (strength.of_interfaces > 0)
         std::printf(
-            "  specimen: %.4g MPa by the law; strength_ratio of the summary is that of the run over it. To meet a "
+            "  specimen: %s by the law; strength_ratio of the summary is that of the run over it. To meet a "
             "measured "
             "strength write strength = \"as measured\" (above all tables)\n",
-            1e-6 * strength.of_interfaces);
+            readable(strength.of_interfaces, "Pa", 4).c_str());
     const SchemeOptions& scheme = scenario.time.scheme;
     if (scheme.cohesion == CohesionScheme::explicit_beta) return;  // Assumption 1 is one of the implicit cohesion
     for (const Resolution& r : found) {

@@ -29,9 +29,10 @@ std::string shortened(const std::string& message) {
     return message.substr(0, whole(message, half)) + " ... " + message.substr(whole(message, size - half));
 }
 
-/// The text of all mistakes; where mistakes of one kind follow each other, the allowed values stand once.
+/// The text of all mistakes; where mistakes of one kind follow each other, the allowed values stand once. Of many the
+/// first ones have their source lines, the others a line each.
 std::string all(const std::vector<Diagnostic>& found) {
-    constexpr std::size_t max_shown = 50;
+    constexpr std::size_t max_shown = 50, max_listed = 5000;
     std::string text;
     for (std::size_t i = 0; i < std::min(found.size(), max_shown); ++i) {
         Diagnostic shown = found[i];
@@ -39,6 +40,10 @@ std::string all(const std::vector<Diagnostic>& found) {
         text += format(shown);
     }
     if (found.size() > max_shown) text += concatenated("... and ", found.size() - max_shown, " more\n");
+    for (std::size_t i = max_shown; i < std::min(found.size(), max_listed); ++i) {
+        const std::string place = found[i].line > 0 ? concatenated(found[i].line, ": ") : "";
+        text += printable(place + shortened(found[i].message) + "\n");
+    }
     return text;
 }
 

@@ -101,45 +101,44 @@ std::uint32_t pixel_of(const Colour& colour) {
     return 255u << 24 | byte(colour.red) << 16 | byte(colour.green) << 8 | byte(colour.blue);
 }
 
-/// Rows of fine pixels from the top, transparent (0) until they are filled.
+/// Some rows of the fine pixels of an area, transparent (0) until they are filled.
 class Pixels {
 public:
-    Pixels(int width, int height) : width_(width), height_(height), pixels_(static_cast<std::size_t>(width) * height) {}
+    /// `n_rows` rows from `first` on.
+    Pixels(int width, int first, int n_rows)
+        : width_(width), first_(first), end_(first + n_rows), pixels_(static_cast<std::size_t>(width) * n_rows) {}
 
     /// Fills the pixels whose middles lie inside: of two triangles with a common edge one has each pixel along it.
     void fill(std::array<Vec2, 3> corners, std::uint32_t colour) {
         if (!(corners[0] + corners[1] + corners[2]).allFinite()) return;
         std::ranges::sort(corners, {}, [](const Vec2& x) { return x.y(); });
         const Vec2 &a = corners[0], &b = corners[1], &c = corners[2];
-        const auto first_from = [](double x, int end) {
-            return static_cast<int>(std::clamp(x + 0.5, 0., static_cast<double>(end)));
+        const auto from_to = [](double x, int least, int most) {
+            return static_cast<int>(std::clamp(x + 0.5, static_cast<double>(least), static_cast<double>(most)));
         };
         const auto slope = [](const Vec2& from, const Vec2& to) { return (to.x() - from.x()) / (to.y() - from.y()); };
         const double long_slope = slope(a, c);
         const auto fill_rows = [&](const Vec2& from, const Vec2& to) {  // between this side and the long one
             const double side_slope = slope(from, to);
-            for (int row = first_from(from.y(), height_), end = first_from(to.y(), height_); row < end; ++row) {
+            for (int row = from_to(from.y(), first_, end_), end = from_to(to.y(), first_, end_); row < end; ++row) {
                 const double y = row + 0.5, x = a.x() + (y - a.y()) * long_slope,
                              z = from.x() + (y - from.y()) * side_slope;
-                std::uint32_t* const pixels = pixels_.data() + static_cast<std::size_t>(row) * width_;
-                std::fill(pixels + first_from(std::min(x, z), width_), pixels + first_from(std::max(x, z), width_),
+                std::uint32_t* const pixels = pixels_.data() + static_cast<std::size_t>(row - first_) * width_;
+                std::fill(pixels + from_to(std::min(x, z), 0, width_), pixels + from_to(std::max(x, z), 0, width_),
                           colour);
             }
         };
         fill_rows(a, b), fill_rows(b, c);
     }
 
-    /// The mean colours of squares of n_fine pixels.
-    Image averaged(int width, int height) const {
-        Image image(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height), cairo_surface_destroy);
+    /// Gives the rows of an image the mean colours of squares of n_fine pixels.
+    void average(const Image& image) const {
         unsigned char* const bytes = cairo_image_surface_get_data(image.get());
-        for (int y = 0; y < height; ++y) {
+        for (int y = first_ / n_fine; y < end_ / n_fine; ++y) {
             auto* const row = reinterpret_cast<std::uint32_t*>(bytes + static_cast<std::ptrdiff_t>(y) *
                                                                            cairo_image_surface_get_stride(image.get()));
-            for (int x = 0; x < width; ++x) row[x] = mean(n_fine * x, n_fine * y);
+            for (int x = 0; x < width_ / n_fine; ++x) row[x] = mean(n_fine * x, n_fine * y - first_);
         }
-        cairo_surface_mark_dirty(image.get());
-        return image;
     }
 
 private:
@@ -153,13 +152,22 @@ private:
         const auto part = [](std::uint32_t sums, int shift) { return ((sums >> shift & 0xffff) + n / 2) / n << shift; };
         return part(even, 0) | part(even, 16) | (part(odd, 0) | part(odd, 16)) << 8;
     }
-    int width_, height_;
+    int width_, first_, end_;
     std::vector<std::uint32_t> pixels_;
 };
 
 cairo_status_t append(void* bytes, const unsigned char* data, unsigned int n) {
     static_cast<std::string*>(bytes)->append(reinterpret_cast<const char*>(data), n);
     return CAIRO_STATUS_SUCCESS;
+}
+
+/// A picture that Cairo has made. Throws OutputError where it has not: more than 32767 pixels in a row, or no memory.
+Image made(cairo_surface_t* surface, int width, int height) {
+    Image image(surface, cairo_surface_destroy);
+    if (const cairo_status_t status = cairo_surface_status(surface); status != CAIRO_STATUS_SUCCESS)
+        throw OutputError("cannot make a picture of " + std::to_string(width) + " x " + std::to_string(height) +
+                          " pixels: " + cairo_status_to_string(status) + "; a smaller width needs less");
+    return image;
 }
 
 /// A vector file is written to `bytes` while it is drawn.
@@ -169,8 +177,10 @@ cairo_surface_t* make_surface(const std::filesystem::path& file, double height, 
     if (!file.empty() && file.extension() != ".png")
         throw UserError("figure-file", "figures cannot be written as `" + file.filename().string() + "`",
                         "known endings: .png, .svg, .pdf");
-    return cairo_image_surface_create(CAIRO_FORMAT_RGB24, static_cast<int>(std::lround(page_width * scale)),
-                                      static_cast<int>(std::lround(height * scale)));
+    const int width = static_cast<int>(std::lround(page_width * scale)),
+              rows = static_cast<int>(std::lround(height * scale));
+    return cairo_surface_reference(
+        made(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, rows), width, rows).get());
 }
 
 }  // namespace
@@ -305,16 +315,21 @@ void Canvas::triangles(const std::vector<Vec2>& corners, const std::vector<Colou
               top = static_cast<int>(std::floor((height_ - area.top()) * scale)),
               width = static_cast<int>(std::ceil(area.right() * scale)) - left,
               height = static_cast<int>(std::ceil((height_ - area.bottom) * scale)) - top;
-    Pixels fine(n_fine * width, n_fine * height);
-    for (std::size_t t = 0; t < colours.size(); ++t) {
-        const auto in_pixels = [&](const Vec2& x) {
-            return Vec2(n_fine * (x.x() * scale - left), n_fine * ((height_ - x.y()) * scale - top));
-        };
-        fine.fill({in_pixels(corners[3 * t]), in_pixels(corners[3 * t + 1]), in_pixels(corners[3 * t + 2])},
-                  pixel_of(colours[t]));
+    const auto in_pixels = [&](const Vec2& x) {
+        return Vec2(n_fine * (x.x() * scale - left), n_fine * ((height_ - x.y()) * scale - top));
+    };
+    const Image drawn = made(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height), width, height);
+    constexpr int max_fine = 1 << 24;  // at once, so that a large picture needs no more memory: 64 MB
+    const int n_rows = std::max(1, max_fine / (n_fine * n_fine * width));
+    for (int row = 0; row < height; row += n_rows) {
+        Pixels fine(n_fine * width, n_fine * row, n_fine * std::min(n_rows, height - row));
+        for (std::size_t t = 0; t < colours.size(); ++t)
+            fine.fill({in_pixels(corners[3 * t]), in_pixels(corners[3 * t + 1]), in_pixels(corners[3 * t + 2])},
+                      pixel_of(colours[t]));
+        fine.average(drawn);
     }
-    image(fine.averaged(width, height),
-          {left / scale, height_ - (top + height) / scale, width / scale, height / scale});
+    cairo_surface_mark_dirty(drawn.get());
+    image(drawn, {left / scale, height_ - (top + height) / scale, width / scale, height / scale});
 }
 
 void Canvas::image(const Image& image, const Area& area) {

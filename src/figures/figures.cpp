@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "figures/animation.hpp"
 #include "figures/body_figures.hpp"
+#include "figures/canvas.hpp"
 #include "figures/curve_figures.hpp"
 
 #include <algorithm>
@@ -152,6 +153,11 @@ void check(const FigureOptions& options) {
             "a figure is 200 to 20000 pixels wide, not " + std::to_string(options.width));
 }
 
+OutputError no_memory(const FigureOptions& options) {
+    return OutputError("cannot draw `" + options.file + "`: there is not enough memory for a picture that is " +
+                       std::to_string(options.width) + " pixels wide; a smaller width needs less");
+}
+
 std::filesystem::path file_name(const FigureOptions& options, double time) {
     std::filesystem::path file = options.file;
     if (options.at.size() < 2) return file;
@@ -249,6 +255,29 @@ std::string_view unit_of_figure(const std::string& show, const std::string& colo
     return "";
 }
 
+Vec2 picture_size(const FigureOptions& options, const Vec2& extent) {
+    constexpr double title = 40, legend = 60, chart = 330;  // [unit] usual ones
+    double height = chart;
+    if (shows_body(options.show)) {
+        height =
+            body_plot({Vec2::Zero(), extent.cwiseMax(1e-6 * extent.maxCoeff())}, options, legend).area.top() + title;
+        if (!options.curves.empty()) height += chart;
+    }
+    return options.width / page_width * Vec2(page_width, height);
+}
+
+double longest_side(const FigureOptions& options) {
+    const std::string type = std::filesystem::path(options.file).extension().string();
+    if (type == ".svg" || type == ".pdf") return infinity;
+    return type == ".webp" ? 16383 : 32767;  // of the format; of Cairo
+}
+
+/// Bytes a pixel, as measured: page and body; an animation keeps several pictures to compare them.
+double drawing_memory(const FigureOptions& options, const Vec2& extent) {
+    const Vec2 size = picture_size(options, extent);
+    return (options.is_animation() ? 48 : 12) * size.x() * size.y();
+}
+
 std::string magnification(const FigureOptions& options, bool obstacles) {
     if (!shows_body(options.show) || options.deform == 1) return "";
     return "displacements × " + short_number(options.deform) + (obstacles ? ", so closed gaps overlap" : "");
@@ -282,7 +311,7 @@ Legend panel_legend(const FigureOptions& options, const Frame& frame, const Hist
 
 DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const Histories& histories,
                         const FigureContext& context, const std::filesystem::path& directory,
-                        const FigureScale* common) {
+                        const FigureScale* common) try {
     check_figure(options, histories);
     if (shows_body(options.show))
         return draw_body(options, frame, histories.breaks, context, directory / file_name(options, frame.time),
@@ -296,10 +325,12 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
     ChartPlace place{.axes = {}, .panel = options.panel};
     if (common) place.axes = common->seen;
     return draw_chart(chart, directory / options.file, options.width, place);
+} catch (const std::bad_alloc&) {
+    throw no_memory(options);
 }
 
 DrawnFigure draw_picture(const FigureOptions& options, const Frame& frame, const Histories& histories,
-                         const FigureContext& context, const FigureScale& common) {
+                         const FigureContext& context, const FigureScale& common) try {
     check_figure(options, histories);
     DrawnFigure drawn = draw_body(options, frame, histories.breaks, context, "", common);
     if (options.curves.empty()) return drawn;
@@ -310,6 +341,8 @@ DrawnFigure draw_picture(const FigureOptions& options, const Frame& frame, const
                                          {.n_points = static_cast<std::size_t>(n)});
     drawn.image = stacked(drawn.image, below.image);
     return drawn;
+} catch (const std::bad_alloc&) {
+    throw no_memory(options);
 }
 
 }  // namespace knap

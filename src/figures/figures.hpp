@@ -115,6 +115,13 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
 DrawnFigure draw_picture(const FigureOptions& options, const Frame& frame, const Histories& histories,
                          const FigureContext& context, const FigureScale& common);
 
+/// [pixel] About the size of a picture of a body of this extent [m], with its curves.
+Vec2 picture_size(const FigureOptions& options, const Vec2& extent);
+/// [pixel] The longest side that a picture of this type may have.
+double longest_side(const FigureOptions& options);
+/// [byte] About the memory that it needs while it is drawn.
+double drawing_memory(const FigureOptions& options, const Vec2& extent);
+
 /// Throws UserError, with what can be drawn, where these histories are not enough for a figure.
 void check_figure(const FigureOptions& options, const Histories& histories);
 

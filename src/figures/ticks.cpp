@@ -62,19 +62,6 @@ ValueSpan joined(const ValueSpan& a, const ValueSpan& b) {
     return {std::min(a.low, b.low), std::max(a.high, b.high), std::min(a.min, b.min), std::max(a.max, b.max)};
 }
 
-DisplayUnit display_unit(double largest, const std::string& unit) {
-    constexpr std::array prefixes{"p", "n", "µ", "m", "", "k", "M", "G", "T"};  // 1e-12, 1e-9, ...
-    // a prefix multiplies the first factor, which must be no power and have none of its own: 1e-3 m2 are not 1 mm2
-    const std::string first = unit.substr(0, unit.find_first_of(" /"));
-    const bool takes_prefix =
-        first == "m" || first == "s" || first == "Pa" || first == "J" || first == "N" || first == "W";
-    if (!takes_prefix || !(largest >= 1e-12)) return {1, unit};
-    std::size_t i = unit.starts_with("m/s") || unit == "s" ? 4 : prefixes.size() - 1;
-    const auto value = [&] { return std::pow(10, 3 * static_cast<int>(i) - 12); };
-    while (i > 0 && largest < 0.9999 * value()) --i;
-    return {1 / value(), prefixes[i] + unit};
-}
-
 std::string with_unit(const std::string& quantity, const std::string& unit) {
     return unit.empty() ? quantity : quantity + " [" + unit + "]";
 }

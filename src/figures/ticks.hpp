@@ -1,5 +1,7 @@
 #pragma once
 // Numbers in figures: ranges of values, round ticks along an axis, linear or logarithmic, units with an SI prefix.
+#include "base/display_unit.hpp"
+
 #include <cmath>
 #include <string>
 #include <vector>
@@ -18,16 +20,6 @@ struct ValueSpan {
 /// Of all finite values; the fraction `outliers` of them is left out of [low, high] at either end.
 ValueSpan span_of(std::vector<double> values, double outliers);
 ValueSpan joined(const ValueSpan& a, const ValueSpan& b);
-
-/// Values are shown as value * factor in `unit`: 3e6 Pa -> 3, "MPa".
-struct DisplayUnit {
-    double factor = 1;
-    std::string unit;
-};
-
-/// The unit with the prefix that brings `largest` into 1 .. 1000. There are no km/s and no ks; units that take no
-/// prefix, as m2 or kg, and values too small for any stay as they are.
-DisplayUnit display_unit(double largest, const std::string& unit);
 
 /// "crack length [mm]"; a pure number has no brackets.
 std::string with_unit(const std::string& quantity, const std::string& unit);

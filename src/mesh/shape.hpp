@@ -34,6 +34,7 @@ struct Shape {
     std::vector<Region> regions;
     Index tag = 0;  // material index outside all regions
     std::vector<std::string> boundary_names;
+    double snap = 0;  // [m] ends of cracks that are nearer to lines are joined to them, shorter pieces are left out
 
     /// True in the outer ring and in no hole.
     bool contains(const Vec2& p) const;
@@ -52,15 +53,22 @@ struct ShapeOverlap {
 /// places: the depth is at least half of the largest one along a straight side within a convex shape.
 std::optional<ShapeOverlap> overlap(const Shape& a, const Shape& b, double tolerance);
 
-/// A shape that cannot be meshed. `part` names the offender as in Shape: "outer", "holes[0]", "cracks[1]",
-/// "regions[0]", "size".
+/// What is wrong with a part of a shape, named as in Shape: "outer", "holes[0]", "cracks[1]", "regions[0]", "size".
+struct ShapeFault {
+    std::string part, text;
+};
+
+/// A shape that cannot be meshed; the message is that of the first fault.
 class ShapeError : public std::runtime_error {
 public:
-    /// The message is the parts of it one after the other.
+    /// The text is the parts of the message one after the other.
     template <class... Parts>
     explicit ShapeError(std::string offending_part, const Parts&... message)
-        : std::runtime_error(concatenated(message...)), part(std::move(offending_part)) {}
-    std::string part;
+        : ShapeError({ShapeFault{std::move(offending_part), concatenated(message...)}}) {}
+    explicit ShapeError(std::vector<ShapeFault> found)
+        : std::runtime_error(found.front().text), faults(std::move(found)) {}
+    std::vector<ShapeFault> faults;  // at least one
+    const std::string& part() const { return faults.front().part; }
 };
 
 }  // namespace knap

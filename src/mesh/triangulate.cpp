@@ -229,11 +229,8 @@ void check_area(const Mesh& mesh, const Shape& shape) {
 }  // namespace
 
 Mesh triangulate(const Shape& shape, const MeshOptions& options) {
-    check_shape(shape);
-    check_sizes(shape, options);
     const SizeField size(options, 1), radius(options, radius_per_size);
-    const PlanarGraph graph = planar_graph(shape, 0.15 * size.smallest());
-    check_details(graph, options);
+    const PlanarGraph graph = checked_graph(shape, options, 0.15 * size.smallest());
     Random random(options.seed, "mesh");
     const PlanarGraph lines = divided(graph, radius, random);
     const std::vector<Vec2> points = poisson_points(shape, lines.nodes, radius, random);

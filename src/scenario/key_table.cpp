@@ -38,17 +38,17 @@ void add_outline(KeyTable& t, const std::string& table) {
 
 /// Holes, cracks and regions of a body: lists of `table`.
 void add_parts(KeyTable& t, const std::string& table) {
+    t.number("snap", "m", "of cracks: ends, corners and crossings that are nearer than this to each other or to a line "
+        "are joined, shorter pieces left out, and counted by `check`").above(0).computed("none");
     t.list(table + ".hole[]", "a hole, given by points, or by centre and radius");
     t.number("points", "m", "corners in order").points();
     add_arcs(t, table + ".hole[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a round hole").pair();
     t.number("radius", "m", "radius of a round hole, meshed as a polygon with at least twelve sides").above(0);
     t.text("name", "boundary name of its edge").a_name().computed("hole1, hole2, ...");
-    t.list(table + ".crack[]", "a closed initial crack without cohesion; contact and friction follow the interface law "
-        "of the materials on its sides");
+    t.list(table + ".crack[]", "a closed crack without cohesion; contact and friction by the law of its materials");
     t.number("points", "m", "polyline of the crack").points().required();
-    t.list(table + ".region[]", "a part of another material, given by points, by centre and radius, or by a box; later "
-        "regions overwrite earlier ones");
+    t.list(table + ".region[]", "a part of another material: points, centre and radius, or a box; the last one counts");
     t.number("points", "m", "corners in order").points();
     add_arcs(t, table + ".region[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a disc").pair();

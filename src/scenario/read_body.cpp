@@ -1,4 +1,5 @@
 // [domain], [[body]] and [mesh]: the bodies of a scenario, their places and sizes.
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/random.hpp"
 #include "microstructure/body_patterns.hpp"
@@ -121,7 +122,7 @@ Outlines read_wall(const Table& table, double mesh_size) {
     const double shorter = std::min(options.bond, 1 - options.bond) * step - options.gap;
     if (options.rows > 1 && options.bond > 0 && shorter < 0.5 * mesh_size)
         table.error("out-of-range", "bond",
-                    formatted("leaves blocks of %.3g m at the ends of every second row", shorter),
+                    "leaves blocks of " + readable(shorter, "m") + " at the ends of every second row",
                     "at least half of mesh_size: another bond, a smaller gap, or bond = 0");
     if (static_cast<double>(options.columns) * options.rows > max_bodies)
         table.error("out-of-range", "rows", formatted("makes more than %d bodies", max_bodies));
@@ -203,8 +204,9 @@ void check_places(Reading& reading) {
             ++n_reports;
             reading.table(bodies[b].path)
                 .error("overlap", "",
-                       formatted("(body `%s`) lies in body `%s` by %.3g m at %s", bodies[b].name.c_str(),
-                                 bodies[a].name.c_str(), found->depth, place_text(found->place).c_str()),
+                       formatted("(body `%s`) lies in body `%s` by %s at %s", bodies[b].name.c_str(),
+                                 bodies[a].name.c_str(), readable(found->depth, "m").c_str(),
+                                 place_text(found->place).c_str()),
                        "move one of them; bodies may touch, to a thousandth of the mesh size");
         }
 }

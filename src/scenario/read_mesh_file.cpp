@@ -24,9 +24,11 @@ std::optional<GmshMesh> parse_mesh(const Table& table, const std::string& bytes)
 std::vector<Index> materials_of_groups(const Table& table, const std::vector<GmshGroup>& groups) {
     const std::vector<std::string> materials = table.scenario().material_names();
     std::vector<Index> of_group;
+    std::vector<std::string> unnamed;
     for (const GmshGroup& group : groups) {
         const auto found = std::ranges::find(materials, group.name);
         of_group.push_back(found == materials.end() ? 0 : static_cast<Index>(found - materials.begin()));
+        if (found == materials.end() && !group.named && !group.name.empty()) unnamed.push_back(group.name);
         if (found != materials.end() || materials.empty() || (!group.named && materials.size() == 1)) continue;
         if (group.name.empty())
             table.error("unknown-name", "file",
@@ -38,6 +40,11 @@ std::vector<Index> materials_of_groups(const Table& table, const std::vector<Gms
             table.error("unknown-name", "file", "has the physical surface `" + group.name + "`, which is no material",
                         "materials: " + joined(materials), did_you_mean(group.name, materials));
     }
+    if (materials.size() == 1 && unnamed.size() > 1)
+        table.warning("merged-surfaces", "file",
+                      "has " + std::to_string(unnamed.size()) + " physical surfaces without a name (" +
+                          first_of(unnamed) + "): all are the one material `" + materials.front() + "`",
+                      "names of materials for them, in Gmsh as in Physical Surface(\"NAME\") = {...}, tell them apart");
     return of_group;
 }
 

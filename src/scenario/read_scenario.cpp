@@ -145,16 +145,21 @@ Diagnostic ReadResult::at(const std::string& key_path, Diagnostic message) const
     return message;
 }
 
-Diagnostic ReadResult::at_shape(const ShapeError& error) const {
-    std::string path = path_of_part(error.part);
-    for (const Body& body : scenario.bodies)
-        for (std::size_t i = 0; i < body.excavations.size(); ++i)
-            if (path == item(body.path + ".region", body.shape.regions.size() - body.excavations.size() + i))
-                path = item("excavation", body.excavations[i]);
-    std::string key = path;
-    for (const char* outline : {".box", ".radius", ".size", ".points"})
-        if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;
-    return at(key, {.code = "bad-shape", .message = "`" + path + "` " + error.what()});
+std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
+    std::vector<Diagnostic> found;
+    for (const ShapeFault& fault : error.faults) {
+        std::string path = path_of_part(fault.part);
+        for (const Body& body : scenario.bodies)
+            for (std::size_t i = 0; i < body.excavations.size(); ++i)
+                if (path == item(body.path + ".region", body.shape.regions.size() - body.excavations.size() + i))
+                    path = item("excavation", body.excavations[i]);
+        std::string key = path;
+        for (const char* outline : {".box", ".radius", ".size", ".points"})
+            if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;
+        found.push_back(at(key, {.code = "bad-shape", .message = "`" + path + "` " + fault.text}));
+    }
+    std::ranges::stable_sort(found, {}, &Diagnostic::line);
+    return found;
 }
 
 }  // namespace knap

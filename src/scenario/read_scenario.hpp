@@ -17,8 +17,8 @@ struct ReadResult {
 
     /// A message with the place (file, line, column, source line) of a key, or of the nearest table above it.
     Diagnostic at(const std::string& key_path, Diagnostic message) const;
-    /// An error of the mesher about a part of the shape, at the keys of that part.
-    Diagnostic at_shape(const ShapeError& error) const;
+    /// Errors of the mesher about parts of the shape, at the keys of these parts.
+    std::vector<Diagnostic> at_shapes(const ShapeError& error) const;
 };
 
 /// `overrides` are KEY=VALUE, as in mesh.size="0.25 mm" or mesh.size=0.25 mm.

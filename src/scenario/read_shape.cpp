@@ -28,11 +28,13 @@ public:
         return knap::circle(*centre, *radius, size_);
     }
 
+    /// At least `min` points; none, and an error, where there are fewer.
     std::vector<Vec2> points(const Table& table, std::size_t min) const {
-        const auto list = table.get<std::vector<Vec2>>("points");
-        if (list && list->size() < min)
+        std::vector<Vec2> list = table.get<std::vector<Vec2>>("points").value_or(std::vector<Vec2>());
+        if (list.size() >= min) return list;
+        if (table.has("points"))
             table.error("out-of-range", "points", "needs at least " + std::to_string(min) + " points");
-        return list.value_or(std::vector<Vec2>());
+        return {};
     }
 
     /// A polygon some of whose sides are arcs, and the side to which each of its pieces belongs.
@@ -129,6 +131,7 @@ std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh) {
 
 void read_shape(const Table& table, const MeshOptions& mesh, const std::string& prefix, Shape& shape) {
     const CurveReader curves(mesh);
+    shape.snap = table.number("snap").value_or(0);
     const std::string kind = table.text("shape");
     if (kind == "rectangle") {
         const auto size = table.get<Vec2>("size"), origin = table.get<Vec2>("origin");
@@ -146,12 +149,15 @@ void read_shape(const Table& table, const MeshOptions& mesh, const std::string& 
         Ring ring{.points = curves.curve(hole, false)};
         if (hole.has("name"))
             ring.boundary.assign(ring.points.size(), boundary_index(shape, prefix + hole.text("name")));
-        shape.holes.push_back(std::move(ring));
+        if (!ring.points.empty()) shape.holes.push_back(std::move(ring));
     }
-    for (const Table& crack : table.list("crack")) shape.cracks.push_back({.points = curves.points(crack, 2)});
+    for (const Table& crack : table.list("crack"))
+        if (std::vector<Vec2> points = curves.points(crack, 2); !points.empty())
+            shape.cracks.push_back({.points = std::move(points)});
     for (const Table& region : table.list("region")) {
-        std::vector<Vec2> points = curves.curve(region, true);
-        shape.regions.push_back({.points = std::move(points), .tag = region.material("material").value_or(shape.tag)});
+        const Index tag = region.material("material").value_or(shape.tag);
+        if (std::vector<Vec2> points = curves.curve(region, true); !points.empty())
+            shape.regions.push_back({.points = std::move(points), .tag = tag});
     }
 }
 

@@ -34,6 +34,8 @@ constexpr std::array units{
     Unit{"s", time, 0, 1, "mkcun"},
     Unit{"min", time, 0, 60, ""},
     Unit{"h", time, 0, 3600, ""},
+    Unit{"day", time, 0, 86400, ""},
+    Unit{"year", time, 0, 365.25 * 86400, ""},  // Julian
     Unit{"Hz", {.time = -1}, 0, 1, "MGkmu"},
     Unit{"N", force, 0, 1, "MGkmu"},
     Unit{"Pa", pressure, 0, 1, "MGkmu"},
@@ -76,11 +78,11 @@ constexpr std::pair<const char*, int Dimension::*> base_units[] = {
 
 /// Common spellings that are not unit symbols, in small letters.
 constexpr std::pair<std::string_view, std::string_view> misspellings[] = {
-    {"sec", "s"},      {"second", "s"},   {"msec", "ms"},     {"usec", "us"},    {"micron", "um"},
-    {"meter", "m"},    {"metre", "m"},    {"pascal", "Pa"},   {"newton", "N"},   {"joule", "J"},
-    {"degree", "deg"}, {"\u00b0", "deg"}, {"hour", "h"},      {"minute", "min"}, {"tonne", "t"},
-    {"ton", "t"},      {"gram", "g"},     {"kilogram", "kg"}, {"percent", "%"},  {"radian", "rad"},
-    {"cc", "cm3"},     {"kelvin", "K"},   {"degc", "C"},      {"celsius", "C"},  {"\u00b0c", "C"}};
+    {"sec", "s"},     {"second", "s"},   {"msec", "ms"},  {"usec", "us"},   {"micron", "um"},  {"meter", "m"},
+    {"metre", "m"},   {"pascal", "Pa"},  {"newton", "N"}, {"joule", "J"},   {"degree", "deg"}, {"\u00b0", "deg"},
+    {"hour", "h"},    {"minute", "min"}, {"tonne", "t"},  {"ton", "t"},     {"gram", "g"},     {"kilogram", "kg"},
+    {"percent", "%"}, {"radian", "rad"}, {"cc", "cm3"},   {"kelvin", "K"},  {"degc", "C"},     {"celsius", "C"},
+    {"\u00b0c", "C"}, {"day", "day"},    {"d", "day"},    {"year", "year"}, {"yr", "year"},    {"annum", "year"}};
 
 /// Dimension of a unit expression such as kg/m3, and its value in SI: factor * 10^power_of_ten.
 struct Scale {
@@ -103,12 +105,16 @@ std::optional<Scale> scale_of_symbol(std::string_view symbol) {
 bool is_operator(char c) { return c == '/' || c == '*' || c == '.' || c == ' '; }
 bool in_symbol(char c) { return !is_operator(c) && !(c >= '0' && c <= '9') && c != '^' && c != '-'; }
 
-/// "J/m2", "kg m/s2", "N*s^-1", "1/K": factors, each a symbol and an exponent; a slash divides by the one factor after
-/// it.
+/// "J/m2", "kg m/s2", "N*s^-1", "1/K", "/s": factors, each a symbol and an exponent; a slash divides by the one factor
+/// after it.
 std::optional<Scale> scale_of(std::string_view text) {
     Scale scale;
     int sign = 1;
-    if (text.starts_with("1/")) text.remove_prefix(2), sign = -1;
+    if (text.starts_with("1/")) text.remove_prefix(1);
+    if (text.starts_with('/')) {
+        text = trimmed(text.substr(1)), sign = -1;
+        if (text.empty()) return std::nullopt;
+    }
     while (!text.empty()) {
         const std::size_t n = std::ranges::find_if_not(text, in_symbol) - text.begin();
         const std::optional<Scale> symbol = scale_of_symbol(text.substr(0, n));

@@ -26,8 +26,8 @@ TEST_CASE("slurm: an emitted script packs all runs of a sweep into jobs and coll
     REQUIRE(emitted.code == 0);
     const std::string script = text_of(folder.path / "submit.sh");
     CAPTURE(script);
-    for (const char* part :
-         {"#SBATCH --array=1-1%3\n", "#SBATCH --cpus-per-task=1\n", "#SBATCH --time=6\n", "#SBATCH --mem="})
+    for (const char* part : {"/a sweep/runs/slurm_%a.log\"\n", "#SBATCH --output=\"", "#SBATCH --array=1-1%3\n",
+                             "#SBATCH --cpus-per-task=1\n", "#SBATCH --time=6\n", "#SBATCH --mem="})
         CHECK_MESSAGE(script.find(part) != script.npos, part);
     CHECK_FALSE(fs::exists(folder.path / "a sweep" / "sweep.csv"));
     const Answer submitted = command("--version >/dev/null; CALLS=" + folder.in_shell("calls") +

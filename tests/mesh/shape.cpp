@@ -22,7 +22,7 @@ std::string blamed(const Shape& shape) {
     try {
         check_shape(shape);
     } catch (const ShapeError& error) {
-        return error.part;
+        return error.part();
     }
     return "";
 }
@@ -32,7 +32,7 @@ std::string blamed(const Shape& shape, const MeshOptions& options) {
     try {
         triangulate(shape, options);
     } catch (const ShapeError& error) {
-        return error.part;
+        return error.part();
     }
     return "";
 }

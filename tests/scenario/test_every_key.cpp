@@ -27,6 +27,7 @@ seed = 7
 shape = "rectangle"
 size = ["100 mm", 0.04]
 origin = ["-50 mm", "1 mm"]
+snap = "0.1 mm"
 model = "plane stress"
 thickness = "2 mm"
 [[domain.hole]]
@@ -291,6 +292,7 @@ shape = "rectangle"
 size = ["100 mm", "40 mm"]
 origin = ["1 mm", "2 mm"]
 angle = "10 deg"
+snap = "0.05 mm"
 material = "glass"
 mesh_size = "2 mm"
 velocity = ["1 m/s", "2 m/s"]
@@ -602,6 +604,7 @@ const Case cases[] = {
     {rectangle, "domain.shape", "\"rectangle\""},
     {rectangle, "domain.size", "[0.1, 0.04]"},
     {rectangle, "domain.origin", "[-0.05, 0.001]"},
+    {rectangle, "domain.snap", "1e-04"},
     {rectangle, "domain.model", "\"plane stress\""},
     {rectangle, "domain.thickness", "0.002"},
     {turning, "material.glass.bulk_viscosity", "[0.06, 1.2]"},
@@ -816,6 +819,7 @@ const Case cases[] = {
     {scene, "body[0].size", "[0.1, 0.04]"},
     {scene, "body[0].origin", "[0.001, 0.002]"},
     {scene, "body[0].angle", "10"},
+    {scene, "body[0].snap", "5e-05"},
     {scene, "body[0].material", "\"glass\""},
     {scene, "body[0].mesh_size", "0.002"},
     {scene, "body[0].velocity", "[1, 2]"},

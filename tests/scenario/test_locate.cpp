@@ -33,7 +33,7 @@ TEST_CASE("locate: parts of a shape") {
     for (const Case& c : {Case{"outer", 4, 8, 11}, Case{"holes[0]", 18, 10, 5}, Case{"cracks[0]", 20, 10, 25},
                           Case{"cracks[1]", 22, 10, 11}, Case{"regions[0]", 25, 7, 18}, Case{"size", 6, 8, 5}}) {
         CAPTURE(c.part);
-        const Diagnostic d = result.at_shape(ShapeError(c.part, "is no good"));
+        const Diagnostic d = result.at_shapes(ShapeError(c.part, "is no good")).front();
         CHECK(d.code == "bad-shape");
         CHECK(d.severity == Diagnostic::Severity::error);
         CHECK(d.message.ends_with("is no good"));
@@ -42,7 +42,7 @@ TEST_CASE("locate: parts of a shape") {
         CHECK(d.column == c.column);
         CHECK(d.length == c.length);
     }
-    CHECK(result.at_shape(ShapeError("cracks[1]", "x")).message == "`domain.crack[1]` x");
+    CHECK(result.at_shapes(ShapeError("cracks[1]", "x")).front().message == "`domain.crack[1]` x");
 }
 
 TEST_CASE("locate: keys and tables above them") {

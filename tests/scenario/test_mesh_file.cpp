@@ -191,6 +191,19 @@ TEST_CASE("mesh file: mistakes in it have a place in the mesh file") {
     CHECK(missing[0].line == 3);
 }
 
+TEST_CASE("mesh file: surfaces without a name that become one material are said to") {
+    const auto said = [](const std::string& groups) {
+        const std::vector<Diagnostic> warnings = with_mesh(square(groups), one_material).warnings;
+        return std::ranges::count_if(warnings, [](const Diagnostic& d) {
+            return d.code == "merged-surfaces" &&
+                   d.message.find("2 physical surfaces without a name (1, 2): all are the one material `glass`") !=
+                       std::string::npos;
+        });
+    };
+    CHECK(said("1 2") == 1);
+    CHECK(said("1 1") == 0);
+}
+
 TEST_CASE("mesh file: a built-in scenario has its mesh in the binary") {
     const ReadResult built_in = open_scenario("hopkinson_time_piece");
     const ReadResult on_disk = read_scenario(KNAP_SOURCE_DIR "/scenarios/hopkinson_time_piece.toml");

@@ -32,6 +32,12 @@ const Case cases[] = {
     {"80 us", 80e-6, "a time"},
     {"2 min", 120, "a time"},
     {"1 h", 3600, "a time"},
+    {"2 day", 172800, "a time"},
+    {"0.5 year", 15778800, "a time"},
+    {"3 mm/year", 3e-3 / 31557600, "a speed"},
+    {"7 /s", 7, "a rate"},
+    {"7/s", 7, "a rate"},
+    {"8e-6 /K", 8e-6, "an expansion per temperature"},
     {"3.08 MPa", 3.08e6, "a pressure"},
     {"32 GPa", 32e9, "a pressure"},
     {"5 N/mm2", 5e6, "a pressure"},
@@ -93,7 +99,7 @@ TEST_CASE("units: a power of ten leaves no rounding error") {
 TEST_CASE("units: what is no quantity") {
     for (const char* text :
          {"",         " ",     "mm",    "abc",   "nan",     "inf m",  "- 3 mm",  "1,5 mm",          "3 parsec",
-          "3 m/",     "3 /m",  "3 mm0", "3 mm^", "3 mm^^2", "3 m//s", "1e999 m", "1e99999999999 m", ".",
+          "3 m/",     "3 //m", "3 mm0", "3 mm^", "3 mm^^2", "3 m//s", "1e999 m", "1e99999999999 m", ".",
           "3 m m3 4", "3 kkm", "3 m12", "0x10 m"}) {
         CAPTURE(text);
         CHECK_FALSE(parse_quantity(text).problem.empty());

@@ -29,6 +29,18 @@ Cost cost_of(const std::string& scenario, const EnsembleRun& run) {
     return estimate_cost(read.scenario, model, plan, watch.cpu(), 0.05);
 }
 
+/// A file of a directory as an option in a comment of the script: words end at blanks, a backslash takes the meaning of
+/// the next character, and Slurm replaces %a and the like in what is left.
+std::string quoted_for_slurm(const std::filesystem::path& directory, const std::string& pattern) {
+    std::string quoted = "\"";
+    for (const char c : directory.string()) {
+        if (c == '"' || c == '\\') quoted += '\\';
+        if (c == '%') quoted += '%';
+        quoted += c;
+    }
+    return quoted + "/" + pattern + "\"";
+}
+
 }  // namespace
 
 std::string slurm_script(const Ensemble& ensemble, const std::string& scenario,
@@ -61,12 +73,12 @@ std::string slurm_script(const Ensemble& ensemble, const std::string& scenario,
                   longest) +
         "set -e\ncd " + command_line({std::filesystem::current_path().string()}) +
         "\nids=$(sbatch --parsable <<'KNAP_JOBS'\n#!/bin/bash\n#SBATCH --job-name=" + name + "\n#SBATCH --array=1-" +
-        std::to_string(jobs.size()) + limit + "\n#SBATCH --output=" + (runs / "slurm_%a.log").string() + "\n" +
+        std::to_string(jobs.size()) + limit + "\n#SBATCH --output=" + quoted_for_slurm(runs, "slurm_%a.log") + "\n" +
         resources + "case $SLURM_ARRAY_TASK_ID in\n";
     for (std::size_t i = 0; i < jobs.size(); ++i) text += std::to_string(i + 1) + ")\n" + jobs[i].commands + ";;\n";
     return text + "esac\nKNAP_JOBS\n)\nsbatch --dependency=afterany:\"${ids%%;*}\" <<'KNAP_COLLECT'\n#!/bin/bash\n" +
-           "#SBATCH --job-name=" + name + "_collect\n#SBATCH --output=" + (runs / "slurm_collect.log").string() + "\n" +
-           resources + command_line(collect) + "\nKNAP_COLLECT\n";
+           "#SBATCH --job-name=" + name + "_collect\n#SBATCH --output=" + quoted_for_slurm(runs, "slurm_collect.log") +
+           "\n" + resources + command_line(collect) + "\nKNAP_COLLECT\n";
 }
 
 }  // namespace knap

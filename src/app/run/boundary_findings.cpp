@@ -2,6 +2,7 @@
 #include "app/run/findings.hpp"
 
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/obstacle_gap.hpp"
 #include "model/selections.hpp"
@@ -63,12 +64,13 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
         const std::string both = named(a, i) + " and " + named(b, j);
         const double size = place.norm() + std::sqrt(std::abs((b.is_free() ? b : a).outline.area()));
         if (gap < -negligible * size)
-            found.push_back(read.at(item("obstacle", j),
-                                    {.severity = Diagnostic::Severity::error,
-                                     .code = "obstacles-overlap",
-                                     .message = both + formatted(" overlap by %.3g m at ", -gap) + place_text(place),
-                                     .note = "obstacles do not touch each other; move them apart, or give one of them "
-                                             "a [[body]] instead"}));
+            found.push_back(
+                read.at(item("obstacle", j),
+                        {.severity = Diagnostic::Severity::error,
+                         .code = "obstacles-overlap",
+                         .message = both + " overlap by " + readable(-gap, "m") + " at " + place_text(place),
+                         .note = "obstacles do not touch each other; move them apart, or give one of them "
+                                 "a [[body]] instead"}));
         else
             found.push_back(read.at(
                 item("obstacle", j),

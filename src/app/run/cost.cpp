@@ -135,7 +135,10 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     if (scenario.output.fields)
         cost.n_frames = std::min(std::ceil(scenario.time.end / scenario.output.every), largest) + 1;
     cost.frames = slowness * cost.n_frames * (of_frame + of_frame_triangle * drawn);
-    double n_body = 0, n_curves = 0;
+    double n_body = 0, n_curves = 0, picture = 0;  // [MB] the largest
+    const Vec2 extent = bounding_box(model.mesh.vertices).extent();
+    for (const FigureOptions& figure : scenario.figures)
+        picture = std::max(picture, 1e-6 * drawing_memory(figure, figure.box ? figure.box->extent() : extent));
     for (const FigureOptions& figure : scenario.figures)
         if (shows_body(figure.show)) n_body += std::max<double>(1, static_cast<double>(figure.at.size()));
         else ++n_curves;
@@ -145,8 +148,9 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
 
     // refinements hold the model before and after them, but nothing else: 1.8 to 2.2 kB a triangle of the last one
     const double of_triangle = implicit ? 4.2e-3 : 2.2e-3;
-    cost.memory = 75 + of_triangle * largest_growth * drawn;
-    cost.least_memory = 75 + of_triangle * growth * drawn;
+    const double of_program = 75 + std::max(0.0, picture - 40);  // with a usual picture
+    cost.memory = of_program + of_triangle * largest_growth * drawn;
+    cost.least_memory = of_program + of_triangle * growth * drawn;
     cost.disk = cost.n_frames * (6e-3 + 85e-6 * 0.5 * (1 + growth) * drawn);
     return cost;
 }

@@ -19,6 +19,10 @@ StepPlan plan_of(const ReadResult& read, const Model& model, double until);
 /// obstacles that overlap. Returns warnings: obstacles that may meet.
 std::vector<Diagnostic> check_model(const ReadResult& read, const Model& model);
 
+/// Throws UserError: a picture that its format cannot have, or that needs more memory than there is. `extent` [m]: of
+/// what it shows.
+void check_picture_size(const FigureOptions& figure, const Vec2& extent);
+
 /// Warnings: probes, regions and boxes outside the body.
 std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model);
 

@@ -2,6 +2,7 @@
 
 #include "app/run/findings.hpp"
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "mesh/polygon.hpp"
 #include "model/selections.hpp"
@@ -181,8 +182,8 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
     }
     text += formatted("; reference %.6g %s", heat.reference, unit);
     if (largest.strain > 0) {
-        text += formatted(": strains up to %.3g, as stresses, where prevented, %.3g MPa", largest.strain,
-                          1e-6 * largest.stress);
+        text += formatted(": strains up to %.3g, as stresses, where prevented, ", largest.strain) +
+                readable(largest.stress, "Pa");
         if (const double strength = smallest_strength(scenario); std::isfinite(strength))
             text += formatted(", %.3g times the smallest strength", largest.stress / strength);
     }
@@ -190,12 +191,14 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
     for (const HeatScales& s : judge_heat(scenario, mesh, step)) {
         const double factor = heat.time_factor;
         text += formatted(
-            "  %-12s kappa_T %.3g m2/s; heat crosses the body in %.3g s; the run is %.3g s of heat (time_factor %g)\n",
-            s.material.c_str(), s.diffusivity, s.passage, s.duration, factor);
-        text += formatted("  %-12s its layer sqrt(kappa_T t) at the end %.3g mm, %.1f edges", "", 1e3 * s.layer(),
-                          s.layer() / s.edge);
+            "  %-12s kappa_T %.3g m2/s; heat crosses the body in %s; the run is %s of heat (time_factor %g)\n",
+            s.material.c_str(), s.diffusivity, readable(s.passage, "s").c_str(), readable(s.duration, "s").c_str(),
+            factor);
+        text += formatted("  %-12s its layer sqrt(kappa_T t) at the end %s, %.1f edges", "",
+                          readable(s.layer(), "m").c_str(), s.layer() / s.edge);
         if (s.convection > 0)
-            text += formatted("; k over transfer %.3g mm, %.1f edges", 1e3 * s.convection, s.convection / s.edge);
+            text += formatted("; k over transfer %s, %.1f edges", readable(s.convection, "m").c_str(),
+                              s.convection / s.edge);
         text += formatted(
             "\n  %-12s cracks that follow it over an edge run at %.2g m/s, here %.2g of c_R, the part of their energy "
             "that they radiate; time_factor up to %.2g keeps it below %.2g%s\n",
@@ -226,8 +229,9 @@ std::vector<Diagnostic> findings_of_hot_start(const ReadResult& read, const Mode
          .code = "hot-start",
          .message = formatted(
              "at t = 0 the body is undeformed at %s, and without thermal strain at a `heat.reference` of %.6g %s: "
-             "stresses up to %.3g MPa at once, %.2g times the smallest strength, as by a blow",
-             range_text(start, unit).c_str(), heat.reference, unit, 1e-6 * start.stress, start.stress / strength),
+             "stresses up to %s at once, %.2g times the smallest strength, as by a blow",
+             range_text(start, unit).c_str(), heat.reference, unit, readable(start.stress, "Pa").c_str(),
+             start.stress / strength),
          .note = formatted("reference = \"%.6g %s\" if it is free of stress then; start = \"equilibrium\" in [time] if "
                            "it has been at rest with these strains; ramp or table in [heat] if they come in the run",
                            heat.field_at(model.mesh.vertices.front(), 0), unit)})};

@@ -1,5 +1,6 @@
 #include "app/run/law_table.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
 #include "model/fans.hpp"
@@ -107,12 +108,12 @@ std::string laws_text(const ReadResult& read, const Model& model) {
     for (std::size_t i = 0; i < scenario.crack_pressures.size(); ++i) {
         const CrackPressure& fluid = scenario.crack_pressures[i];
         text += "  " + item("pressure", i) + ' ' +
-                (fluid.over_temperature.empty() ? formatted("%.4g MPa", 1e-6 * fluid.pressure)
+                (fluid.over_temperature.empty() ? readable(fluid.pressure, "Pa", 4)
                                                 : "pressure_table " + text_of(fluid.over_temperature, 1e6, " MPa")) +
                 (fluid.joint_law >= 0 ? ", in joints of " + scenario.laws[fluid.joint_law].name
                  : fluid.from         ? ", in cracks from its source"
                                       : ", in all cracks") +
-                formatted("; %.4g mm of them at t = 0\n", 1e3 * wetted[i]);
+                "; " + readable(wetted[i], "m", 4) + " of them at t = 0\n";
     }
     for (std::size_t i = 0; scenario.heat && i < scenario.materials.size(); ++i)
         if (const Thermal& thermal = scenario.heat->materials[i]; thermal.latent_heat > 0)

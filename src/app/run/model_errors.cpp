@@ -3,6 +3,7 @@
 #include "analysis/rest_watch.hpp"
 #include "app/run/adaptation.hpp"
 #include "app/run/findings.hpp"
+#include "app/run/process.hpp"
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "base/union_find.hpp"
@@ -189,7 +190,7 @@ Model model_of(ReadResult& read) {
         if (!found.empty()) throw UserError(std::move(found));
         return model;
     } catch (const ShapeError& error) {
-        throw UserError({read.at_shape(error)});
+        throw UserError(read.at_shapes(error));
     } catch (const EmptySelection& error) {
         const char* const lists[] = {"load", "support", "initial", "pressure"};  // in the order of EmptySelection::List
         const bool initial = error.list == EmptySelection::initial_velocities;
@@ -211,7 +212,33 @@ StepPlan plan_of(const ReadResult& read, const Model& model, double until) {
     }
 }
 
+void check_picture_size(const FigureOptions& figure, const Vec2& extent) {
+    const Vec2 size = picture_size(figure, extent);
+    const double longest = longest_side(figure), memory = drawing_memory(figure, extent), free = free_memory();
+    const auto refuse = [&](double factor, const std::string& text) {
+        throw UserError("figure-width",
+                        formatted("`width` = %d: the picture would have about %.0f x %.0f pixels, ", figure.width,
+                                  size.x(), size.y()) +
+                            text,
+                        formatted("a width of at most %.0f", std::floor(factor * figure.width / 100) * 100));
+    };
+    if (size.maxCoeff() > longest)
+        refuse(longest / size.maxCoeff(),
+               formatted("and `%s` can have %.0f on a side at most", figure.file.c_str(), longest));
+    if (memory > free)
+        refuse(0.9 * std::sqrt(free / memory), formatted("needs some %.2g GB of memory while it is drawn, and %.2g GB "
+                                                         "are free",
+                                                         1e-9 * memory, 1e-9 * free));
+}
+
 std::vector<Diagnostic> check_model(const ReadResult& read, const Model& model) {
+    const Vec2 extent = bounding_box(model.mesh.vertices).extent();
+    for (std::size_t i = 0; i < read.scenario.figures.size(); ++i) try {
+            const FigureOptions& figure = read.scenario.figures[i];
+            check_picture_size(figure, figure.box ? figure.box->extent() : extent);
+        } catch (const UserError& error) {
+            throw UserError({read.at(item("figure", i) + ".width", error.diagnostics.front())});
+        }
     for (std::size_t i = 0; i < read.scenario.figures.size(); ++i)
         if (const FigureOptions& figure = read.scenario.figures[i]; figure.is_animation()) try {
                 check_animation(figure.file);  // not only at the end of a long run

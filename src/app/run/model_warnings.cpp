@@ -4,6 +4,7 @@
 
 #include "app/run/heat_scales.hpp"
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/union_find.hpp"
 #include "mesh/polygon.hpp"
@@ -143,12 +144,12 @@ public:
                     "a short slope instead of the drop, as plateau = 0.9, or accept the dependence on the mesh");
             else if (r.n_edges < 5)
                 add(size, "resolution",
-                    formatted("the process zone of `%s` (%.3g m for a crack at rest%s) is covered by %.1f edges; crack "
+                    formatted("the process zone of `%s` (%s for a crack at rest%s) is covered by %.1f edges; crack "
                               "speed and branching will depend on the mesh",
-                              r.material.c_str(), r.steep_zone(),
+                              r.material.c_str(), readable(r.steep_zone(), "m").c_str(),
                               r.steepness != 1 ? ", where the traction falls fastest" : "", r.n_edges),
-                    formatted("use a size of at most %.2g m where cracks run, or accept the dependence on the mesh",
-                              r.steep_zone() / 5));
+                    "use a size of at most " + readable(r.steep_zone() / 5, "m", 2) +
+                        " where cracks run, or accept the dependence on the mesh");
     }
 
     void on_heat(double step) {
@@ -162,30 +163,32 @@ public:
             const std::string size = scenario_.given ? "mesh.file" : "mesh.size";
             if (factor > std::max(1.0, s.largest_time_factor()))
                 add("heat.time_factor", "heat",
-                    formatted("with `heat.time_factor` = %.6g cracks in `%s` that follow the heat over an edge of %.3g "
-                              "m run at %.2g of the Rayleigh speed, and radiate that part of their energy: inertia, "
+                    formatted("with `heat.time_factor` = %.6g cracks in `%s` that follow the heat over an edge of %s "
+                              "run at %.2g of the Rayleigh speed, and radiate that part of their energy: inertia, "
                               "which no real crack has here, will count",
-                              factor, name, s.edge, s.radiated(factor)),
+                              factor, name, readable(s.edge, "m").c_str(), s.radiated(factor)),
                     formatted("at most %.2g%s; the summary's kinetic_part tells afterwards",
                               std::max(1.0, s.largest_time_factor()), s.damped ? "" : " without time.damping"));
             if (!scenario_.heat->exchanges.empty() && s.layer() < 3 * s.edge)
                 add(size, "heat",
                     formatted(
-                        "heat enters `%s` by %.3g m until `time.end`, %.1f edges: its temperature depends on the mesh",
-                        name, s.layer(), s.layer() / s.edge),
-                    formatted("a size of at most %.2g m where it enters", size_of_layer));
+                        "heat enters `%s` by %s until `time.end`, %.1f edges: its temperature depends on the mesh",
+                        name, readable(s.layer(), "m").c_str(), s.layer() / s.edge),
+                    "a size of at most " + readable(size_of_layer, "m", 2) + " where it enters");
             if (s.convection > 0 && s.convection < s.edge)
                 add(size, "heat",
                     formatted(
-                        "convection cools a face of `%s` within a depth k/transfer of %.3g m, %.1f edges: temperature "
-                        "and stress of the face are wrong until %.2g s of heat",
-                        name, s.convection, s.convection / s.edge, s.edge * s.edge / s.diffusivity),
-                    formatted("a size of at most %.2g m at this face, or accept a later first crack", s.convection));
+                        "convection cools a face of `%s` within a depth k/transfer of %s, %.1f edges: temperature "
+                        "and stress of the face are wrong until %s of heat",
+                        name, readable(s.convection, "m").c_str(), s.convection / s.edge,
+                        readable(s.edge * s.edge / s.diffusivity, "s", 2).c_str()),
+                    "a size of at most " + readable(s.convection, "m", 2) +
+                        " at this face, or accept a later first crack");
             if (factor * s.step > s.passage / 20)
                 add("time.step", "heat",
-                    formatted("a step of %.3g s is %.2g of the time in which heat crosses `%s`", step,
-                              factor * s.step / s.passage, name),
-                    formatted("some %.2g s, a 200th of it", s.passage / 200 / factor));
+                    formatted("a step of %s is %.2g of the time in which heat crosses `%s`",
+                              readable(step, "s").c_str(), factor * s.step / s.passage, name),
+                    "some " + readable(s.passage / 200 / factor, "s", 2) + ", a 200th of it");
         }
     }
 
@@ -296,11 +299,12 @@ public:
             if (named.size() > max_details) return;
             add(parts.empty() ? "mesh.size" : parts[0], "small-step",
                 formatted(
-                    "a triangle at %s has an edge of %.3g m where the mesh size is %.3g m; its stable "
+                    "a triangle at %s has an edge of %s where the mesh size is %s; its stable "
                     "step of %.3g s is %.3g times smaller than the %.3g s of that size, and all triangles use the "
                     "smallest one. Next to it: %s",
-                    place_text(x).c_str(), std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), size(t),
-                    stable[t], usual / stable[t], usual, who.c_str()),
+                    place_text(x).c_str(),
+                    readable(std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), "m").c_str(),
+                    readable(size(t), "m").c_str(), stable[t], usual / stable[t], usual, who.c_str()),
                 std::string(who.find(" and ") != who.npos || who.starts_with("two parts")
                                 ? "move one of them, let them meet, or remove the detail; "
                                 : "enlarge or remove it; ") +
@@ -318,8 +322,8 @@ public:
                                    : 0;
         if (seconds > longest)
             add("time.end", "too-long",
-                formatted("`time.end` = %.6g s is %.3g steps of %.3g s: about %.2g days of one core", end, n_steps,
-                          plan.limits.largest, seconds / 86400),
+                formatted("`time.end` = %.6g s is %.3g steps of %.3g s: about %s of one core", end, n_steps,
+                          plan.limits.largest, readable(seconds, "s", 2).c_str()),
                 "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
                 "\"implicit\"");
         const double explicit_step = plan.limits.changes() ? plan.limits.change.explicit_step : plan.limits.largest;

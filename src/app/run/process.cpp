@@ -6,11 +6,16 @@
 #include <malloc.h>
 #endif
 #include <omp.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
+#include <string>
 #include <string_view>
 
 namespace knap {
@@ -72,6 +77,28 @@ bool InterruptGuard::interrupted() { return noted != 0; }
 bool is_ignored(int signal) {
     struct sigaction now {};
     return sigaction(signal, nullptr, &now) == 0 && now.sa_handler == SIG_IGN;
+}
+
+double free_memory() {
+    const auto number_in = [](const char* file, const std::string& key, double unit) {
+        std::ifstream in(file);
+        for (std::string line; std::getline(in, line);)
+            if (line.starts_with(key)) {
+                const char* const text = line.c_str() + key.size();
+                char* end = nullptr;
+                const double value = std::strtod(text, &end);
+                return end == text ? INFINITY : unit * value;  // "max"
+            }
+        return static_cast<double>(INFINITY);
+    };
+    const double used = number_in("/proc/self/status", "VmSize:", 1024);
+    double least = number_in("/proc/meminfo", "MemAvailable:", 1024);
+    if (rlimit limit{}; getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY && std::isfinite(used))
+        least = std::min(least, static_cast<double>(limit.rlim_cur) - used);
+    const double of_group = number_in("/sys/fs/cgroup/memory.max", "", 1),
+                 group_has = number_in("/sys/fs/cgroup/memory.current", "", 1);
+    if (std::isfinite(of_group) && std::isfinite(group_has)) least = std::min(least, of_group - group_has);
+    return least;
 }
 
 void keep_freed_memory() {

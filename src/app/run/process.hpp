@@ -30,6 +30,10 @@ public:
 
 bool is_ignored(int signal);
 
+/// [byte] Memory that this process can have besides what it has, by the machine, its limits and its control group;
+/// infinity where none of them is known.
+double free_memory();
+
 /// Frames and figures allocate and free the same memory some thirty times in a run. Memory returned to the system in
 /// between comes back zeroed, page by page, which took a third of the time of a frame.
 void keep_freed_memory();

@@ -1,7 +1,10 @@
 #include "app/run/setup.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
+#include "mesh/planar_graph.hpp"
 #include "microstructure/grain_mesh.hpp"
+#include "scenario/reading.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -32,26 +35,22 @@ void put_rocks(const Scenario& scenario, Mesh& mesh) {
     }
 }
 
-/// A part of the shape of a body, as ReadResult::at_shape finds it: "holes[0]", "body[2].holes[0]".
-Mesh mesh_of(const Body& body) {
-    try {
-        return triangulate(body.shape, body.mesh);
-    } catch (const ShapeError& error) {
-        if (body.name.empty()) throw;
-        throw ShapeError(body.path + "." + error.part, "(body `", body.name, "`) ", error.what());
-    }
-}
-
-/// The bodies one after the other.
+/// The bodies one after the other. Throws ShapeError with the faults of all bodies; a part of the shape of a body is
+/// named as ReadResult::at_shapes finds it: "holes[0]", "body[2].holes[0]".
 Mesh mesh_of(const Scenario& scenario) {
     if (scenario.given) return scenario.given->mesh;
-    if (scenario.bodies.front().name.empty()) return mesh_of(scenario.bodies.front());
+    if (const Body& body = scenario.bodies.front(); body.name.empty()) return triangulate(body.shape, body.mesh);
     Mesh mesh;
-    for (const Body& body : scenario.bodies) {
-        const Index first = mesh.n_triangles();
-        append(mesh, mesh_of(body));
-        mesh.parts.push_back({body.name, first, mesh.n_triangles() - first});
-    }
+    std::vector<ShapeFault> faults;
+    for (const Body& body : scenario.bodies) try {
+            const Index first = mesh.n_triangles();
+            append(mesh, triangulate(body.shape, body.mesh));
+            mesh.parts.push_back({body.name, first, mesh.n_triangles() - first});
+        } catch (const ShapeError& error) {
+            for (const ShapeFault& fault : error.faults)
+                faults.push_back({body.path + "." + fault.part, "(body `" + body.name + "`) " + fault.text});
+        }
+    if (!faults.empty()) throw ShapeError(faults);
     for (const BodyGroup& group : scenario.groups) {
         const MeshPart &first = mesh.parts[group.first], &last = mesh.parts[group.first + group.n - 1];
         mesh.parts.push_back(
@@ -208,8 +207,30 @@ bool in_triangle(const Mesh& mesh, Index t, const Vec2& x) {
     return true;
 }
 
+namespace {
+
+/// What the snap of a body moved and left out.
+std::string snap_text(const Body& body) {
+    SnapCounts counts;
+    planar_graph(body.shape, 0, &counts);
+    std::string text =
+        formatted("  %-14s within %s: %d ends joined, %d corners and crossings merged", (body.path + ".snap").c_str(),
+                  readable(body.shape.snap, "m").c_str(), counts.n_joined, counts.n_merged);
+    if (counts.n_left_out > 0)
+        text += formatted(", %d pieces left out, %s in all", counts.n_left_out,
+                          readable(counts.length_left_out, "m").c_str());
+    std::vector<std::string> lost;
+    for (const Index crack : counts.lost) lost.push_back(item(body.path + ".crack", crack));
+    if (!lost.empty()) text += "; nothing is left of " + first_of(lost);
+    return text + "\n";
+}
+
+}  // namespace
+
 std::string random_sets_text(const Scenario& scenario) {
     std::string text;
+    for (const Body& body : scenario.bodies)
+        if (body.shape.snap > 0) text += snap_text(body);
     for (const RandomSet& set : scenario.random_sets)
         text += formatted("  %-14s %d placed", set.path.c_str(), set.n) +
                 (set.fraction > 0 ? formatted(", %.4g %% of the area of the body\n", 100 * set.fraction) : "\n");

@@ -41,7 +41,8 @@ struct Resolution {
 /// Of the pairs of materials with a common interface in the mesh; compared with Scenario::finest_edge().
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh);
 
-/// The sets of inclusions and joints, a line each: "  inclusions[0]  30 placed, 12.3 % of the area".
+/// The sets of inclusions and joints, and what the snap of a body did, a line each: "  inclusions[0]  30 placed, 12.3 %
+/// of the area".
 std::string random_sets_text(const Scenario& scenario);
 
 /// x lies in a triangle, or beyond its edges by no more than rounding.

@@ -1,0 +1,32 @@
+#include "base/display_unit.hpp"
+
+#include "base/formatted.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace knap {
+
+DisplayUnit display_unit(double largest, const std::string& unit) {
+    constexpr std::array prefixes{"p", "n", "µ", "m", "", "k", "M", "G", "T"};  // 1e-12, 1e-9, ...
+    // a prefix multiplies the first factor, which must be no power and have none of its own: 1e-3 m2 are not 1 mm2
+    const std::string first = unit.substr(0, unit.find_first_of(" /"));
+    const bool takes_prefix =
+        first == "m" || first == "s" || first == "Pa" || first == "J" || first == "N" || first == "W";
+    if (!takes_prefix || !(largest >= 1e-12)) return {1, unit};
+    std::size_t i = unit.starts_with("m/s") || unit == "s" ? 4 : prefixes.size() - 1;
+    const auto value = [&] { return std::pow(10, 3 * static_cast<int>(i) - 12); };
+    while (i > 0 && largest < 0.9999 * value()) --i;
+    return {1 / value(), prefixes[i] + unit};
+}
+
+std::string readable(double value, const std::string& unit, int digits) {
+    constexpr double day = 86400, year = 365.25 * day;
+    if (const double size = std::abs(value); unit == "s" && size >= 2 * day && std::isfinite(size))
+        return formatted("%.*g ", digits, size < 2 * year ? value / day : value / year) +
+               (size < 2 * year ? "day" : "year");
+    const DisplayUnit shown = display_unit(std::abs(value), unit);
+    return formatted("%.*g", digits, value * shown.factor) + (unit.empty() ? "" : " " + shown.unit);
+}
+
+}  // namespace knap

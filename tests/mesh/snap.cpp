@@ -1,0 +1,153 @@
+// Shape::snap: maps of traces as they were digitised.
+#include "mesh/planar_graph.hpp"
+#include "mesh/shapes.hpp"
+#include "mesh/triangulate.hpp"
+#include "support/trace_map.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace snap_test {
+
+using namespace knap;
+using tests::relative;
+
+namespace {
+
+/// A box of 10 m x 10 m with cracks.
+Shape box(const std::vector<std::vector<Vec2>>& cracks, double snap, const Vec2& extent = {10, 10}) {
+    Shape shape;
+    shape.boundary_names = {"rim"};
+    shape.outer = {{{0, 0}, {extent.x(), 0}, extent, {0, extent.y()}}, {0, 0, 0, 0}};
+    for (const auto& points : cracks) shape.cracks.push_back({.points = points});
+    shape.snap = snap;
+    return shape;
+}
+
+struct Snapped {
+    SnapCounts counts;
+    PlanarGraph graph;
+    double length = 0;  // [m] of the cracks
+
+    explicit Snapped(const Shape& shape) : graph(planar_graph(shape, 0, &counts)) {
+        for (const GraphSegment& s : graph.segments)
+            if (s.crack >= 0) length += (graph.line(s).b - graph.line(s).a).norm();
+    }
+    bool has(const Vec2& x) const {
+        return std::ranges::any_of(graph.nodes, [&](const Vec2& node) { return (node - x).norm() < 1e-9; });
+    }
+};
+
+/// What a mesh whose twentieth is `length` finds wrong.
+std::vector<ShapeFault> faults_below(double length, const PlanarGraph& graph) {
+    return faults_of_details(graph, {.size = 20 * length * (1 - 1e-9)});
+}
+
+}  // namespace
+
+TEST_CASE("snap: ends that nearly meet are joined whether short of a line or beyond") {
+    // the second ends 30 mm short of the first, the third 30 mm beyond it, the fourth 30 mm from the end of the second
+    const std::vector<std::vector<Vec2>> cracks{
+        {{1, 5}, {9, 5}}, {{3, 2}, {3, 4.97}}, {{7, 2}, {7, 5.03}}, {{2, 1}, {2.98, 1.99}}};
+    const Snapped raw(box(cracks, 0)), joined(box(cracks, 0.05));
+    CHECK(raw.graph.nodes.size() == 4 + 2 + 2 + 3 + 2);  // with one crossing
+    CHECK(joined.graph.nodes.size() == 4 + 2 + 2 + 2 + 1);
+    CHECK(joined.has({3, 5}) == false);  // the first is bent onto the end of the second, which is the smaller move
+    CHECK(joined.has({3, 4.97}));
+    CHECK(joined.counts.n_joined == 2);
+    CHECK(joined.counts.n_left_out == 1);
+    CHECK(joined.counts.length_left_out == relative(0.03, 1e-9));
+    CHECK(joined.counts.lost.empty());
+    CHECK(faults_below(0.05, joined.graph).empty());
+    const std::vector<ShapeFault> faults = faults_below(0.05, raw.graph);
+    for (const char* part : {"cracks[1]", "cracks[2]", "cracks[3]"})
+        CHECK(std::ranges::count(faults, part, &ShapeFault::part) > 0);
+}
+
+TEST_CASE("snap: crossings side by side become one and a crack drawn twice is one") {
+    const std::vector<std::vector<Vec2>> star{{{1, 5}, {9, 5}}, {{5, 1}, {5.02, 9}}, {{1, 1}, {9, 9.02}}};
+    const Snapped one(box(star, 0.05));
+    CHECK(one.graph.nodes.size() == 4 + 6 + 1);
+    CHECK(one.graph.segments.size() == 4 + 6);
+    CHECK(one.counts.n_left_out == 3);  // the sides of the little triangle between the crossings
+    const Snapped twice(box({{{1, 5}, {9, 5}}, {{1.01, 5.02}, {9.01, 4.98}}, {{3, 1}, {3.01, 1.01}}}, 0.05));
+    CHECK(twice.graph.segments.size() == 4 + 2);  // they cross half-way
+    CHECK(twice.length == relative(8, 1e-9));
+    CHECK(twice.counts.lost == std::vector<Index>{1, 2});
+    CHECK(twice.counts.n_left_out == 1);  // 14 mm
+}
+
+TEST_CASE("snap: the outline stays where it is and takes the ends near it") {
+    const Snapped rim(box({{{0.03, 4}, {5, 4}}, {{5, 7}, {9.97, 9.98}}, {{0.02, 6}, {0.03, 8}}}, 0.05));
+    CHECK(rim.has({0, 4}));
+    CHECK(rim.has({10, 10}));
+    CHECK(rim.counts.lost == std::vector<Index>{2});  // it ran along the rim
+    for (const GraphSegment& s : rim.graph.segments)
+        if (s.ring >= 0) {
+            const auto [a, b] = rim.graph.line(s);
+            CHECK((a.x() == b.x() || a.y() == b.y()));  // bit for bit
+        }
+    CHECK(faults_below(0.05, rim.graph).empty());
+}
+
+TEST_CASE("snap: two lines at a small angle part where they are apart") {
+    const Snapped wedge(box({{{1, 5}, {9, 5}}, {{1, 5}, {9, 5.12}}}, 0.02));  // 0.86 degree
+    CHECK(faults_below(0.02, wedge.graph).empty());
+    CHECK(wedge.counts.lost.empty());
+    CHECK(wedge.length > 8 + 4);
+}
+
+TEST_CASE("snap: a map of 2000 traces is meshable down to the snap and all its mistakes are named at once") {
+    const Vec2 extent(40, 30);
+    const auto traces = tests::trace_map(2000, extent, 0.02, 7);
+    const double snap = 0.05;
+    const Shape drawn = box(traces, 0, extent), snapped = box(traces, snap, extent);
+    const Snapped raw(drawn), map(snapped);
+    const std::vector<ShapeFault> faults = faults_below(snap, raw.graph);
+    CHECK(faults.size() > 1000);
+    try {
+        checked_graph(drawn, {.size = 20 * snap}, 0);
+        CHECK(false);
+    } catch (const ShapeError& error) {
+        CHECK(error.faults.size() >= faults.size());
+    }
+    for (const ShapeFault& fault : faults_below(snap, map.graph)) FAIL_CHECK(fault.part, " ", fault.text);
+    CHECK(map.counts.n_joined > 500);
+    CHECK(map.counts.n_left_out > 100);
+    CHECK(map.counts.lost.size() < 120);  // those that were drawn twice, 50, and the shortest
+    CHECK(map.length < raw.length);
+    CHECK(map.length > 0.94 * raw.length);  // 3 % were drawn twice
+    // a finer mesh sees the same lines
+    CHECK(checked_graph(snapped, {.size = 10 * snap}, 0).nodes == checked_graph(snapped, {.size = 20 * snap}, 0).nodes);
+}
+
+TEST_CASE("snap: both lengths and the cure are in the message") {
+    const Shape shape = box({{{1, 5}, {9, 5}}, {{3, 2}, {3, 4.97}}}, 0.01);
+    try {
+        triangulate(shape, {.size = 1});
+        CHECK(false);
+    } catch (const ShapeError& error) {
+        const std::string text = error.what();
+        CAPTURE(text);
+        for (const char* words : {"within 30 mm of cracks[1]", "at least 50 mm, a twentieth of the mesh size of 1 m",
+                                  "its snap of 10 mm is below that"})
+            CHECK(text.find(words) != std::string::npos);
+    }
+}
+
+TEST_CASE("a star of 2001 points has the crossings that geometry says") {
+    constexpr int n = 2001, k = 20;  // every point is joined with the k-th next: n (k - 1) crossings inside
+    std::vector<Vec2> points;
+    for (int i = 0; i <= n; ++i) {
+        const double angle = 2 * std::numbers::pi * ((static_cast<long>(i) * k) % n) / n;
+        points.push_back(Vec2(5 + 4 * std::cos(angle), 5 + 4 * std::sin(angle)));
+    }
+    const PlanarGraph graph = planar_graph(box({points}, 0));
+    CHECK(graph.nodes.size() == 4 + n * k);
+    CHECK(graph.segments.size() == 4 + n + 2 * n * (k - 1));
+}
+
+}  // namespace snap_test
