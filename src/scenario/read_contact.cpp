@@ -20,6 +20,7 @@ void warn_of_supports(Reading& reading) {
     for (std::size_t i = 0; i < supports.size(); ++i) {
         const Support& support = supports[i];
         const Table table = reading.table(item("support", i));
+        if (support.law < 0) continue;                                                       // reported
         if (support.glued && !reading.scenario.laws[support.law].law.breakable()) continue;  // the body stays
         if (table.given("beyond")) continue;
         table.warning(

@@ -152,8 +152,10 @@ private:
             if (one >= 0) table.error("duplicate-name", "", "is the second law of this pair of materials");
             one = other = law;
         } else if (!free_names_.contains(name)) {
+            const std::string inside = name + "-" + name;  // of a material, whose laws have two names
             table.error("unknown-name", "", "belongs to no pair of materials and no support or joint set",
-                        "known: " + joined(known_), did_you_mean(name, known_));
+                        "known: " + first_of(known_),
+                        pair_.contains(inside) ? "did you mean `" + inside + "`?" : did_you_mean(name, known_));
         }
     }
 
@@ -229,7 +231,7 @@ void read_laws(Reading& reading) {
     std::size_t joint = 0;
     for (const Table& table : reading.list("joints")) {
         if (!table.has("interface")) continue;
-        const Index law = named_law(table).value_or(0);
+        const Index law = named_law(table).value_or(-1);
         if (joint < of_joint.size()) of_joint[joint++] = law;
     }
     for (std::size_t i = 0; i < supports.size(); ++i) {

@@ -226,7 +226,8 @@ void read_obstacle(const Table& table) {
 
 void read_supports(Reading& reading) {
     for (const Table& table : reading.list("support")) {
-        Support& support = reading.scenario.supports.emplace_back(Support{.on = read_place(table, "a support")});
+        Support& support = reading.scenario.supports.emplace_back(
+            Support{.on = read_place(table, "a support"), .law = -1});  // set by read_laws
         table.fill(support);
         if (support.glued && support.gap > 0)
             table.error("exclusive-keys", "gap", "belongs to a support that is not glued", "gap = 0, or glued = false");

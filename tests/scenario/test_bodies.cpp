@@ -92,7 +92,7 @@ TEST_CASE("bodies: the point about which a body turns") {
 TEST_CASE("bodies: what cannot be") {
     const std::string two = block("a", 0, 0) + block("b", 0, 0.04);
     CHECK(mistakes(scene(two)).empty());
-    reports(scene(block("a", 0, 0) + block("b", 0, 0.03)), "overlap", "in body `a` by 0.01 m at (0.05, 0.04) m", 7);
+    reports(scene(block("a", 0, 0) + block("b", 0, 0.03)), "overlap", "in body `a` by 10 mm at (0.05, 0.04) m", 7);
     reports(scene(two + block("a", 0, 0.2)), "duplicate-name", "name of another body", 13);
     reports(scene("[domain]\ncentre = [0, 0]\n" + two), "exclusive-keys", "`domain.centre` has no meaning", 3);
     reports(scene("[domain]\n[[domain.hole]]\ncentre = [0, 0]\nradius = 1\n" + two), "exclusive-keys", "`domain.hole`");
@@ -145,7 +145,7 @@ TEST_CASE("bodies: patterns that cannot be") {
         return scene("[[bodies]]\npattern = \"heap\"\nbox = [0, 0, 0.1, 0.1]\nsize = 0.02\n" + more);
     };
     CHECK(mistakes(wall("")).empty());
-    reports(wall("bond = 0.02\n"), "out-of-range", "leaves blocks of 0.0004 m", 7);
+    reports(wall("bond = 0.02\n"), "out-of-range", "leaves blocks of 400 µm", 7);
     CHECK(mistakes(scene("[[bodies]]\npattern = \"wall\"\ncolumns = 3\nrows = 1\nblock = [0.02, 0.01]\ngap = 0.03\n"))
               .empty());  // a single row has no bond
     reports(wall("fraction = 0.2\n"), "exclusive-keys", "belongs to pattern = \"heap\"");

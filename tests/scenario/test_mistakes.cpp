@@ -42,6 +42,8 @@ const std::string heat = "[heat]\ntemperature = \"20\"\n";  // lines 16, 17
 std::string refined(const std::string& place) { return with("[[mesh.refine]]\n" + place); }  // line 17
 
 const Case cases[] = {
+    {"a law of one material by its name", with("[interface.glass]\nsigma_c = 1e6\nG_c = 1\n"), "unknown-name", 16, 12,
+     5, "did you mean `glass-glass`?"},
     {"a refined place without a place", refined("size = 0.001\n"), "missing-key", 16, 1, 15,
      "exactly one of: inside, along"},
     {"a refined place that is a box and a strip",
