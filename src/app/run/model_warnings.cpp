@@ -322,8 +322,8 @@ public:
                                    : 0;
         if (seconds > longest)
             add("time.end", "too-long",
-                formatted("`time.end` = %.6g s is %.3g steps of %.3g s: about %s of one core", end, n_steps,
-                          plan.limits.largest, readable(seconds, "s", 2).c_str()),
+                formatted("`time.end` = %.6g s is %.3g steps of %.3g s: about %.2g days of one core", end, n_steps,
+                          plan.limits.largest, seconds / 86400),
                 "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
                 "\"implicit\"");
         const double explicit_step = plan.limits.changes() ? plan.limits.change.explicit_step : plan.limits.largest;
