@@ -5,6 +5,7 @@
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
 #include "heat/conduction.hpp"
+#include "mesh/polygon.hpp"
 #include "model/time_tables.hpp"
 #include "output/outputs.hpp"
 
@@ -185,12 +186,41 @@ private:
     std::vector<Diagnostic> found_;
 };
 
+/// A field of temperatures whose grid does not cover the body or the run.
+std::vector<Diagnostic> findings_of_grid(const ReadResult& read, const Mesh& mesh) {
+    std::vector<Diagnostic> found;
+    const auto& grid = read.scenario.heat->field.grid;
+    const Box box = bounding_box(mesh.vertices);
+    constexpr double beyond = 0.1;  // [-] of the body, or of the run
+    for (std::size_t k = 0; grid && k < 3; ++k) {
+        const std::vector<double>& axis = grid->axis(k);
+        const double low = k < 2 ? box.low[k] : 0, high = k < 2 ? box.high[k] : read.scenario.time.end,
+                     allowed = beyond * (high - low);
+        const bool misses = axis.back() <= low || axis.front() >= high,
+                   leaves = low < axis.front() - allowed || high > axis.back() + allowed;
+        if (axis.size() < 2 || !(misses || (k < 2 && leaves)))
+            continue;  // after its last time a table may stay as it is
+        found.push_back(read.at(
+            "heat.temperature",
+            {.severity = Diagnostic::Severity::warning,
+             .code = "table-not-reached",
+             .message =
+                 formatted("the table of `heat.temperature` covers %c = %.6g to %.6g %s, and the %s %.6g to %.6g "
+                           "%s: beyond the table its border goes on",
+                           "xyt"[k], axis.front(), axis.back(), k < 2 ? "m" : "s",
+                           k < 2 ? "body extends from" : "run goes from", low, high, k < 2 ? "m" : "s"),
+             .note = "lengths in m and times in s from the start of the run"}));
+    }
+    return found;
+}
+
 }  // namespace
 
 std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& model, const StepPlan& plan) {
     std::vector<Diagnostic> found = TablesOverTime(read, model, plan).found();
     if (!read.scenario.heat) return found;
     for (Diagnostic& other : TablesOverTemperature(read, model.mesh).found()) found.push_back(std::move(other));
+    for (Diagnostic& other : findings_of_grid(read, model.mesh)) found.push_back(std::move(other));
     return found;
 }
 

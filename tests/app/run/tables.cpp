@@ -104,4 +104,21 @@ TEST_CASE("tables: a run that does not meet the range of a table is a warning") 
     CHECK_FALSE(cooled("[[-1, 1], [-0.5, 1], [0, 0.2]]").has("table-not-reached"));
 }
 
+TEST_CASE("tables: a grid of temperatures beside the body or after the run is a warning") {
+    const Folder folder("grid_of_table");
+    const auto check = [&](const std::string& rows) {
+        std::ofstream(folder.path / "T.csv") << rows;
+        const Answer answer = of(folder, "check ", bar(strong + "[heat]\ntemperature = \"T.csv\"\n"));
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        return answer;
+    };
+    CHECK_FALSE(check("0, 0, 1\n0.1, 0, 2\n").has("table-not-reached"));
+    CHECK(check("0, 0, 1\n100, 0, 2\n").code == 0);
+    CHECK(check("0, 0, 1\n0.05, 0, 2\n").has("covers x = 0 to 0.05 m, and the body extends from 0 to 0.1 m"));
+    CHECK(check("200, 0, 1\n300, 0, 2\n").has("covers x = 200 to 300 m"));
+    CHECK(check("0, 0, 2000, 1\n0, 0, 3000, 2\n").has("covers t = 2000 to 3000 s, and the run goes from 0 to 1000 s"));
+    CHECK_FALSE(check("0, 0, 0, 1\n0, 0, 300, 2\n").has("table-not-reached"));
+}
+
 }  // namespace tables_test
