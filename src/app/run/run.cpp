@@ -223,7 +223,7 @@ void Run::excavate() {
                 formatted("no step from t = %.9g s, where a region is to vanish: see its place ", now_.time) +
                 place_text(trial.where));
     ExcavationEnergies energies;
-    report(excavations_.moved_warning(setup_.model, now_));
+    report(excavations_.prepare(setup_.model, *stepper_, now_, next_, h));
     replace_model([&] { log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies)); });
     recorder_.after_excavation(energies);
 }
