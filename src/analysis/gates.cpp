@@ -258,6 +258,21 @@ const GateRule rules[] = {
          found.warning = 1e-6 * run.size, found.limit = 1e-3 * run.size;
          return found;
      }},
+    {{"obstacle_depth", "",
+      "largest depth of an edge of the body in an obstacle over the length of the edge, or half the width of the "
+      "obstacle "
+      "if that is less (place in the deformed body); obstacles touch nodes, and corners of polygons edges between them",
+      "Usual cause: an obstacle between two nodes, a corner of it below an edge that lies flush on it, or a free "
+      "obstacle "
+      "on what is held. Use smaller triangles there, or a [[body]] of a stiff material instead of the obstacle; "
+      "[limits] "
+      "obstacle_depth sets another limit."},
+     {0.05, 0.1, allowed},
+     [](const GateView& run) {
+         GateValue found = of_deformation<&DeformationWatch::obstacle_depth>(run);
+         found.judged = found.judged && run.deformation->has_obstacles();
+         return found;
+     }},
     {{"slip", "",
       "largest slip of a point under pressure over the length of its edge; contact is computed with the initial "
       "neighbour, which is no longer opposite",

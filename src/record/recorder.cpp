@@ -176,8 +176,14 @@ void Recorder::watch_deformation(const State& now, double speed) {
     };
     const bool look = is_due(look_, deformation_.look_path(), steps_between_looks),
                search = is_due(search_, deformation_.search_path(), steps_between_searches);
-    if (!look && !search) return;
+    bool into_obstacles = false;
+    if (deformation_.has_obstacles()) {
+        obstacle_look_.path += now.last_step * deformation_.obstacle_speed(now);
+        into_obstacles = is_due(obstacle_look_, deformation_.obstacle_path(), 1);
+    }
+    if (!look && !search && !into_obstacles) return;
     const Timed timed(time_);
+    if (into_obstacles) deformation_.look_into_obstacles(now), obstacle_look_ = {0, now.n_steps};
     if (look) deformation_.look_at(now), look_ = {0, now.n_steps};
     if (search) deformation_.look_for_overlap(now), search_ = {0, now.n_steps};
 }

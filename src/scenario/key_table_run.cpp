@@ -191,6 +191,9 @@ void add_keys_of_run(KeyTable& t) {
         "difference; with conduction").above(0).or_word("none").computed("0.05, warning from 0.001");
     t.number("obstacle_overlap", "m", "maximum depth of a free obstacle in another obstacle")
         .above(0).or_word("none").computed("a thousandth of the body, warning from a millionth");
+    t.number("obstacle_depth", "", "maximum depth of an edge of the body in an obstacle over the length of the edge, "
+        "or half the width of the obstacle if that is less")
+        .above(0).or_word("none").computed("0.1, warning from 0.05");
     t.number("slip", "", "maximum slip of a point under pressure over the length of its edge; not of sliding along "
         "straight supports and obstacles").above(0).or_word("none").computed("1, warning from 0.5");
     t.number("overlap", "m2", "maximum area that the deformed body covers twice").above(0).or_word("none")

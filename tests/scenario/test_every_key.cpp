@@ -224,6 +224,7 @@ strain = "8 %"
 rotation_work_part = 2e-3
 slip = "none"
 obstacle_overlap = "1 mm"
+obstacle_depth = 0.2
 overlap = "3 mm2"
 [expect]
 energy_residual = { below = 1e-3, above = -1 }
@@ -765,6 +766,7 @@ const Case cases[] = {
     {rectangle, "limits.slip", "\"none\""},
     {rectangle, "limits.overlap", "3e-06"},
     {rectangle, "limits.obstacle_overlap", "0.001"},
+    {rectangle, "limits.obstacle_depth", "0.2"},
     {rectangle, "figure[2].every", "1e-05"},
     {rectangle, "figure[2].speed", "1e-05"},
     {rectangle, "figure[2].curves", "\"energy\""},

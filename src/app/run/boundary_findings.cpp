@@ -3,6 +3,7 @@
 
 #include "app/run/setup.hpp"
 #include "base/formatted.hpp"
+#include "model/body_in_obstacles.hpp"
 #include "model/obstacle_gap.hpp"
 #include "model/selections.hpp"
 #include "stepper/common/crack_forces.hpp"
@@ -77,6 +78,19 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
                  .message = both + " may meet: obstacles do not touch each other, a free one passes through others",
                  .note = "make one of them a [[body]] of a stiff material, or let it move only where it meets none "
                          "(motion, turns = false); the gate obstacle_overlap ends the run where they meet"}));
+    }
+    for (const auto& [what, number, place] : held_against_obstacles(model, read.scenario.time.end)) {
+        using What = HeldAgainst::What;
+        const char* const meets = what == What::body   ? " may meet a body that is held everywhere, as at "
+                                  : what == What::edge ? " comes first to an edge whose ends are held, at "
+                                                       : " comes first to a support, at ";
+        found.push_back(read.at(
+            item("obstacle", number),
+            {.severity = Diagnostic::Severity::error,
+             .code = "held-against-obstacle",
+             .message = named(model.obstacles[number], number) + meets + place_text(place) +
+                        ": neither gives way, and a free obstacle passes through what is held",
+             .note = "hold the body on its far side only, or make the obstacle a [[body]] of a stiff material"}));
     }
     return found;
 }

@@ -8,7 +8,8 @@
 
 namespace knap {
 
-/// Throws UserError: a shape that cannot be meshed, a selection of nothing, loads that contradict each other. Where
+/// Throws UserError: a shape that cannot be meshed, a selection of nothing, loads that contradict each other, obstacles
+/// in the body. Where
 /// [adapt] does not pay, the scenario gets a uniform mesh instead, and a warning.
 Model model_of(ReadResult& read);
 
@@ -28,7 +29,8 @@ std::vector<Diagnostic> findings_of_probes(const ReadResult& read, const Model& 
 /// Warnings: supports between bodies that touch.
 std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
 
-/// Of pairs of which one is free: errors where they overlap at the start, warnings where they may meet.
+/// Of pairs of which one is free: errors where they overlap at the start, warnings where they may meet. Errors where a
+/// free one meets what is held.
 std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model);
 
 /// Warnings: a [[pressure]] whose source touches no crack and no joint.

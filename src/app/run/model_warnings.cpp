@@ -8,6 +8,7 @@
 #include "base/union_find.hpp"
 #include "mesh/polygon.hpp"
 #include "mesh/size_field.hpp"
+#include "model/selections.hpp"
 
 #include <algorithm>
 #include <cmath>
