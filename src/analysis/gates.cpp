@@ -178,7 +178,8 @@ const GateRule rules[] = {
      {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().scheme_dissipation); }},
     {{"step_change_part", "", "energy gained or lost by changes of the step, over the dissipated energy",
-      "Try a time.step_cracking nearer to time.step."},
+      "Try a time.step_cracking nearer to time.step; after a hard impact bulk_viscosity, which damps the waves whose "
+      "leapfrog energy depends on the step."},
      {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
     {{"rotation_work_part", "",

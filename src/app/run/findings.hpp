@@ -33,6 +33,9 @@ std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model
 /// free one meets what is held.
 std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model);
 
+/// Warnings: bodies and obstacles that meet at a speed which covers critical openings in a step, as far as it is known.
+std::vector<Diagnostic> findings_of_impacts(const ReadResult& read, const Model& model, const StepPlan& plan);
+
 /// Warnings: a [[pressure]] whose source touches no crack and no joint.
 std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& model);
 
@@ -42,9 +45,9 @@ std::vector<Diagnostic> findings_of_steep_loads(const ReadResult& read, const Mo
 /// Warnings: temperatures at t = 0 that strain a body which starts undeformed, by much of the strength.
 std::vector<Diagnostic> findings_of_hot_start(const ReadResult& read, const Model& model);
 
-/// Warnings: on these places, supports, fluids, steep loads and hot starts, the resolution of the process zone, the
-/// conduction of heat, jumps of prescribed displacements, details that reduce the stable step, and implausible numbers
-/// of steps, frames, lines and pictures. Without `cost` it is estimated where a run may be long.
+/// Warnings: on these places, supports, fluids, impacts, steep loads and hot starts, the resolution of the process
+/// zone, the conduction of heat, jumps of prescribed displacements, details that reduce the stable step, and
+/// implausible numbers of steps, frames, lines and pictures. Without `cost` it is estimated where a run may be long.
 std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
                                           const Cost* cost = nullptr);
 

@@ -18,6 +18,7 @@ std::string at_place(const std::optional<Vec2>& place) { return place ? " at " +
 std::string reason_text(const Cutback& cut) {
     const std::string text(describe(cut.reason));
     if (cut.value == 0) return text;
+    if (cut.reason == CutbackReason::impact) return text + formatted(" (%.4g times)", cut.value);
     const bool is_length = cut.reason != CutbackReason::contact_residual;
     return text + formatted(is_length ? " (%.4g of an edge)" : " (%.4g of them)", cut.value);
 }

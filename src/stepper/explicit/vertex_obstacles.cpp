@@ -183,6 +183,13 @@ void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
              rate_error, contact.gap + step.drift_time * n.dot(after)},
             report);
     }
+    for (const ObstacleContact& contact : now_.contacts.all()) {
+        const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; });
+        report.add_approach(
+            contact.gap, step.drift_time,
+            contact.normal.dot(of_body - velocity_at(begin.obstacles[contact.obstacle].velocity, contact)),
+            begin.obstacles[contact.obstacle].pose.position + contact.arm);
+    }
     sum_wrenches(wrench_);
     now_.motion.finish(begin, wrench_, step.end, report);
     if (!model_.contact_of_pair.empty()) correct_work(step.end, report);
