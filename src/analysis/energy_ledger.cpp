@@ -38,6 +38,14 @@ enum CurveColour { blue, vermilion, green, orange, purple, sky };  // in the ord
 
 }  // namespace
 
+double weakest_point(const Model& model) {
+    double smallest = infinity;
+    for (const FanPoint& point : model.fan_points)
+        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.G_c > 0)
+            smallest = std::min(smallest, law.G_c * point.area);
+    return std::isinf(smallest) ? 0 : smallest;
+}
+
 EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass, double weakest_point)
     : smallest_mass_(*std::ranges::min_element(model.corner_mass)), weakest_point_(weakest_point) {
     row_ = {.time = start.time, .step = start.last_step};

@@ -156,8 +156,9 @@ const GateRule rules[] = {
       "step. Where it is negative: cohesion = \"implicit\" with theta above 0.5 (a point that breaks within a step "
       "has no traction at its end, and the scheme dissipation takes its G_c: the sum of both is what jumps radiate) "
       "or with the explicit bulk, or damaged sides that penetrate because the implicit bulk stops them within a "
-      "step. Try a smaller time.step_cracking or "
-      "time.safety, theta = 0.5, or a mesh with more edges in the process zone; limits.law_lag sets another limit."},
+      "step. Where the implicit bulk snaps back within a step, time.bulk = \"auto\" resolves it by explicit steps. "
+      "Try a smaller time.step_cracking or time.safety, theta = 0.5, or a mesh with more edges in the process zone; "
+      "limits.law_lag sets another limit."},
      {0.02, 0.2, allowed},
      [](const GateView& run) {
          const double now = run.ended ? std::abs(run.ledger.law_lag()) : 0;

@@ -15,15 +15,6 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 // Explicit bulk, minimum numbers of steps: a look costs a fraction of a step, a search for overlap several steps.
 constexpr std::int64_t steps_between_looks = 32, steps_between_searches = 256;
 
-/// [J] Smallest fracture energy of an interface point; 0 where none can break.
-double weakest_point(const Model& model) {
-    double smallest = infinity;
-    for (const FanPoint& point : model.fan_points)
-        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.G_c > 0)
-            smallest = std::min(smallest, law.G_c * point.area);
-    return std::isinf(smallest) ? 0 : smallest;
-}
-
 }  // namespace
 
 Recorder::Recorder(const Model& model, const State& start, RecorderOptions options)

@@ -32,7 +32,8 @@ void add_keys_of_run(KeyTable& t) {
                                                          BulkScheme::automatic});
     t.number("quiet_below", "", "kinetic energy over strain energy and energy of broken interfaces, below which the "
         "body counts as quiet, so that implicit steps go on, unless it exceeds this part of the strain energy alone "
-        "and still halves within quiet_for; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
+        "and still halves within quiet_for; both energies count as at least the fracture energy of the weakest "
+        "point; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
         .to(&SchemeChangeOptions::quiet_below);
     t.number("quiet_for", "s", "time for which it must be quiet; with bulk = \"auto\"").above(0)
         .computed("two passages of a shear wave through all of the body").to(&SchemeChangeOptions::quiet_for);

@@ -159,6 +159,7 @@ void StepControl::shorten_or_change(Cutback& cut) {
     }
     cut.changes_to_explicit = true;
     change_.to_explicit(cut.time);
+    cut.explicit_until = change_.earliest_end();
     changes_.push_back({cut.time, true, cut.reason});
     begin_stage(limits_.change.explicit_step, limits_.change.explicit_step);
     cut.to = step_;

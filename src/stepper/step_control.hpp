@@ -63,6 +63,7 @@ struct Cutback {
     std::optional<Vec2> place = std::nullopt;  // [m] nothing: where the body was damaged
     double value = 0;                          // [-] of contacts: what was too large
     bool changes_to_explicit = false;          // the run goes on with explicit steps
+    double explicit_until = 0;                 // [s] the earliest end of these
 };
 
 /// Of a run between its two schemes.

@@ -70,11 +70,15 @@ std::string solver_text(const RunRecord& record) {
 
 }  // namespace
 
-std::string cutback_text(const Cutback& cut, const Vec2& where) {
+std::string cutback_text(const Cutback& cut, const Vec2& where, double end) {
     const std::string text = formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at %s: %s\n", cut.time, cut.from,
                                        cut.to, place_text(where).c_str(), reason_text(cut).c_str());
     if (!cut.changes_to_explicit) return text;
-    return text + formatted("scheme: explicit from t = %.9g s, since %s\n", cut.time, describe(cut.reason).data());
+    const auto steps = [&](double until) { return std::ceil((std::min(until, end) - cut.time) / cut.to); };
+    return text + formatted(
+                      "scheme: explicit from t = %.9g s, since %s; at least %.0f steps of %.4g s, %.4g if the "
+                      "body is not quiet before time.end\n",
+                      cut.time, describe(cut.reason).data(), steps(cut.explicit_until), cut.to, steps(end));
 }
 
 std::string quiet_text(double time) { return formatted("scheme: implicit from t = %.9g s, the body is quiet\n", time); }
@@ -94,8 +98,10 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
         gate != gate_rules().end())  // contact_depth, contact_residual
         return text + std::string(gate->cure);
     const char* const alternatives =
-        cut.reason == CutbackReason::assumption_1 ? "time.assumption_1 = \"ignore\" to continue with one of the "
-                                                    "solutions; or time.cohesion = \"explicit\"; or "
+        cut.reason == CutbackReason::assumption_1
+            ? "time.bulk = \"auto\", which takes explicit steps where a body snaps "
+              "back; or time.assumption_1 = \"ignore\" to continue with one of "
+              "the solutions; or time.cohesion = \"explicit\"; or "
         : cut.reason == CutbackReason::not_converged
             ? "time.bulk = \"explicit\" with time.cohesion = \"explicit\", whose steps are solved vertex by vertex; or "
               "time.theta = 0.7 where it is smaller; or half the friction of the interface there, where it wedges the "

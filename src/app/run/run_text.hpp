@@ -10,8 +10,8 @@
 
 namespace knap {
 
-/// A cutback, as a line of the log.
-std::string cutback_text(const Cutback& cut, const Vec2& where);
+/// A cutback, as a line of the log; a change to explicit steps with the numbers of them that lie ahead. `end` [s].
+std::string cutback_text(const Cutback& cut, const Vec2& where, double end);
 
 /// The change to implicit steps, likewise.
 std::string quiet_text(double time);

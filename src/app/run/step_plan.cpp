@@ -1,5 +1,6 @@
 #include "app/run/step_plan.hpp"
 
+#include "analysis/energy_ledger.hpp"
 #include "analysis/rest_watch.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
@@ -104,6 +105,7 @@ StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Mo
     StepPlan plan = plan_steps(time, smallest, until);
     if (double& quiet_for = plan.limits.change.quiet_for; plan.limits.changes() && quiet_for == 0)
         quiet_for = quiet_passages * shear_passage(model);
+    plan.limits.change.weakest_point = weakest_point(model);
     plan.stable_of_triangle = std::move(stable);
     return plan;
 }
