@@ -202,7 +202,7 @@ std::span<const EnergyTerm> energy_terms() {
                                    .colour = orange,
                                    .dash = 1}),
         number<&R::damping_work>("damping_work", "J",
-                                 "work of mass-proportional damping so far, never positive; where there is damping",
+                                 "work of mass-proportional damping so far; where there is damping",
                                  {.with = &W::damping,
                                   .step = &S::damping_work,
                                   .work = 1,

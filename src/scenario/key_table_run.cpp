@@ -58,9 +58,14 @@ void add_keys_of_run(KeyTable& t) {
         "integral, or one quadrature point at the centroid; the last two with the implicit bulk only")
         .otherwise("lumped").to(&SchemeOptions::mass,
                                 {MassMatrix::lumped, MassMatrix::consistent, MassMatrix::one_point});
-    t.number("damping", "Hz", "mass-proportional damping alpha, in 1/s: forces -alpha m v on the body and on free "
-        "obstacles; vibrations decay as exp(-alpha t/2), rigid motions as exp(-alpha t); explicit bulk only")
+    t.number("damping", "Hz", "mass-proportional damping alpha of explicit steps, in 1/s: forces -alpha m v; "
+        "vibrations decay as exp(-alpha t/2), a drift of a body that is held as exp(-alpha t)")
         .at_least(0).otherwise("0").to(&SchemeOptions::damping);
+    t.word("damping_of", {"vibration", "motion"}, "what time.damping acts on in pieces that nothing holds: v minus the "
+        "rigid motion of the piece, so that flight, fall, roll and slide are braked by impacts and friction alone "
+        "(free obstacles then have none); or v (until 0.1). Cohesion with a support, a prescribed motion or an "
+        "absorbing boundary holds a piece, contact does not")
+        .otherwise("vibration").to(&SchemeOptions::damping_of, {DampingOf::vibration, DampingOf::motion});
     t.word("start", {"rest", "equilibrium", "run:*"}, "initial state: undeformed; in static equilibrium with the loads "
         "at t = 0; or \"run:DIR@40us\": the state of the run in DIR, relative to the scenario file, at that time (of "
         "output.states, or of a checkpoint), with its damage and its energy balance. The body must be the same, loads, "

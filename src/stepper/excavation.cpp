@@ -4,6 +4,7 @@
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/explicit/explicit_step.hpp"
+#include "stepper/explicit/free_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -15,18 +16,22 @@ double smaller(double a, double b) { return a * b > 0 ? std::copysign(std::min(s
 
 class ReleasedForces {
 public:
-    ReleasedForces(const Model& model, const State& begin, const State& end, double damping,
+    ReleasedForces(const Model& model, const State& begin, const State& end, const SchemeOptions& scheme,
                    std::span<const std::uint8_t> vanishes)
         : model_(model),
           begin_(begin),
           end_(end),
           vanishes_(vanishes),
           kick_time_(0.5 * (begin.last_step + end.last_step)),
-          damping_(0.5 * kick_time_ * damping),
+          damping_(0.5 * kick_time_ * scheme.damping),
+          absorbing_(model, scheme.absorbing),
+          pieces_(model, scheme, absorbing_.dashpots()),
           released_(model.mesh.n_corners(), Vec2::Zero()) {
+        carried_ = pieces_.carried(begin, damping_, moments_);
         elastic_energy(model, begin, given_);
         for (const CornerLoad& load : model.corner_loads)
             given_[load.corner] += model.histories[load.history](begin.time) * knap::force_of(model, load, begin);
+        if (!end.viscous_stress.empty()) add_bulk_viscosity();
     }
 
     std::vector<CornerLoad> loads() {
@@ -38,6 +43,18 @@ public:
     }
 
 private:
+    /// -s t dA/dx at the three corners of every triangle, s the viscous stress at the start of the trial step.
+    void add_bulk_viscosity() {
+        for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
+            const auto place = [&](Index k) -> Vec2 {
+                const Vec2 u = begin_.displacement_of(3 * t + k % 3);
+                return model_.mesh.corner(t, k % 3) + (model_.large_rotation ? u : Vec2::Zero());
+            };
+            for (Index k = 0; k < 3; ++k)
+                given_[3 * t + k] -=
+                    0.5 * model_.thickness * end_.viscous_stress[t] * turned_left(place(k + 2) - place(k + 1));
+        }
+    }
     bool vanishes(Index corner) const { return vanishes_[model_.mesh.triangle_of(corner)]; }
     /// Between a corner that stays and one that vanishes.
     bool is_cut(const FanPoint& point) const {
@@ -98,7 +115,9 @@ private:
             const Index c = at(corners, i);
             const Vec2 before = begin_.velocity[begin_.node_of_corner[c]],
                        after = end_.velocity[end_.node_of_corner[c]];
-            missing += given_[c] - damped_impulse(model_.corner_mass[c] / kick_time_, before, after, damping_);
+            const double mass = model_.corner_mass[c] / kick_time_;
+            missing += given_[c] - damped_impulse(mass, before, after, damping_);
+            if (carried_ != nullptr) missing += mass * (1 + damping_) * carried_[begin_.node_of_corner[c]];
         }
         std::array<const FanPoint*, 2> ends{};
         int n_ends = 0;
@@ -123,6 +142,10 @@ private:
     const State &begin_, &end_;
     std::span<const std::uint8_t> vanishes_;
     double kick_time_, damping_;  // [s], [-]
+    AbsorbingBoundary absorbing_;
+    FreePieces pieces_;
+    std::vector<PieceMotion> moments_;
+    const Vec2* carried_ = nullptr;
     std::vector<Vec2> given_;     // [N] F - K u per corner
     std::vector<Vec2> released_;  // [N] R per corner
 };
@@ -160,9 +183,9 @@ void add_lost_surface(const Model& model, const State& state, const Model& rest,
 
 }  // namespace
 
-std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end, double damping,
-                                        std::span<const std::uint8_t> vanishes) {
-    return ReleasedForces(model, begin, end, damping, vanishes).loads();
+std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end,
+                                        const SchemeOptions& scheme, std::span<const std::uint8_t> vanishes) {
+    return ReleasedForces(model, begin, end, scheme, vanishes).loads();
 }
 
 Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles) {

@@ -169,6 +169,7 @@ rest_below = 0.01
 rest_for = "5 us"
 step = "1 ns"
 damping = "3 kHz"
+damping_of = "motion"
 safety = 0.5
 theta = 0.75
 [output]
@@ -721,6 +722,7 @@ const Case cases[] = {
     {rectangle, "time.rest_below", "0.01"},
     {rectangle, "time.rest_for", "5e-06"},
     {rectangle, "time.damping", "3000"},
+    {rectangle, "time.damping_of", "\"motion\""},
     {rectangle, "time.safety", "0.5"},
     {rectangle, "time.theta", "0.75"},
     {rectangle, "output.every", "1e-06"},
@@ -1068,6 +1070,7 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
     CHECK(s.time.step == StepLength{1e-9});
     CHECK(s.time.scheme.damping == 3000);
+    CHECK(s.time.scheme.damping_of == DampingOf::motion);
     CHECK(s.time.rest.ends_run);
     CHECK(s.time.rest.below == 0.01);
     CHECK(s.time.rest.duration == tests::relative(5e-6, 1e-15));

@@ -165,14 +165,14 @@ std::string Excavations::moved_warning(const Model& model, const State& now) con
         now.time, path_of(planned).c_str(), moved, place_text(place).c_str());
 }
 
-std::string Excavations::perform(const State& trial, double damping, Model& model, State& now,
+std::string Excavations::perform(const State& trial, const SchemeOptions& scheme, Model& model, State& now,
                                  ExcavationEnergies& energies) {
     const PlannedExcavation& planned = planned_[done_.size()];
     Done done{.time = now.time};
     double area = 0;
     std::vector<std::uint8_t> vanishes(model.mesh.n_triangles(), 0);
     for (const Index t : planned.triangles) vanishes[t] = 1, area += model.mesh.area(t);
-    const std::vector<CornerLoad> forces = released_forces(model, now, trial, damping, vanishes);
+    const std::vector<CornerLoad> forces = released_forces(model, now, trial, scheme, vanishes);
     Vec2 total = Vec2::Zero();
     for (const CornerLoad& at : forces) {
         total += at.force;

@@ -26,9 +26,10 @@ public:
     bool is_due(const State& now) const;
     /// Where its triangles have left their place by more than an edge.
     std::string moved_warning(const Model& model, const State& now) const;
-    /// Replaces model and state by those without the region; `trial`: the end of a step from `now`; `damping` [1/s].
-    /// Returns the line of the log.
-    std::string perform(const State& trial, double damping, Model& model, State& now, ExcavationEnergies& energies);
+    /// Replaces model and state by those without the region; `trial`: the end of a step of `scheme` from
+    /// `now`. Returns the line of the log.
+    std::string perform(const State& trial, const SchemeOptions& scheme, Model& model, State& now,
+                        ExcavationEnergies& energies);
     /// The model after all that happened so far, from that at the start of the run.
     void repeat(Model& model) const;
     /// The clock is set back by `time` [s].

@@ -76,7 +76,8 @@ private:
     void excavate();
     void adapt(const std::optional<Vec2>& also = {});
     void replace_model(const auto& replace);
-    void renew_stepper();
+    const SchemeOptions& scheme() const { return setup_.scenario.time.scheme; }
+    void renew_stepper() { renew(stepper_, setup_.model, scheme()); }
     RunMemory memory();
     void save();
     void keep_states();
@@ -109,6 +110,7 @@ private:
     std::size_t n_states_ = 0;                      // of output.states, that are kept
     double earlier_output_ = recorder_.time().cpu;  // [s]
     double until_ = std::min(setup_.options.until, setup_.scenario.time.end);
+    bool tells_damping_ = true;
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
     std::optional<Progress> progress_;
 
@@ -127,6 +129,7 @@ void Run::resume(const std::string& text) {
     excavations_.repeat(setup_.model);
     adaptation_.repeat(setup_.model);
     next_ = now_;  // its nodes are those of the present model
+    tells_damping_ = damping_text(scheme(), setup_.model, now_, 0).empty();
     renew_stepper();
     recorder_.model_changed();
     log_.truncate(memory_.log_size);
@@ -187,9 +190,7 @@ void Run::keep_states() {
 }
 
 void Run::report(const std::string& warning) {
-    if (warning.empty()) return;
-    progress_->print(warning);
-    log_.add(warning);
+    if (!warning.empty()) progress_->print(warning), log_.add(warning);
 }
 
 /// Each gate warns once in a run.
@@ -200,8 +201,6 @@ void Run::report_warnings() {
         recorder_.gates().warned(*gate, text);
     }
 }
-
-void Run::renew_stepper() { renew(stepper_, setup_.model, setup_.scenario.time.scheme); }
 
 /// `replace` gives the run another model and the state of it; frames of the present one are written before.
 void Run::replace_model(const auto& replace) {
@@ -214,7 +213,6 @@ void Run::replace_model(const auto& replace) {
 
 /// A trial step of the whole body shows the forces that the region exerts on the rest.
 void Run::excavate() {
-    const SchemeOptions& scheme = setup_.scenario.time.scheme;
     double h = control_.next(now_);
     for (StepReport trial = stepper_->step(now_, h, next_); trial.rejection != Rejection::none;
          trial = stepper_->step(now_, h, next_))
@@ -224,7 +222,7 @@ void Run::excavate() {
                 place_text(trial.where));
     ExcavationEnergies energies;
     report(excavations_.moved_warning(setup_.model, now_));
-    replace_model([&] { log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies)); });
+    replace_model([&] { log_.add(excavations_.perform(next_, scheme(), setup_.model, now_, energies)); });
     recorder_.after_excavation(energies);
 }
 
@@ -256,7 +254,7 @@ void Run::step() {
         return;
     }
     if (setup_.options.dump_lcp.contains(next_.n_steps))
-        log_.add(dump_lcp(setup_.model, now_, h, setup_.scenario.time.scheme, setup_.directory / "lcp"));
+        log_.add(dump_lcp(setup_.model, now_, h, scheme(), setup_.directory / "lcp"));
     count(report);
     if (!control_.ends_explicit_stage(now_)) return;
     const StepReport closing = stepper_->close_leapfrog(now_, next_);
@@ -269,6 +267,8 @@ void Run::step() {
 /// The step to the next state has been taken.
 void Run::count(const StepReport& report) {
     std::swap(now_, next_);
+    const std::string of_damping = tells_damping_ ? damping_text(scheme(), setup_.model, now_, next_.time) : "";
+    if (!of_damping.empty()) log_.add(of_damping), tells_damping_ = false;
     adaptation_.after_step(setup_.model);
     triangle_steps_ += setup_.model.mesh.n_triangles();
     recorder_.after_step(now_, report);

@@ -159,15 +159,26 @@ std::string not_failed_text(const Scenario& scenario, const Summary& summary, In
                      shown_text(peak, "Pa", 6).c_str());
 }
 
+std::string damping_text(const SchemeOptions& scheme, const Model& model, const State& now, double time) {
+    const bool is_free =
+        !now.free_pieces.empty() || std::ranges::any_of(model.obstacles, [](const Obstacle& o) { return o.is_free(); });
+    if (!is_free || scheme.damping == 0 || scheme.damping_of == DampingOf::motion) return "";
+    return formatted(
+        "damping: from t = %.9g s on nothing holds %zu pieces of the body; there, and of free obstacles, time.damping "
+        "acts on vibrations, not on flight, roll and slide (damping_of = \"motion\", as until 0.1: on both)\n",
+        time, now.free_pieces.size());
+}
+
 std::string scheme_text(const TimeOptions& time, bool is_viscous) {
     const SchemeOptions& scheme = time.scheme;
     const char* const beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
     if (scheme.bulk == BulkScheme::automatic)
         return formatted(
             "changes: implicit bulk (theta %g) and beta in large steps while the body is quiet%s, explicit bulk and "
-            "beta where it is not%s",
+            "beta where it is not%s%s",
             scheme.theta, time.start_in_equilibrium ? ", from equilibrium" : "",
-            scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "");
+            scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "",
+            is_viscous ? "; bulk viscosity of explicit steps" : "");
     if (scheme.bulk == BulkScheme::implicit_theta)
         return formatted(
             "implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "

@@ -45,7 +45,7 @@ struct StepReport {
     double step_change_work = 0;        // of a change of the step size in the leapfrog energy
     double contact_injection = 0;  // >= 0: positive works of contacts between free faces, by the residual of their laws
     double rotation_work = 0;      // defect of the elastic energy in the leapfrog energy, of large rotations
-    double damping_work = 0;       // <= 0: of mass-proportional damping
+    double damping_work = 0;       // of mass-proportional damping; <= 0 where it is of the motion as a whole
     double bulk_viscosity_work = 0;  // of bulk viscosity, over the last step (element/bulk_viscosity.hpp)
     double radiated_work = 0;        // <= 0: of absorbing boundaries
     double excavation_work = 0;      // of the forces of excavated regions while they decrease to zero

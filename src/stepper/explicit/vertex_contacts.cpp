@@ -207,8 +207,10 @@ void VertexContacts::add_parts(TouchedFan& touched, const ExplicitStep& step, Co
             if (touched.part[i] != own) continue;
             const double m = step.mass[fan.first_corner + i];
             mass += m;
-            momentum += step.decay * m * begin.velocity[begin.node_of_corner[corners[i]]] +
-                        step.mobility * step.kick_time * step.corner_force[corners[i]];
+            const Index node = begin.node_of_corner[corners[i]];
+            momentum +=
+                step.decay * m * begin.velocity[node] + step.mobility * step.kick_time * step.corner_force[corners[i]];
+            if (step.carried != nullptr) momentum += m * step.carried[node];
         }
         Vec2 free = momentum / mass, mobility = Vec2::Constant(step.mobility / mass);
         if (const PrescribedMotion* motion = model_.motion_of(corner)) {  // of the whole fan, which is bonded

@@ -18,7 +18,7 @@ constexpr int max_obstacle_rounds = 200;  // of contacts between faces and on ed
 }  // namespace
 
 void VertexObstacles::begin(const ExplicitStep& step) {
-    now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time, step.damping);
+    now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time, step.obstacle_damping);
     now_.contacts.find(step.begin, step.drift_time, now_.motion.rate(), step.corner_force);
     now_.impulse.assign(now_.contacts.all().size(), Vec2::Zero());
     edges_.clear();  // of the step before; solve_edges() is not called where there are none
