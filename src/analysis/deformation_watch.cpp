@@ -1,6 +1,7 @@
 #include "analysis/deformation_watch.hpp"
 
 #include "mesh/overlap.hpp"
+#include "model/body_in_obstacles.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -61,8 +62,27 @@ void DeformationWatch::look_at_obstacles(const State& state) {
     }
 }
 
+void DeformationWatch::look_into_obstacles(const State& state) {
+    for_edges_in_obstacles(model_, &state, [&](const EdgeInObstacle& at) {
+        obstacle_depth_.add(at.part(model_.obstacles[at.obstacle]), at.place);
+    });
+}
+
+double DeformationWatch::obstacle_speed(const State& state) const {
+    const double reach = 2 * bounding_box(model_.mesh.vertices).diagonal();
+    double largest = 0;
+    for (const ObstacleState& obstacle : state.obstacles)
+        largest = std::max(largest, obstacle.velocity.head<2>().norm() + reach * std::abs(obstacle.velocity.z()));
+    return largest;
+}
+
 void DeformationWatch::renew() {
     const Model& model = model_;
+    obstacle_path_ = infinity;
+    for (const auto& [triangle, side, boundary] : model.mesh.boundary_edges)
+        obstacle_path_ = std::min(obstacle_path_, 0.05 * model.mesh.side_vector(triangle, side).norm());
+    for (const Obstacle& obstacle : model.obstacles)
+        obstacle_path_ = std::min(obstacle_path_, 0.05 * obstacle.outline.half_width());
     double lowest = infinity;  // [m] height of a triangle
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         for (Index k = 0; k < 3; ++k)

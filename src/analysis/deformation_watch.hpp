@@ -1,7 +1,8 @@
 #pragma once
 // Checks the assumptions of the kinematics: small rotations (unless they may be large), small strains, small slips
-// between faces in contact, and contact only between initial neighbours. The recorder calls it when the body has moved
-// far enough, not at every step; obstacles, which are few, at every step.
+// between faces in contact, contact only between initial neighbours, and of obstacles with nodes and corners. The
+// recorder calls it when the body has moved far enough, not at every step; obstacles among each other, which are few,
+// at every step.
 #include "model/obstacle_gap.hpp"
 #include "model/state.hpp"
 
@@ -36,11 +37,20 @@ public:
     /// Free obstacles that meet others.
     void look_at_obstacles(const State& state);
 
+    /// Edges of the body in obstacles: as expensive as finding the contacts of a step.
+    void look_into_obstacles(const State& state);
+
     /// [m] No vertex may move farther between two calls of look_at: a relative motion of two vertices by as much turns
     /// no triangle by more than 2 degrees; with large rotations it strains none by more than 20 %.
     double look_path() const { return look_path_; }
     /// [m] The same between two calls of look_for_overlap: a tenth of an edge.
     double search_path() const;
+    /// [m] The same, of vertices and obstacles together, between two calls of look_into_obstacles: a twentieth of an
+    /// edge or of half the width of an obstacle.
+    double obstacle_path() const { return obstacle_path_; }
+    /// [m/s] At most that of any point of an obstacle beside the body.
+    double obstacle_speed(const State& state) const;
+    bool has_obstacles() const { return !model_.obstacles.empty(); }
 
     const Extreme& rotation() const { return rotation_; }          // [deg] R of F = R U, of a triangle
     const Extreme& strain() const { return strain_; }              // [-] largest principal value of |E| of a triangle
@@ -49,6 +59,7 @@ public:
     const Extreme& slip() const { return slip_; }        // [-] of a point under pressure, over the length of its edge
     const Extreme& overlap() const { return overlap_; }  // [m2] area covered twice; place in the deformed body
     const Extreme& obstacle_overlap() const { return obstacle_overlap_; }  // [m] depth
+    const Extreme& obstacle_depth() const { return obstacle_depth_; }      // [-] EdgeInObstacle::part
     double triangle_area() const { return triangle_area_; }  // [m2] mean; where smaller, that of overlapping triangles
     double body_area() const { return body_area_; }          // [m2]
     /// [J] Rounding of 1/2 u'K u where n triangles have moved by u without strain: 8 sqrt(n) 2^-53 k u^2, k: E times
@@ -60,7 +71,8 @@ public:
     }
 
     void serialize(auto& archive) {
-        archive(rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, triangle_area_, displacement_);
+        archive(rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, obstacle_depth_, triangle_area_,
+                displacement_);
     }
 
 private:
@@ -71,9 +83,9 @@ private:
     std::map<Index, std::array<Index, 2>> next_on_support_;  // by interface: an interface, or one of these
 
     const Model& model_;
-    double triangle_area_ = 0, body_area_ = 0, look_path_ = 0;
+    double triangle_area_ = 0, body_area_ = 0, look_path_ = 0, obstacle_path_ = 0;
     double displacement_ = 0;  // [m] largest at the last look
-    Extreme rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_;
+    Extreme rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, obstacle_depth_;
     std::vector<std::array<Index, 2>> obstacle_pairs_;
 };
 

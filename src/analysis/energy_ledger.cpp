@@ -63,6 +63,14 @@ enum CurveColour { blue, vermilion, green, orange, purple, sky };  // in the ord
 
 }  // namespace
 
+double weakest_point(const Model& model) {
+    double smallest = infinity;
+    for (const FanPoint& point : model.fan_points)
+        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.G_c > 0)
+            smallest = std::min(smallest, law.G_c * point.area);
+    return std::isinf(smallest) ? 0 : smallest;
+}
+
 EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass, double weakest_point)
     : smallest_mass_(*std::ranges::min_element(model.corner_mass)), weakest_point_(weakest_point) {
     row_ = {.time = start.time, .step = start.last_step};
@@ -232,7 +240,7 @@ std::span<const EnergyTerm> energy_terms() {
                                    .colour = orange,
                                    .dash = 1}),
         number<&R::damping_work>("damping_work", "J",
-                                 "work of mass-proportional damping so far, never positive; where there is damping",
+                                 "work of mass-proportional damping so far; where there is damping",
                                  {.with = &W::damping,
                                   .step = &S::damping_work,
                                   .work = 1,

@@ -132,6 +132,9 @@ private:
     std::vector<double> durations_;
 };
 
+/// [J] Smallest fracture energy of an interface point; 0 where none can break.
+double weakest_point(const Model& model);
+
 class EnergyLedger {
 public:
     /// `mass`: the matrix that gives the kinetic energy of the reports. `weakest_point` [J]: fracture energy of the

@@ -179,8 +179,9 @@ const GateRule rules[] = {
       "step. Where it is negative: cohesion = \"implicit\" with theta above 0.5 (a point that breaks within a step "
       "has no traction at its end, and the scheme dissipation takes its G_c: the sum of both is what jumps radiate) "
       "or with the explicit bulk, or damaged sides that penetrate because the implicit bulk stops them within a "
-      "step. Try a smaller time.step_cracking or "
-      "time.safety, theta = 0.5, or a mesh with more edges in the process zone; limits.law_lag sets another limit."},
+      "step. Where the implicit bulk snaps back within a step, time.bulk = \"auto\" resolves it by explicit steps. "
+      "Try a smaller time.step_cracking or time.safety, theta = 0.5, or a mesh with more edges in the process zone; "
+      "limits.law_lag sets another limit."},
      {0.02, 0.2, allowed},
      [](const GateView& run) {
          const double now = run.ended ? std::abs(run.ledger.over_dissipated(run.ledger.law_lag_energy(), 1e-6, 1)) : 0;
@@ -201,7 +202,8 @@ const GateRule rules[] = {
      {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().scheme_dissipation); }},
     {{"step_change_part", "", "energy gained or lost by changes of the step, over the dissipated energy",
-      "Try a time.step_cracking nearer to time.step."},
+      "Try a time.step_cracking nearer to time.step; after a hard impact bulk_viscosity, which damps the waves whose "
+      "leapfrog energy depends on the step."},
      {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
     {{"rotation_work_part", "",
@@ -282,6 +284,21 @@ const GateRule rules[] = {
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::obstacle_overlap>(run);
          found.warning = 1e-6 * run.size, found.limit = 1e-3 * run.size;
+         return found;
+     }},
+    {{"obstacle_depth", "",
+      "largest depth of an edge of the body in an obstacle over the length of the edge, or half the width of the "
+      "obstacle "
+      "if that is less (place in the deformed body); obstacles touch nodes, and corners of polygons edges between them",
+      "Usual cause: an obstacle between two nodes, a corner of it below an edge that lies flush on it, or a free "
+      "obstacle "
+      "on what is held. Use smaller triangles there, or a [[body]] of a stiff material instead of the obstacle; "
+      "[limits] "
+      "obstacle_depth sets another limit."},
+     {0.05, 0.1, allowed},
+     [](const GateView& run) {
+         GateValue found = of_deformation<&DeformationWatch::obstacle_depth>(run);
+         found.judged = found.judged && run.deformation->has_obstacles();
          return found;
      }},
     {{"slip", "",

@@ -104,8 +104,7 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
                     readable(strength.measured, "Pa", 4).c_str(), readable(strength.of_interfaces, "Pa", 4).c_str());
     else if (strength.of_interfaces > 0)
         std::printf(
-            "  specimen: %s by the law; strength_ratio of the summary is that of the run over it. To meet a "
-            "measured "
+            "  specimen: %s by the law; strength_ratio of the summary is that of the run over it. To meet a measured "
             "strength write strength = \"as measured\" (above all tables)\n",
             readable(strength.of_interfaces, "Pa", 4).c_str());
     const SchemeOptions& scheme = scenario.time.scheme;

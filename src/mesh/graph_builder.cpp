@@ -5,6 +5,7 @@
 namespace knap {
 
 constexpr std::size_t max_cells = 1'000'000;
+constexpr int max_crossings = 100'000;  // found in seconds
 
 GraphBuilder::GraphBuilder(PlanarGraph& graph, const Box& box, std::size_t n_pieces)
     : graph_(graph),
@@ -30,7 +31,7 @@ void GraphBuilder::insert(const std::vector<Segment>& pieces, double tolerance, 
 void GraphBuilder::connect_through(Index from, Index to, const GraphSegment& labels, int n_bends) {
     if (from == to) return;
     const Vec2 p = graph_.nodes[from], q = graph_.nodes[to];
-    split_crossed(p, q);
+    split_crossed(p, q, labels);
     const Vec2 low = p.cwiseMin(q).array() - tolerance_, high = p.cwiseMax(q).array() + tolerance_;
     std::vector<std::pair<double, Index>> stops{{0.0, from}};  // position on the piece, 0..1, and node
     for (const Index n : near_nodes_.near({p, q}, tolerance_)) {
@@ -96,11 +97,14 @@ Index GraphBuilder::split(std::size_t s, const Vec2& p) {
     return second.from;
 }
 
-void GraphBuilder::split_crossed(const Vec2& p, const Vec2& q) {
+void GraphBuilder::split_crossed(const Vec2& p, const Vec2& q, const GraphSegment& labels) {
     for (const Index s : near_segments_.near({p, q}, 0)) {
         const auto [a, b] = graph_.line(graph_.segments[s]);
         double t;
         if (!segments_cross({a, b}, {p, q}, t)) continue;
+        if (++n_crossings_ > max_crossings)
+            throw ShapeError(labels.part_name(), "crosses itself and other lines at more than ", max_crossings,
+                             " places, more than a mesh resolves: draw fewer corners, in the order of the line");
         const Vec2 crossing = a + t * (b - a);
         if ((crossing - a).norm() > tolerance_ && (crossing - b).norm() > tolerance_) split(s, crossing);
     }

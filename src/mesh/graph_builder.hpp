@@ -12,6 +12,7 @@ public:
     GraphBuilder(PlanarGraph& graph, const Box& box, std::size_t n_pieces);
 
     /// Points of the pieces that are nearer than the tolerance to earlier nodes and segments are moved onto these.
+    /// Throws ShapeError where lines cross too often.
     void insert(const std::vector<Segment>& pieces, double tolerance, GraphSegment labels,
                 const std::vector<Index>& boundaries = {});
 
@@ -21,7 +22,7 @@ private:
     Index node_at(const Vec2& p);
     Index add_node(const Vec2& p);
     Index split(std::size_t s, const Vec2& p);
-    void split_crossed(const Vec2& p, const Vec2& q);
+    void split_crossed(const Vec2& p, const Vec2& q, const GraphSegment& labels);
     void register_node();
     void register_segment();
 
@@ -29,6 +30,7 @@ private:
     SearchGrid near_nodes_, near_segments_;
     std::vector<std::vector<Index>> at_node_;  // segments that ended there when they were made
     double tolerance_ = 0;                     // [m]
+    int n_crossings_ = 0;
 };
 
 }  // namespace knap

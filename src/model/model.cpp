@@ -2,6 +2,7 @@
 
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
+#include "model/body_in_obstacles.hpp"
 #include "model/fans.hpp"
 #include "model/selections.hpp"
 
@@ -270,21 +271,15 @@ void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
                     {.value = obstacle.mass * Vec3(load.vector().x(), load.vector().y(), 0), .history = load.history});
 }
 
-/// Throws where an obstacle overlaps the body at the start by more than the rounding of given coordinates.
 void check_obstacles(const Model& model) {
-    const Mesh& mesh = model.mesh;
-    const double size = bounding_box(mesh.vertices).diagonal();
-    for (const Obstacle& obstacle : model.obstacles) {
-        const ObstacleSurface surface(obstacle.outline, obstacle.start);
-        for (const BoundaryEdge& edge : mesh.boundary_edges) {
-            const Vec2 a = mesh.corner(edge.triangle, edge.side);
-            const double depth = -surface.distance_to(a).gap;
-            if (depth <= std::min(1e-6 * size, 1e-2 * mesh.side_vector(edge.triangle, edge.side).norm())) continue;
-            throw UserError("overlap", "obstacle `" + obstacle.name +
-                                           formatted("` lies in the body at the start, by %.3g m at ", depth) +
-                                           place_text(a));
-        }
-    }
+    const std::optional<StartOverlap> found = overlap_at_start(model);
+    if (!found) return;
+    const std::string& name = model.obstacles[found->obstacle].name;
+    throw ObstacleInBody(found->obstacle,
+                         "obstacle `" + name +
+                             formatted("` lies in the body at the start, by %.3g m at ", found->depth) +
+                             place_text(found->place),
+                         "move it out by as much");
 }
 
 }  // namespace

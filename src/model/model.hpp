@@ -213,7 +213,15 @@ public:
     std::size_t number;  // in it, from 0
 };
 
-/// Throws EmptySelection for selections that select nothing, and UserError where an obstacle overlaps the body.
+/// An obstacle overlaps the body at the start.
+class ObstacleInBody : public UserError {
+public:
+    ObstacleInBody(Index number, const std::string& message, const std::string& cure)
+        : UserError("overlap", message, cure), number(number) {}
+    Index number;  // of the obstacle
+};
+
+/// Throws EmptySelection for selections that select nothing, ObstacleInBody, and other UserErrors.
 Model make_model(ModelInput input);
 
 }  // namespace knap

@@ -40,6 +40,18 @@ double Outline::second_moment() const {
     return sum;
 }
 
+double Outline::half_width() const {
+    if (kind == Kind::disc) return radius;
+    double smallest = infinity;  // at a side
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const Vec2 inward = turned_left((next(points, i) - points[i]).normalized());
+        double width = 0;
+        for (const Vec2& p : points) width = std::max(width, inward.dot(p - points[i]));
+        smallest = std::min(smallest, 0.5 * width);
+    }
+    return smallest;
+}
+
 ObstacleSurface::ObstacleSurface(const Outline& outline, const Pose& pose)
     : outline_(&outline),
       position_(pose.position),

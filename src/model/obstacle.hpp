@@ -41,6 +41,7 @@ struct Outline {
 
     double area() const;           // [m2]; 0 of a half plane, negative of a clockwise polygon
     double second_moment() const;  // [m4] polar, about the origin; 0 of a half plane
+    double half_width() const;  // [m] half of the smallest distance of two parallel tangents; infinite of a half plane
 };
 
 /// Of a point to the surface of an obstacle.

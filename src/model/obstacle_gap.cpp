@@ -36,25 +36,8 @@ ObstacleGap beyond_sides(const ObstacleSurface& sides, const ObstacleSurface& ot
     return largest;
 }
 
-/// [m] From the lowest to the highest coordinate k of an obstacle at its start, however it turns if it does.
-std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns) {
-    const Outline& outline = obstacle.outline;
-    const ObstacleSurface surface(outline, obstacle.start);
-    const Vec2 along = Vec2::Unit(k);
-    const double at = obstacle.start.position[k];
-    if (outline.kind == Kind::half_plane) {
-        const double normal = turns ? 0 : Rotation::by(obstacle.start.angle).turned(outline.normal)[k];
-        return {normal <= -1 ? at : -infinity, normal >= 1 ? at : infinity};
-    }
-    double radius = outline.radius;
-    for (const Vec2& p : outline.points) radius = std::max(radius, p.norm());
-    if (turns) return {at - radius, at + radius};
-    return {furthest(surface, -along)[k], furthest(surface, along)[k]};
-}
-
 bool may_meet(const Obstacle& a, const Obstacle& b) {
     if (!a.is_free() && !b.is_free()) return false;
-    const auto moves = [](const Obstacle& o, int k) { return o.is_free(k) || o.drive[k].value != 0; };
     for (int k = 0; k < 2; ++k) {
         if (moves(a, k) || moves(b, k)) continue;
         const auto [low_a, high_a] = extent(a, k, moves(a, 2));
@@ -80,6 +63,53 @@ ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b) {
     const auto [gap, normal] = other.distance_to(disc.position());
     const double radius = disc.outline().radius;
     return {gap - radius, disc.position() - radius * normal};
+}
+
+ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec2& b) {
+    const Outline& outline = surface.outline();
+    const Vec2 outward = -turned_left((b - a).normalized());
+    if (outline.kind == Kind::disc) {
+        const double radius = outline.radius, along = nearest_parameter(a, b, surface.position());
+        const Vec2 nearest = a + along * (b - a), away = surface.position() - nearest;
+        const double distance = away.norm();
+        if (distance >= radius) return {distance - radius, nearest};
+        return {(along > 0 && along < 1 ? outward.dot(away) : distance) - radius, nearest};
+    }
+    ObstacleGap largest{-infinity, a};  // over the directions in which they can be parted
+    const auto side = [&](const Vec2& at, const Vec2& normal) {
+        const double gap_a = normal.dot(a - at), gap_b = normal.dot(b - at);
+        if (const double gap = std::min(gap_a, gap_b); gap > largest.gap) largest = {gap, gap_a < gap_b ? a : b};
+    };
+    if (outline.kind == Kind::half_plane) {
+        side(surface.position(), surface.rotation().turned(outline.normal));
+        return largest;
+    }
+    double before = infinity, behind = infinity;  // [m] of the corners, the edge
+    Vec2 deepest = a;
+    for (std::size_t i = 0; i < outline.points.size(); ++i) {
+        const Vec2 p = corner_of(surface, i);
+        const double height = outward.dot(p - a);
+        if (height < before) before = height, deepest = p;
+        behind = std::min(behind, -height);
+        side(p, -turned_left((corner_of(surface, i + 1) - p).normalized()));
+    }
+    if (behind >= 0) return {std::max(behind, largest.gap), deepest};
+    return before > largest.gap ? ObstacleGap{before, deepest} : largest;
+}
+
+std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns) {
+    const Outline& outline = obstacle.outline;
+    const ObstacleSurface surface(outline, obstacle.start);
+    const Vec2 along = Vec2::Unit(k);
+    const double at = obstacle.start.position[k];
+    if (outline.kind == Kind::half_plane) {
+        const double normal = turns ? 0 : Rotation::by(obstacle.start.angle).turned(outline.normal)[k];
+        return {normal <= -1 ? at : -infinity, normal >= 1 ? at : infinity};
+    }
+    double radius = outline.radius;
+    for (const Vec2& p : outline.points) radius = std::max(radius, p.norm());
+    if (turns) return {at - radius, at + radius};
+    return {furthest(surface, -along)[k], furthest(surface, along)[k]};
 }
 
 std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles) {

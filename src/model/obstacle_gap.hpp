@@ -1,5 +1,6 @@
 #pragma once
-// Rigid obstacles among each other. They do not touch: a free one penetrates the others, which is reported.
+// Rigid obstacles among each other, which do not touch: a free one penetrates the others, which is reported; and in
+// edges of the body.
 #include "model/obstacle.hpp"
 
 #include <vector>
@@ -13,6 +14,17 @@ struct ObstacleGap {
 
 /// By the separating axes, so that a positive gap may be less than the distance. Two half planes: infinite.
 ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b);
+
+/// From an edge of the body, which lies to the left of a to b [m]: the surface of the obstacle, moved against its
+/// normals or out of the body along that of the edge. Positive if they do not intersect, also where the obstacle is
+/// behind the edge.
+ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec2& b);
+
+/// [m] From the lowest to the highest coordinate k of an obstacle at its start, however it turns if it does.
+std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns);
+
+/// Component k of its motion is free or prescribed.
+inline bool moves(const Obstacle& obstacle, int k) { return obstacle.is_free(k) || obstacle.drive[k].value != 0; }
 
 /// Pairs (i < j) of which one moves freely, unless the components in which they move keep them apart.
 std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles);

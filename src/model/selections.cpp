@@ -66,6 +66,14 @@ std::vector<Index> selected_triangles(const Mesh& mesh, const Selection& on) {
     return selected;
 }
 
+bool in_triangle(const Mesh& mesh, Index t, const Vec2& x) {
+    for (Index k = 0; k < 3; ++k) {
+        const Vec2 a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
+        if (cross(b - a, x - a) < -1e-9 * (b - a).squaredNorm()) return false;
+    }
+    return true;
+}
+
 std::vector<char> held_corners(const Model& model, const Selection& on) {
     std::vector<char> held = selected_corners(model.mesh, on);
     for (const Fan& fan : model.fans) {

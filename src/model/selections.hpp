@@ -16,6 +16,9 @@ std::vector<char> selected_corners(const Mesh& mesh, const Selection& on);
 /// Triangles of the body whose centroid is in the box.
 std::vector<Index> selected_triangles(const Mesh& mesh, const Selection& on);
 
+/// x lies in a triangle, or beyond its edges by no more than rounding.
+bool in_triangle(const Mesh& mesh, Index t, const Vec2& x);
+
 /// Per corner, the effect of a prescribed motion: the selected corners and, round each vertex, those bonded to them.
 std::vector<char> held_corners(const Model& model, const Selection& on);
 

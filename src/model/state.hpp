@@ -43,6 +43,19 @@ struct FaceContactState {
     }
 };
 
+/// A piece that nothing holds, at the start of the last step (stepper/explicit/free_pieces.hpp).
+struct PieceMotion {
+    Index first_triangle;     // its lowest one
+    double mass;              // [kg]
+    Vec2 momentum;            // [kg m/s]
+    double angular_momentum;  // [kg m2/s] about its centre of mass
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(first_triangle, mass, momentum, angular_momentum);
+    }
+};
+
 /// A bonded fan is one node, as in an ordinary finite element mesh. A split fan has one node per corner from then on;
 /// where its points stick, the fan solver joins them. For f < number of fans, node f belongs to fan f, or to its first
 /// corner once it is split; further nodes follow in the order of split_fans.
@@ -71,7 +84,8 @@ struct State {
                                         // no neighbours meet as free faces; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
 
-    std::vector<Incubation> incubation;  // per fan; empty where no law has an incubation time
+    std::vector<Incubation> incubation;    // per fan; empty where no law has an incubation time
+    std::vector<PieceMotion> free_pieces;  // in the order of their triangles; empty: damping acts on no vibration alone
 
     SharedTemperatures temperature;         // null: no heat
     SharedTemperatures temperature_before;  // one step before, or the same object where it has not changed
@@ -96,7 +110,7 @@ struct State {
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
                 split_rank, reaction, obstacles, elastic_energy, elastic_work, viscous_stress, retired, face_contacts,
-                incubation);
+                incubation, free_pieces);
         const bool same = temperature == temperature_before;
         for (SharedTemperatures* shared : {&temperature, &temperature_before}) {
             Temperatures values = *shared && (!same || shared == &temperature) ? **shared : Temperatures{};

@@ -15,15 +15,6 @@ constexpr double none = std::numeric_limits<double>::quiet_NaN();
 // Explicit bulk, minimum numbers of steps: a look costs a fraction of a step, a search for overlap several steps.
 constexpr std::int64_t steps_between_looks = 32, steps_between_searches = 256;
 
-/// [J] Smallest fracture energy of an interface point; 0 where none can break.
-double weakest_point(const Model& model) {
-    double smallest = infinity;
-    for (const FanPoint& point : model.fan_points)
-        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.G_c > 0)
-            smallest = std::min(smallest, law.G_c * point.area);
-    return std::isinf(smallest) ? 0 : smallest;
-}
-
 }  // namespace
 
 Recorder::Recorder(const Model& model, const State& start, RecorderOptions options)
@@ -177,8 +168,14 @@ void Recorder::watch_deformation(const State& now, double speed) {
     };
     const bool look = is_due(look_, deformation_.look_path(), steps_between_looks),
                search = is_due(search_, deformation_.search_path(), steps_between_searches);
-    if (!look && !search) return;
+    bool into_obstacles = false;
+    if (deformation_.has_obstacles()) {
+        obstacle_look_.path += now.last_step * deformation_.obstacle_speed(now);
+        into_obstacles = is_due(obstacle_look_, deformation_.obstacle_path(), 1);
+    }
+    if (!look && !search && !into_obstacles) return;
     const Timed timed(time_);
+    if (into_obstacles) deformation_.look_into_obstacles(now), obstacle_look_ = {0, now.n_steps};
     if (look) deformation_.look_at(now), look_ = {0, now.n_steps};
     if (search) deformation_.look_for_overlap(now), search_ = {0, now.n_steps};
 }

@@ -111,8 +111,8 @@ public:
     /// All else.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(deformation_, look_, search_, gates_, tables_, lines_, fragments_, last_line_, figures_, frames_, time_,
-                reactions_, probes_);
+        archive(deformation_, look_, search_, obstacle_look_, gates_, tables_, lines_, fragments_, last_line_, figures_,
+                frames_, time_, reactions_, probes_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);
@@ -150,8 +150,8 @@ private:
     OutputTime time_;
     Tables tables_;
     Every lines_, fragments_;
-    Watch look_, search_;    // of the deformation, and for overlaps
-    double last_line_ = -1;  // [s] time of the last line
+    Watch look_, search_, obstacle_look_;  // of the deformation, for overlaps, and for edges in obstacles
+    double last_line_ = -1;                // [s] time of the last line
     FigureOutput figures_;
     FrameOutput frames_;
 };

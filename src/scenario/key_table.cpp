@@ -178,8 +178,7 @@ void add_keys_of_body(KeyTable& t) {
     t.number("margin", "", "fine edges around such triangles").at_least(1).otherwise("10").to(&AdaptOptions::margin);
     t.integer("every", "steps between two looks at the mesh; cracks run 0.1 edges in a step")
         .at_least(1).otherwise("150").to(&AdaptOptions::every);
-    t.number("limit", "", "largest number of triangles; then the mesh stays").above(0).otherwise("5e6")
-        .to(&AdaptOptions::limit);
+    t.number("limit", "", "largest number of triangles").above(0).otherwise("5e6").to(&AdaptOptions::limit);
 }
 
 void add_keys_of_microstructure(KeyTable& t) {
@@ -188,8 +187,9 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("density", "kg/m3", "mass density").above(0).required().to(&Elastic::density);
     t.number("E", "Pa", "Young's modulus").above(0).required().to(&Elastic::E);
     t.number("nu", "", "Poisson's ratio").above(-1).below(0.5).required().to(&Elastic::nu);
-    t.number("bulk_viscosity", "", "linear (b1) and quadratic (b2, in compression) bulk viscosity against waves that "
-        "the mesh disperses; usually [0.06, 1.2]").pair().at_least(0).otherwise("[0, 0]").to(&Elastic::bulk_viscosity);
+    t.number("bulk_viscosity", "", "linear (b1) and quadratic (b2, in compression) bulk viscosity of explicit steps")
+        .pair().at_least(0).computed("[0.06, 1.2] with [contact] or friction on an obstacle, unless the step is in s "
+        "or order 2 meets [[excavation]]; else [0, 0]").to(&Elastic::bulk_viscosity);
     add_thermal(t);
 
     t.list("inclusions[]", "random discs or polygons of a material, or pores, that touch neither each other nor "

@@ -32,7 +32,8 @@ void add_keys_of_run(KeyTable& t) {
                                                          BulkScheme::automatic});
     t.number("quiet_below", "", "kinetic energy over strain energy and energy of broken interfaces, below which the "
         "body counts as quiet, so that implicit steps go on, unless it exceeds this part of the strain energy alone "
-        "and still halves within quiet_for; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
+        "and still halves within quiet_for; both energies count as at least the fracture energy of the weakest "
+        "point; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
         .to(&SchemeChangeOptions::quiet_below);
     t.number("quiet_for", "s", "time for which it must be quiet; with bulk = \"auto\"").above(0)
         .computed("two passages of a shear wave through all of the body").to(&SchemeChangeOptions::quiet_for);
@@ -58,9 +59,14 @@ void add_keys_of_run(KeyTable& t) {
         "integral, or one quadrature point at the centroid; the last two with the implicit bulk only")
         .otherwise("lumped").to(&SchemeOptions::mass,
                                 {MassMatrix::lumped, MassMatrix::consistent, MassMatrix::one_point});
-    t.number("damping", "Hz", "mass-proportional damping alpha, in 1/s: forces -alpha m v on the body and on free "
-        "obstacles; vibrations decay as exp(-alpha t/2), rigid motions as exp(-alpha t); explicit bulk only")
+    t.number("damping", "Hz", "mass-proportional damping alpha of explicit steps, in 1/s: forces -alpha m v; "
+        "vibrations decay as exp(-alpha t/2), a drift of a body that is held as exp(-alpha t)")
         .at_least(0).otherwise("0").to(&SchemeOptions::damping);
+    t.word("damping_of", {"vibration", "motion"}, "what time.damping acts on in pieces that nothing holds: v minus the "
+        "rigid motion of the piece, so that flight, fall, roll and slide are braked by impacts and friction alone "
+        "(free obstacles then have none); or v (until 0.1). Cohesion with a support, a prescribed motion or an "
+        "absorbing boundary holds a piece, contact does not")
+        .otherwise("vibration").to(&SchemeOptions::damping_of, {DampingOf::vibration, DampingOf::motion});
     t.word("start", {"rest", "equilibrium", "run:*"}, "initial state: undeformed; in static equilibrium with the loads "
         "at t = 0, held by supports, contact, friction and cohesion; or \"run:DIR@40us\": the state of the run in DIR, "
         "relative to the scenario file, at that time (of output.states, or of a checkpoint), with its damage and its "
@@ -192,6 +198,9 @@ void add_keys_of_run(KeyTable& t) {
         "difference; with conduction").above(0).or_word("none").computed("0.05, warning from 0.001");
     t.number("obstacle_overlap", "m", "maximum depth of a free obstacle in another obstacle")
         .above(0).or_word("none").computed("a thousandth of the body, warning from a millionth");
+    t.number("obstacle_depth", "", "maximum depth of an edge of the body in an obstacle over the length of the edge, "
+        "or half the width of the obstacle if that is less")
+        .above(0).or_word("none").computed("0.1, warning from 0.05");
     t.number("slip", "", "maximum slip of a point under pressure over the length of its edge; not of sliding along "
         "straight supports and obstacles").above(0).or_word("none").computed("1, warning from 0.5");
     t.number("overlap", "m2", "maximum area that the deformed body covers twice").above(0).or_word("none")

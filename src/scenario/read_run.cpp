@@ -51,18 +51,35 @@ void check_large_rotation(const Table& domain) {
     if (scenario.time.scheme.takes_implicit_steps()) error("needs the explicit bulk", "time.bulk = \"explicit\"");
 }
 
-void check_bulk_viscosity(Reading& reading) {
-    const Scenario& scenario = reading.scenario;
+/// Faces that rub while the body flutters slip where their mean force would hold them, so bulk viscosity is on there,
+/// unless something else that the file says does not go with it.
+void read_bulk_viscosity(Reading& reading) {
+    Scenario& scenario = reading.scenario;
+    const TimeOptions& time = scenario.time;
+    const bool rubs = reading.table("contact").given() ||
+                      std::ranges::any_of(scenario.obstacles, [](const Obstacle&o) { return o.contact.friction > 0; }),
+               only_implicit = !time.scheme.takes_explicit_steps(),
+               cuts_order_2 = scenario.order == 2 && reading.values.has("excavation"),
+               fixed_step =  // viscosity may make it unstable
+               !time.scheme.takes_implicit_steps() && time.step.value > 0 && !time.step.of_stable_step;
+    const std::array<double, 2> otherwise =
+        rubs && !only_implicit && !cuts_order_2 && !fixed_step ? std::array{0.06, 1.2} : std::array{0., 0.};
+    std::size_t i = 0;
     for (const Table& table : reading.list("material")) {
-        const auto given = table.get<std::array<double, 2>>("bulk_viscosity");
-        if (!given || ((*given)[0] == 0 && (*given)[1] == 0)) continue;
-        if (scenario.time.scheme.takes_implicit_steps())
-            table.error("exclusive-keys", "bulk_viscosity", "needs the explicit bulk: the implicit one has none",
-                        "bulk = \"explicit\", or theta > 0.5, which damps short waves too");
-        if (reading.values.has("excavation"))
+        std::array<double, 2>& value = scenario.materials[i++].elastic.bulk_viscosity;
+        if (!table.given("bulk_viscosity")) {
+            value = otherwise;
+            table.compute("bulk_viscosity",
+                          Node::of_list({Node::of_number(otherwise[0]), Node::of_number(otherwise[1])}));
+        }
+        if (value[0] == 0 && value[1] == 0) continue;
+        if (only_implicit)
+            table.error("exclusive-keys", "bulk_viscosity", "needs explicit steps: implicit ones have none",
+                        "bulk = \"explicit\" or \"auto\", or theta > 0.5, which damps short waves too");
+        if (cuts_order_2)
             table.error("exclusive-keys", "bulk_viscosity",
-                        "does not go together with [[excavation]]: it would count among the forces that are released",
-                        "remove one of them");
+                        "does not go together with [[excavation]] and triangles of second order",
+                        "mesh.order = 1, or remove one of them");
     }
 }
 
@@ -107,6 +124,11 @@ void read_time(const Table& table, TimeOptions& time) {
     if (!explicit_bulk && !scheme.absorbing.empty())
         table.error("exclusive-keys", "bulk", "= \"" + table.text("bulk") + "\" has no absorbing boundaries",
                     "remove [[absorb]], or bulk = \"explicit\"");
+    if (scheme.damping == 0) {
+        if (table.given("damping_of"))
+            table.error("exclusive-keys", "damping_of", "belongs to time.damping", "add damping to [time]");
+        table.leave_out("damping_of");
+    }
     if (scheme.mass == MassMatrix::one_point) check_one_point_mass(table);
     if (table.has("bulk") && explicit_bulk && scheme.mass != MassMatrix::lumped)
         table.error("exclusive-keys", "mass", "that is not lumped needs the implicit bulk",
@@ -377,7 +399,7 @@ void read_expectation(const Table& table) {
 void read_run(Reading& reading) {
     Scenario& scenario = reading.scenario;
     read_time(reading.table("time"), scenario.time);
-    check_bulk_viscosity(reading);
+    read_bulk_viscosity(reading);
     if (scenario.large_rotation) check_large_rotation(reading.table("domain"));
     const Table output = reading.table("output");
     if (const double end = scenario.time.end; end > 0) {

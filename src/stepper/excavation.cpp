@@ -4,6 +4,7 @@
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/explicit/explicit_step.hpp"
+#include "stepper/explicit/free_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,21 +14,52 @@ namespace {
 
 double smaller(double a, double b) { return a * b > 0 ? std::copysign(std::min(std::abs(a), std::abs(b)), a) : 0; }
 
+/// Calls visit(contact, corner, force) for the corners on which the contacts between free faces acted [N] in a step, as
+/// in contact/face_contacts.hpp.
+void visit_contact_forces(const Model& model, const State& begin, const State& end, const auto& visit) {
+    const double kick_time = 0.5 * (begin.last_step + end.last_step);
+    const auto place = [&](Index c) -> Vec2 {
+        const GroundVertex* ground = model.ground_at(c);
+        return ground ? ground->place : Vec2(model.mesh.corner(c) + begin.displacement_of(c));
+    };
+    for (const FaceContactState& contact : end.face_contacts) {
+        const GroundVertex* ground = model.ground_at(contact.edge);
+        const Index a = contact.edge, b = ground ? model.mesh.n_corners() + ground->next : a % 3 == 2 ? a - 2 : a + 1;
+        const Vec2 x_a = place(a), along = place(b) - x_a, away = place(contact.vertex) - x_a;
+        const double length = along.norm();
+        const Vec2 t = along / length, n = -turned_left(t);
+        const double share = t.dot(away) / length, gap = n.dot(away);
+        const Vec2 force = (contact.contact * n + contact.tangential * t) / kick_time,
+                   couple = gap / length * contact.tangential / kick_time * n;
+        visit(contact, contact.vertex, force);
+        visit(contact, a, Vec2(-(1 - share) * force - couple));
+        visit(contact, b, Vec2(-share * force + couple));
+    }
+}
+
 class ReleasedForces {
 public:
-    ReleasedForces(const Model& model, const State& begin, const State& end, double damping,
-                   std::span<const std::uint8_t> vanishes)
+    ReleasedForces(const Model& model, const State& begin, const State& end, const SchemeOptions& scheme,
+                   std::span<const std::uint8_t> vanishes, std::span<const Vec2> contacts)
         : model_(model),
           begin_(begin),
           end_(end),
           vanishes_(vanishes),
           kick_time_(0.5 * (begin.last_step + end.last_step)),
-          damping_(0.5 * kick_time_ * damping),
+          damping_(0.5 * kick_time_ * scheme.damping),
+          absorbing_(model, scheme.absorbing),
+          pieces_(model, scheme, absorbing_.dashpots()),
           released_(model.mesh.n_corners(), Vec2::Zero()) {
+        carried_ = pieces_.carried(begin, damping_, moments_);
         elastic_energy(model, begin, given_);
         for (const CornerLoad& load : model.corner_loads)
             given_[load.corner] += model.histories[load.history].over_kick(begin.time, begin.last_step, end.last_step) *
                                    knap::force_of(model, load, begin);
+        visit_contact_forces(model, begin, end, [&](const FaceContactState&, Index corner, const Vec2& force) {
+            if (model.ground_at(corner) == nullptr) given_[corner] += force;
+        });
+        for (std::size_t c = 0; c < contacts.size(); ++c) released_[c] = contacts[c];
+        if (!end.viscous_stress.empty()) add_bulk_viscosity();
     }
 
     std::vector<CornerLoad> loads() {
@@ -39,6 +71,18 @@ public:
     }
 
 private:
+    /// -s t dA/dx at the three corners of every triangle, s the viscous stress at the start of the trial step.
+    void add_bulk_viscosity() {
+        for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
+            const auto place = [&](Index k) -> Vec2 {
+                const Vec2 u = begin_.displacement_of(3 * t + k % 3);
+                return model_.mesh.corner(t, k % 3) + (model_.large_rotation ? u : Vec2::Zero());
+            };
+            for (Index k = 0; k < 3; ++k)
+                given_[3 * t + k] -=
+                    0.5 * model_.thickness * end_.viscous_stress[t] * turned_left(place(k + 2) - place(k + 1));
+        }
+    }
     bool vanishes(Index corner) const { return vanishes_[model_.mesh.triangle_of(corner)]; }
     /// Between a corner that stays and one that vanishes.
     bool is_cut(const FanPoint& point) const {
@@ -99,7 +143,9 @@ private:
             const Index c = at(corners, i);
             const Vec2 before = begin_.velocity[begin_.node_of_corner[c]],
                        after = end_.velocity[end_.node_of_corner[c]];
-            missing += given_[c] - damped_impulse(model_.corner_mass[c] / kick_time_, before, after, damping_);
+            const double mass = model_.corner_mass[c] / kick_time_;
+            missing += given_[c] - damped_impulse(mass, before, after, damping_);
+            if (carried_ != nullptr) missing += mass * (1 + damping_) * carried_[begin_.node_of_corner[c]];
         }
         std::array<const FanPoint*, 2> ends{};
         int n_ends = 0;
@@ -124,7 +170,11 @@ private:
     const State &begin_, &end_;
     std::span<const std::uint8_t> vanishes_;
     double kick_time_, damping_;  // [s], [-]
-    std::vector<Vec2> given_;     // [N] F - K u per corner
+    AbsorbingBoundary absorbing_;
+    FreePieces pieces_;
+    std::vector<PieceMotion> moments_;
+    const Vec2* carried_ = nullptr;
+    std::vector<Vec2> given_;     // [N] F - K u per corner, with contacts of free faces
     std::vector<Vec2> released_;  // [N] R per corner
 };
 
@@ -161,9 +211,35 @@ void add_lost_surface(const Model& model, const State& state, const Model& rest,
 
 }  // namespace
 
-std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end, double damping,
-                                        std::span<const std::uint8_t> vanishes) {
-    return ReleasedForces(model, begin, end, damping, vanishes).loads();
+std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end,
+                                        const SchemeOptions& scheme, std::span<const std::uint8_t> vanishes,
+                                        std::span<const Vec2> contacts) {
+    return ReleasedForces(model, begin, end, scheme, vanishes, contacts).loads();
+}
+
+std::vector<Vec2> lasting_contacts(const Model& model, MoreauJean& stepper, const State& begin, const State& trial,
+                                   double h, std::span<const std::uint8_t> vanishes) {
+    constexpr int n_steps = 64;  // more than contacts need that chatter
+    const auto is_lost = [&](Index corner) {
+        return corner < model.mesh.n_corners() && vanishes[model.mesh.triangle_of(corner)] != 0;
+    };
+    const auto is_cut = [&](const FaceContactState& c) { return is_lost(c.vertex) != is_lost(c.edge); };
+    if (std::ranges::none_of(begin.face_contacts, is_cut) && std::ranges::none_of(trial.face_contacts, is_cut))
+        return {};
+    std::array<std::vector<Vec2>, 2> mean;  // [N] of the first and the second half
+    for (std::vector<Vec2>& half : mean) half.assign(model.mesh.n_corners(), Vec2::Zero());
+    State now = begin, next = trial;
+    for (int i = 0; i < n_steps; ++i) {
+        if (i > 0 && stepper.step(now, h, next).rejection != Rejection::none) break;
+        visit_contact_forces(model, now, next, [&](const FaceContactState& contact, Index corner, const Vec2& force) {
+            if (is_cut(contact) && model.ground_at(corner) == nullptr && !is_lost(corner))
+                mean[2 * i / n_steps][corner] += 2. / n_steps * force;
+        });
+        std::swap(now, next);
+    }
+    for (std::size_t c = 0; c < mean[0].size(); ++c)
+        for (int k = 0; k < 2; ++k) mean[0][c][k] = smaller(mean[0][c][k], mean[1][c][k]);
+    return std::move(mean[0]);
 }
 
 Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles) {

@@ -7,27 +7,36 @@
 //     in a split fan     the tractions at the points that vanish, on the corner that stays; by components the smaller
 //                        of this step and the one before, zero where the signs differ: an impact is no lasting force
 //     in a bonded fan    per run of corners that vanish, with the forces F - K u on them
-//                            sum of R = sum of F - K u - m ((1 + k alpha/2) v+ - (1 - k alpha/2) v)/k,
-//                        as the tractions of the mean stress at the two ends of the run; they are not in equilibrium,
+//                            sum of R = sum of F - K u - m ((1 + d) v+ - (1 - d) v - 2 d W)/k,     d = k alpha/2
+//                        (W: free_pieces.hpp) as the tractions of the mean stress at the two ends of the run; they
+//                        are not in equilibrium,
 //                        and what is missing is shared by the areas of the ends
 //
 // With the factor 1 the next step of a bonded fan is the one that it would have had.
 //
-// A prescribed component of a fan has no R, since the drive of each corner carries its part. Impulses of contacts
-// between free faces end at once.
+// between free faces   on a vertex or the ends of an edge that stays, by one that vanishes: the mean over some trial
+//                          steps, by components the smaller one of their first and second half, likewise
+//
+// A prescribed component of a fan has no R, since the drive of each corner carries its part.
 //
 // The energies of what stays are those of the leapfrog (common/elastic_energy.hpp), so that the energy identity goes on
 // with the energy that left as one more term.
-#include "model/state.hpp"
+#include "stepper/moreau_jean.hpp"
 
 #include <span>
 
 namespace knap {
 
+/// [N] Per corner that stays: of contacts between free faces with what vanishes, [0/1] per triangle; over 64 steps of h
+/// [s] from `begin`, the first of which ends at `trial`. Empty: there are none.
+std::vector<Vec2> lasting_contacts(const Model& model, MoreauJean& stepper, const State& begin, const State& trial,
+                                   double h, std::span<const std::uint8_t> vanishes);
+
 /// [N] R at the corners that stay, in their order, for release(). `end`: of a trial step from `begin`; `vanishes`
-/// [0/1]: per triangle; `damping` [1/s].
-std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end, double damping,
-                                        std::span<const std::uint8_t> vanishes);
+/// [0/1]: per triangle; `contacts` [N]: of lasting_contacts.
+std::vector<CornerLoad> released_forces(const Model& model, const State& begin, const State& end,
+                                        const SchemeOptions& scheme, std::span<const std::uint8_t> vanishes,
+                                        std::span<const Vec2> contacts = {});
 
 /// [J] Of what stays, and of the points that vanish.
 struct ExcavationEnergies {

@@ -28,7 +28,7 @@ void begin_theta_scheme(State& state) { state.rate = state.velocity; }
 StepFault SchemeChange::fault(const StepReport& report) const {
     const double surface = surface_of(report), energy = report.strain + surface;
     const bool begins = energy > 2 * (strain_ + surface_);  // kinetic over strain energy of n steps falls as 1/n^2
-    if (report.kinetic > (begins ? fast_at_begin : fast) * options_.quiet_below * energy) return StepFault::motion;
+    if (report.kinetic > (begins ? fast_at_begin : fast) * quiet_part(energy)) return StepFault::motion;
     const double consumed = surface - surface_, lag = report.cohesive_work + report.law_change - report.crossing_loss -
                                                       report.viscous_dissipation - consumed;
     const double allowed =
@@ -38,11 +38,9 @@ StepFault SchemeChange::fault(const StepReport& report) const {
 
 void SchemeChange::after_step(const State& begin, double h, const StepReport& report) {
     surface_ = surface_of(report), strain_ = report.strain;
-    const bool quiet = report.softened == 0 && report.released == 0 &&
-                       report.kinetic <= options_.quiet_below * (report.strain + surface_);
     const double now = begin.time + h;
-    if (!quiet) quiet_since_ = now;
-    at_rest_ = report.kinetic <= options_.quiet_below * report.strain;
+    if (report.kinetic > quiet_part(report.strain + surface_)) quiet_since_ = now;
+    at_rest_ = report.kinetic <= quiet_part(report.strain);
     if (now < look_again_) return;
     calms_down_ = report.kinetic < 0.5 * kinetic_;
     kinetic_ = report.kinetic, look_again_ = now + options_.quiet_for;

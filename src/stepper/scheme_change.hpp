@@ -8,12 +8,14 @@
 //                                definite, so a crack runs) or none that was found
 //                              misses the work of cohesion: law lag > 1/20 of the energy that the step consumed
 //                              leaves the body in motion: kinetic energy > 10 quiet_below U, in a step in which a
-//                                load only begins 100 quiet_below U; U: strain energy and what interfaces consumed
-//     explicit -> implicit   for quiet_for after that step, nothing has softened or split, and the kinetic energy was
-//                            at most quiet_below U. As long as it is above quiet_below times the strain energy alone
-//                            (pieces hardly have any) and halves within every quiet_for, damping and contacts still
-//                            bring them to rest, and explicit steps go on. An implicit stage that lasts no longer
-//                            than this waiting time doubles the next one, up to 16 times.
+//                                load only begins 100 quiet_below U; U: strain energy and what interfaces consumed,
+//                                at least the fracture energy of the weakest point (both may be near 0 at first)
+//     explicit -> implicit   for quiet_for after that step, the kinetic energy was at most quiet_below U, whether or
+//                            not interfaces softened: what softens without motion follows its load. As long as it is
+//                            above quiet_below times the strain energy alone (pieces hardly have any; at least that
+//                            point) and halves within every quiet_for, damping and contacts still bring them to
+//                            rest, and explicit steps go on. An implicit stage that lasts no longer than this
+//                            waiting time doubles the next one, up to 16 times.
 //
 // Between steps the explicit scheme has velocities of the middle of the last step, the implicit one those of its end:
 //
@@ -36,6 +38,7 @@ struct SchemeChangeOptions {
     double explicit_step = 0;   // [s] 0: the run has one scheme
     double quiet_below = 1e-4;  // [-] kinetic energy over U of a body at which large steps go on
     double quiet_for = 0;       // [s] for which it must be quiet
+    double weakest_point = 0;   // [J] fracture energy of a point: motion that is small against it breaks nothing
 };
 
 /// [-] Of the step before: the length of the step that ends a stage of the leapfrog.
@@ -77,9 +80,9 @@ public:
     /// The closing step was not possible.
     void stay_explicit(double time) { quiet_since_ = time; }
 
-    bool is_quiet(double time) const {
-        return time >= std::max(quiet_since_, busy_until_) + waiting_time() && (at_rest_ || !calms_down_);
-    }
+    /// [s] Of an explicit stage, if the body is quiet from now on.
+    double earliest_end() const { return std::max(quiet_since_, busy_until_) + waiting_time(); }
+    bool is_quiet(double time) const { return time >= earliest_end() && (at_rest_ || !calms_down_); }
 
     template <class Archive>
     void serialize(Archive& archive) {
@@ -89,6 +92,8 @@ public:
 
 private:
     double waiting_time() const { return patience_ * options_.quiet_for; }
+    /// [J] Kinetic energy that is small against this energy.
+    double quiet_part(double energy) const { return options_.quiet_below * std::max(energy, options_.weakest_point); }
 
     SchemeChangeOptions options_;
     double surface_ = 0, strain_ = 0;  // [J] Psi and strain energy after the last step

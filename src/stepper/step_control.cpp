@@ -10,7 +10,10 @@ constexpr int steps_until_growth = 10;
 constexpr double growth = 1.5;
 constexpr double growth_implicit = 2, cut_implicit = 0.25;  // [-] in a run that changes scheme
 constexpr int first_wait = 8, longest_wait = 128;           // steps
-constexpr double least_against_contact = 1. / 1024;         // [-] of the largest step: ten halvings
+constexpr double most_opened = 0.5, aimed_opened = 0.4;     // [-] StepReport::largest_opened after a hard impact
+constexpr double opened_to_grow = 0.25;                     // [-] likewise
+constexpr double passages_of_impact = 2;
+constexpr double least_against_contact = 1. / 1024;  // [-] of the largest step: ten halvings
 
 bool is_of_contact(CutbackReason reason) {
     return reason == CutbackReason::contact_speed || reason == CutbackReason::contact_depth ||
@@ -28,6 +31,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"motion", "the body moves faster than a large implicit step resolves"},
     {"cohesive_work", "a large implicit step misses the work of cohesion"},
     {"jammed", "contacts are driven against each other, and no motion was found that obeys their laws"},
+    {"impact", "a hard impact moves faces by more than the critical opening"},
 }};
 
 /// [s] Rounding of a time that is a sum of steps.
@@ -91,6 +95,13 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
         return because(CutbackReason::contact_depth, report.depth_place, report.contact_depth);
     if (report.contact_residual > max_contact_residual)
         return because(CutbackReason::contact_residual, report.residual_place, report.contact_residual);
+    if (h > least_after_impact() * (1 + 1e-12)) {
+        const double covered = report.approach * h / limits_.critical_opening;  // [-]
+        if (!is_struck(begin) && covered > hard_impact)
+            return because(CutbackReason::impact, report.approach_place, covered);
+        if (is_struck(begin) && report.largest_opened > most_opened)
+            return because(CutbackReason::impact, std::nullopt, report.largest_opened / aimed_opened);
+    }
     if (limits_.changes()) {
         // right after a change of scheme a body at rest has rates near rounding, which another step may resolve
         if (report.residual > max_residual) return because(CutbackReason::not_converged);
@@ -107,6 +118,8 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
 
 std::optional<Cutback> StepControl::judge(const State& begin, double h, const StepReport& report) {
     std::optional<Cutback> cut = reason_against(begin, h, report);
+    if (report.rejection == Rejection::none && report.approach * largest_ > hard_impact * limits_.critical_opening)
+        struck_until_ = begin.time + passages_of_impact * limits_.passage;
     const bool rejected = report.rejection != Rejection::none || (cut && is_of_contact(cut->reason)),
                several_solutions = cut && cut->reason == CutbackReason::assumption_1,
                breaks = !rejected && (report.softened > 0 || report.released > 0),
@@ -128,7 +141,10 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
                 step_ = larger;
             return std::nullopt;
         }
-        if (++n_good_ >= steps_until_growth) step_ = std::min(growth * step_, largest_), n_good_ = 0;
+        opened_ = std::max(opened_, report.largest_opened);
+        if (++n_good_ < steps_until_growth) return std::nullopt;
+        if (!is_struck(begin) || growth * opened_ <= opened_to_grow) step_ = std::min(growth * step_, largest_);
+        n_good_ = 0, opened_ = 0;
         return std::nullopt;
     }
     ++n_cutbacks_[static_cast<std::size_t>(cut->reason)];
@@ -140,7 +156,9 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
     const bool to_cracking =
         (!rejected && !limits_.changes()) || (several_solutions && h > limits_.cracking * (1 + 1e-12));
     cut->to = step_ = to_cracking ? limits_.cracking : 0.5 * h;
-    n_good_ = 0;
+    if (cut->reason == CutbackReason::impact)
+        cut->to = step_ = std::max(std::min(h / cut->value, largest_), least_after_impact());
+    n_good_ = 0, opened_ = 0;
     stuck_ = step_ < smallest_against(cut->reason);
     return cut;
 }
@@ -159,6 +177,7 @@ void StepControl::shorten_or_change(Cutback& cut) {
     }
     cut.changes_to_explicit = true;
     change_.to_explicit(cut.time);
+    cut.explicit_until = change_.earliest_end();
     changes_.push_back({cut.time, true, cut.reason});
     begin_stage(limits_.change.explicit_step, limits_.change.explicit_step);
     cut.to = step_;
@@ -177,6 +196,10 @@ void StepControl::begin_implicit_stage(const State& now, const StepReport& closi
 void StepControl::begin_stage(double step, double largest) {
     step_ = step, largest_ = largest;
     n_good_ = 0, unsolved_ = infinity;
+}
+
+double StepControl::least_after_impact() const {
+    return std::min(largest_, std::max(limits_.smallest, least_against_contact * largest_));
 }
 
 double StepControl::smallest_against(CutbackReason reason) const {

@@ -5,6 +5,11 @@
 //     cohesion falls              in a step above the cracking step: it is repeated with the cracking step, which is
 //                                 the largest one from then on
 //     the step is rejected        it is repeated with half the size; under Assumption 1 with the cracking step at most
+//     a hard impact               obstacles or free faces meet at a speed that covers three critical openings in a
+//                                 step: it is repeated with a size that covers one, before anything is stressed; a
+//                                 later one in which a point that loses cohesion opens by more than half of one, with
+//                                 0.4. So until two passages of a shear wave after the last such contact; the step
+//                                 grows as below, where a point then would open by at most a quarter
 //     free faces lie too deep in  likewise; these, and faces that meet too fast, end the run where a thousandth of the
 //     each other, or break laws   largest step does not help
 //     ten steps without cutback   1.5 times the size, up to the largest (Collins-Craft, Bourrier, Acary, CMAME 400
@@ -31,6 +36,8 @@ struct StepLimits {
     double smallest;                           // a run that needs a smaller one stops
     double end;                                // of the simulated time
     double contact_depth = max_contact_depth;  // [-] largest, of free faces, over the length of the edge
+    double critical_opening = infinity;        // [m] the smallest of the interfaces that can break
+    double passage = 0;                        // [s] of a shear wave through the body
     SchemeChangeOptions change = {};
     bool changes() const { return change.explicit_step > 0; }
 };
@@ -45,13 +52,14 @@ enum class CutbackReason {
     not_converged,
     motion,
     cohesive_work,
-    jammed
+    jammed,
+    impact
 };
-inline constexpr std::array cutback_reasons{CutbackReason::softening,     CutbackReason::release,
-                                            CutbackReason::assumption_1,  CutbackReason::contact_speed,
-                                            CutbackReason::contact_depth, CutbackReason::contact_residual,
-                                            CutbackReason::not_converged, CutbackReason::motion,
-                                            CutbackReason::cohesive_work, CutbackReason::jammed};
+inline constexpr std::array cutback_reasons{
+    CutbackReason::softening,     CutbackReason::release,       CutbackReason::assumption_1,
+    CutbackReason::contact_speed, CutbackReason::contact_depth, CutbackReason::contact_residual,
+    CutbackReason::not_converged, CutbackReason::motion,        CutbackReason::cohesive_work,
+    CutbackReason::jammed,        CutbackReason::impact};
 std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
 std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
 
@@ -61,8 +69,9 @@ struct Cutback {
     double time;                               // [s] at its start
     double from, to;                           // [s] its size, and the next one
     std::optional<Vec2> place = std::nullopt;  // [m] nothing: where the body was damaged
-    double value = 0;                          // [-] of contacts: what was too large
+    double value = 0;                          // [-] of contacts and impacts: what was too large
     bool changes_to_explicit = false;          // the run goes on with explicit steps
+    double explicit_until = 0;                 // [s] the earliest end of these
 };
 
 /// Of a run between its two schemes.
@@ -115,7 +124,7 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(step_, largest_, intact_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_);
-        archive(change_, changes_, unsolved_, patience_);
+        archive(change_, changes_, unsolved_, patience_, struck_until_, opened_);
     }
 
 private:
@@ -123,6 +132,8 @@ private:
     std::optional<Cutback> reason_against(const State& begin, double h, const StepReport& report) const;
     void begin_stage(double step, double largest);
     void shorten_or_change(Cutback& cut);
+    double least_after_impact() const;  // [s]
+    bool is_struck(const State& begin) const { return begin.time < struck_until_; }
 
     StepLimits limits_;
     double step_, largest_;       // [s] current, and the largest from now on
@@ -131,12 +142,17 @@ private:
     double unsolved_ = infinity;  // [s] of a run that changes scheme: the last size that was not solved
     int patience_ = 0;            // steps after which it is tried again
     bool stuck_ = false;
+    double struck_until_ = -1;  // [s] a hard impact is not over before
+    double opened_ = 0;         // [-] StepReport::largest_opened since the step was last looked at to grow
     double smallest_taken_ = 0, largest_taken_ = 0;
     SchemeChange change_;
     std::vector<SchemeChangeEvent> changes_;
     std::array<std::int64_t, cutback_reasons.size()> n_cutbacks_{};
     StepReport rejected_steps_;
 };
+
+/// [-] Critical openings that an approach covers in a step from which on it is a hard impact.
+inline constexpr double hard_impact = 3;
 
 /// [m] Where most cohesion was lost in a step, or where a fan split if none was lost.
 Vec2 place_of_damage(const Model& model, const State& begin, const State& end);

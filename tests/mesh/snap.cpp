@@ -138,16 +138,20 @@ TEST_CASE("snap: both lengths and the cure are in the message") {
     }
 }
 
-TEST_CASE("a star of 2001 points has the crossings that geometry says") {
-    constexpr int n = 2001, k = 20;  // every point is joined with the k-th next: n (k - 1) crossings inside
-    std::vector<Vec2> points;
-    for (int i = 0; i <= n; ++i) {
-        const double angle = 2 * std::numbers::pi * ((static_cast<long>(i) * k) % n) / n;
-        points.push_back(Vec2(5 + 4 * std::cos(angle), 5 + 4 * std::sin(angle)));
-    }
-    const PlanarGraph graph = planar_graph(box({points}, 0));
-    CHECK(graph.nodes.size() == 4 + n * k);
-    CHECK(graph.segments.size() == 4 + n + 2 * n * (k - 1));
+TEST_CASE("a star of 2001 points has the crossings that geometry says or too many") {
+    constexpr int n = 2001;
+    const auto star = [](int k) {  // every point is joined with the k-th next: n (k - 1) crossings inside
+        std::vector<Vec2> points;
+        for (int i = 0; i <= n; ++i) {
+            const double angle = 2 * std::numbers::pi * ((static_cast<long>(i) * k) % n) / n;
+            points.push_back(Vec2(5 + 4 * std::cos(angle), 5 + 4 * std::sin(angle)));
+        }
+        return planar_graph(box({points}, 0));
+    };
+    const PlanarGraph graph = star(20);
+    CHECK(graph.nodes.size() == 4 + n * 20);
+    CHECK(graph.segments.size() == 4 + n + 2 * n * 19);
+    CHECK_THROWS_WITH(star(1000), doctest::Contains("at more than 100000 places"));
 }
 
 }  // namespace snap_test

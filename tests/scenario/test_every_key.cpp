@@ -170,6 +170,7 @@ rest_below = 0.01
 rest_for = "5 us"
 step = "1 ns"
 damping = "3 kHz"
+damping_of = "motion"
 safety = 0.5
 theta = 0.75
 [output]
@@ -225,6 +226,7 @@ strain = "8 %"
 rotation_work_part = 2e-3
 slip = "none"
 obstacle_overlap = "1 mm"
+obstacle_depth = 0.2
 overlap = "3 mm2"
 [expect]
 energy_residual = { below = 1e-3, above = -1 }
@@ -724,6 +726,7 @@ const Case cases[] = {
     {rectangle, "time.rest_below", "0.01"},
     {rectangle, "time.rest_for", "5e-06"},
     {rectangle, "time.damping", "3000"},
+    {rectangle, "time.damping_of", "\"motion\""},
     {rectangle, "time.safety", "0.5"},
     {rectangle, "time.theta", "0.75"},
     {rectangle, "output.every", "1e-06"},
@@ -768,6 +771,7 @@ const Case cases[] = {
     {rectangle, "limits.slip", "\"none\""},
     {rectangle, "limits.overlap", "3e-06"},
     {rectangle, "limits.obstacle_overlap", "0.001"},
+    {rectangle, "limits.obstacle_depth", "0.2"},
     {rectangle, "figure[2].every", "1e-05"},
     {rectangle, "figure[2].speed", "1e-05"},
     {rectangle, "figure[2].curves", "\"energy\""},
@@ -1072,6 +1076,7 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
     CHECK(s.time.step == StepLength{1e-9});
     CHECK(s.time.scheme.damping == 3000);
+    CHECK(s.time.scheme.damping_of == DampingOf::motion);
     CHECK(s.time.rest.ends_run);
     CHECK(s.time.rest.below == 0.01);
     CHECK(s.time.rest.duration == tests::relative(5e-6, 1e-15));

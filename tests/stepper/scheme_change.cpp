@@ -274,6 +274,68 @@ TEST_CASE("scheme change: what an implicit step does not resolve") {
     CHECK(change.fault(report) == StepFault::cohesive_work);
 }
 
+TEST_CASE("scheme change: what moves less than the weakest point needs to break is quiet") {
+    const SchemeChangeOptions options{.explicit_step = 1, .quiet_below = 1e-4, .quiet_for = 10, .weakest_point = 2};
+    SchemeChange change(options);
+    StepReport report;  // a ramp from rest: more kinetic than strain energy, both near 0
+    report.strain = 1e-6, report.kinetic = 1e-5;
+    CHECK(SchemeChange({.explicit_step = 1, .quiet_below = 1e-4}).fault(report) == StepFault::motion);
+    CHECK(change.fault(report) == StepFault::none);
+    change.after_step({}, 1, report);
+    report.kinetic = 1.9e-3;
+    CHECK(change.fault(report) == StepFault::none);
+    report.kinetic = 2.1e-3;
+    CHECK(change.fault(report) == StepFault::motion);
+    // an explicit stage of the same motion
+    for (const double kinetic : {1.9e-4, 2.1e-4}) {
+        SchemeChange stage(options);
+        stage.to_explicit(0);
+        CHECK(stage.earliest_end() == 10);
+        double time = 0;
+        while (!stage.is_quiet(time) && time < 100) {
+            State begin;
+            begin.time = time++;
+            report.kinetic = kinetic, report.softened = 1;  // slowly, as the load opens it
+            stage.after_step(begin, 1, report);
+        }
+        CHECK(time == (kinetic < 2e-4 ? 10 : 100));
+    }
+}
+
+TEST_CASE("scheme change: a bar with a soft joint is pulled through all of its softening by implicit steps") {
+    // stable at a fixed displacement: the joint unloads by sigma_c/delta_c = 1/2 of E/length
+    constexpr double sigma_c = 1e-3, G_c = 1e-6, delta_c = 2 * G_c / sigma_c, speed = 1e-7;
+    ModelInput input = bar({.sigma_c = sigma_c, .G_c = G_c, .gamma = 1});
+    input.loads = {load(Load::Kind::velocity, "left", -speed, std::nullopt),
+                   load(Load::Kind::velocity, "right", speed, std::nullopt)};
+    const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
+    constexpr double end = 1.1 * delta_c / (2 * speed);
+    const StepLimits limits{
+        .largest = end / 400,
+        .cracking = 200 * stable,
+        .smallest = 1e-6 * stable,
+        .end = end,
+        .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-4, .quiet_for = 4, .weakest_point = G_c * height}};
+    for (const bool starts_explicit : {false, true}) {
+        Changing run(ModelInput(input), limits, {.bulk = BulkScheme::automatic, .damping = 1});
+        if (starts_explicit) {  // in the middle of the softening
+            run.run_until(0.7 * end);
+            begin_leapfrog(run.body.now);
+            StepControl control(limits);
+            control.start_from(run.control, run.body.now);
+            run.control = control;
+        }
+        const int before = run.n_steps;
+        run.run_until(end);
+        CHECK(has_end_velocities(run.body.now));
+        CHECK(run.control.changes().size() == (starts_explicit ? 1 : 0));
+        CHECK(run.n_steps - before < (starts_explicit ? 1000 : 420));
+        CHECK(run.body.ledger.row().dissipated == doctest::Approx(G_c * height).epsilon(1e-12));
+        CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
+        CHECK(std::abs(run.body.ledger.largest_law_lag()) <= 0.02);
+    }
+}
+
 TEST_CASE("scheme change: an explicit step that misses the interface laws is repeated with half its size") {
     StepControl control({.largest = 10,
                          .cracking = 1,

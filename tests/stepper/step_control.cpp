@@ -285,4 +285,33 @@ TEST_CASE("step control: the place of damage is the vertex that lost most cohesi
     CHECK(place_of_damage(model, begin, end) == model.mesh.vertices[1]);
 }
 
+TEST_CASE("step control: a hard impact is met in a step that covers one critical opening") {
+    // at 5 a contact closes with V; until 8 a point opens with 2 V, then with a hundredth of it
+    const double V = 12;
+    const auto meet = [&](double time, double h) {
+        StepReport report;
+        if (time <= 5 && time + h > 5) report.approach = V;
+        if (time < 5) return report;
+        report.softened = 1;
+        report.largest_opened = (time < 8 ? 2 : 0.01) * V * h;
+        return report;
+    };
+    StepLimits limits{.largest = 1, .cracking = 1, .smallest = 1e-6, .end = 40, .critical_opening = 1, .passage = 2};
+    const Trace trace = run(limits, meet);
+    REQUIRE(trace.cuts.size() == 2);
+    for (const Cutback& cut : trace.cuts) CHECK(cut.reason == CutbackReason::impact);
+    CHECK(trace.cuts[0].time <= 5);  // before anything is stressed
+    CHECK(trace.cuts[0].value == doctest::Approx(V).epsilon(1e-12));
+    CHECK(trace.cuts[0].to == doctest::Approx(1 / V).epsilon(1e-12));
+    CHECK(trace.cuts[1].to == doctest::Approx(0.4 / (2 * V)).epsilon(1e-12));
+    double time = 0;
+    for (const double h : trace.steps) {
+        if (time > 5.1 && time < 8) CHECK(h == doctest::Approx(0.2 / V).epsilon(1e-12));
+        time += h;
+    }
+    CHECK(trace.steps[trace.steps.size() - 3] == 1);  // they grow again
+    limits.critical_opening = 5;                      // the approach covers less than three of them
+    CHECK(run(limits, meet).cuts.empty());
+}
+
 }  // namespace step_control_test

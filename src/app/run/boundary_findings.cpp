@@ -4,6 +4,7 @@
 #include "app/run/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
+#include "model/body_in_obstacles.hpp"
 #include "model/obstacle_gap.hpp"
 #include "model/selections.hpp"
 #include "stepper/common/crack_forces.hpp"
@@ -21,6 +22,36 @@ constexpr double negligible = 1e-9;  // [-] of the size: obstacles that start in
 
 std::string named(const Obstacle& obstacle, Index number) {
     return "`" + item("obstacle", number) + "` (" + obstacle.name + ")";
+}
+
+/// [m/s] At most that at which bodies and obstacles meet first: from their velocities at the start, and a fall through
+/// the smallest gap to an obstacle. 0: nothing meets.
+double speed_of_impact(const Scenario& scenario, const Model& model) {
+    if (model.obstacles.empty() && model.contact_of_pair.empty()) return 0;
+    std::vector<Vec2> others;  // velocities of obstacles and bodies
+    for (const Obstacle& obstacle : model.obstacles) {
+        Vec2 v = Vec2::Zero();
+        for (int k = 0; k < 2; ++k)
+            if (const Drive& drive = obstacle.drive[k]; obstacle.is_free(k)) v[k] = obstacle.initial_velocity[k];
+            else if (drive.kind == Drive::Kind::velocity)
+                for (const double factor : drive.history.value)
+                    if (std::abs(drive.value * factor) > std::abs(v[k])) v[k] = drive.value * factor;
+        others.push_back(v);
+    }
+    if (!model.contact_of_pair.empty())
+        for (const MeshPart& part : model.mesh.parts)
+            others.push_back(model.initial_velocity[model.mesh.corners_per_triangle() * part.first_triangle]);
+    double speed = 0, gap = infinity, pull = 0;  // [m/s], [m], [m/s2]
+    for (const Vec2& v : model.initial_velocity)
+        for (const Vec2& other : others) speed = std::max(speed, (v - other).norm());
+    for (const Load& load : scenario.loads)
+        if (load.kind == Load::Kind::acceleration) pull += load.vector().norm();
+    for (const Obstacle& obstacle : model.obstacles) {
+        const ObstacleSurface surface(obstacle.outline, obstacle.start);
+        for (const BoundaryEdge& edge : model.mesh.boundary_edges)
+            gap = std::min(gap, surface.distance_to(model.mesh.corner(edge.triangle, edge.side)).gap);
+    }
+    return std::hypot(speed, std::isfinite(gap) ? std::sqrt(2 * pull * std::max(gap, 0.0)) : 0);
 }
 
 }  // namespace
@@ -80,7 +111,39 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
                  .note = "make one of them a [[body]] of a stiff material, or let it move only where it meets none "
                          "(motion, turns = false); the gate obstacle_overlap ends the run where they meet"}));
     }
+    for (const auto& [what, number, place] : held_against_obstacles(model, read.scenario.time.end)) {
+        using What = HeldAgainst::What;
+        const char* const meets = what == What::body   ? " may meet a body that is held everywhere, as at "
+                                  : what == What::edge ? " comes first to an edge whose ends are held, at "
+                                                       : " comes first to a support, at ";
+        found.push_back(read.at(
+            item("obstacle", number),
+            {.severity = Diagnostic::Severity::error,
+             .code = "held-against-obstacle",
+             .message = named(model.obstacles[number], number) + meets + place_text(place) +
+                        ": neither gives way, and a free obstacle passes through what is held",
+             .note = "hold the body on its far side only, or make the obstacle a [[body]] of a stiff material"}));
+    }
     return found;
+}
+
+std::vector<Diagnostic> findings_of_impacts(const ReadResult& read, const Model& model, const StepPlan& plan) {
+    const double step = plan.limits.changes() ? plan.limits.change.explicit_step : plan.limits.largest,
+                 opening = plan.limits.critical_opening, V = speed_of_impact(read.scenario, model),
+                 covered = V * step / opening;
+    const bool is_explicit = plan.limits.changes() || !read.scenario.time.scheme.takes_implicit_steps();
+    if (!is_explicit || !(covered > hard_impact)) return {};
+    return {read.at(
+        "time",
+        {.severity = Diagnostic::Severity::warning,
+         .code = "hard-impact",
+         .message = formatted("bodies or obstacles meet at %.3g m/s, which in a step of %.3g s covers %.2g "
+                              "critical openings of %.3g m: while points open by more than half of one in a step, "
+                              "steps are smaller, down to about %.2g s, some %.2g times as many for that time",
+                              V, step, covered, opening, step / covered, covered),
+         .note = formatted("nothing, if this is meant; time.step_cracking = \"%.2g s\" keeps to such a step from "
+                           "the first loss of cohesion on",
+                           step / covered)})};
 }
 
 /// A fluid may wait: at a joint that still holds, or at interfaces that may break where the body has no crack yet. That

@@ -165,14 +165,26 @@ std::string Excavations::moved_warning(const Model& model, const State& now) con
         now.time, path_of(planned).c_str(), moved, place_text(place).c_str());
 }
 
-std::string Excavations::perform(const State& trial, double damping, Model& model, State& now,
+/// [0/1] Per triangle: it vanishes next.
+std::vector<std::uint8_t> Excavations::next_region(const Model& model) const {
+    std::vector<std::uint8_t> vanishes(model.mesh.n_triangles(), 0);
+    for (const Index t : planned_[done_.size()].triangles) vanishes[t] = 1;
+    return vanishes;
+}
+
+std::string Excavations::prepare(const Model& model, MoreauJean& stepper, const State& now, const State& trial,
+                                 double h) {
+    contacts_ = lasting_contacts(model, stepper, now, trial, h, next_region(model));
+    return moved_warning(model, now);
+}
+
+std::string Excavations::perform(const State& trial, const SchemeOptions& scheme, Model& model, State& now,
                                  ExcavationEnergies& energies) {
     const PlannedExcavation& planned = planned_[done_.size()];
     Done done{.time = now.time};
     double area = 0;
-    std::vector<std::uint8_t> vanishes(model.mesh.n_triangles(), 0);
-    for (const Index t : planned.triangles) vanishes[t] = 1, area += model.mesh.area(t);
-    const std::vector<CornerLoad> forces = released_forces(model, now, trial, damping, vanishes);
+    for (const Index t : planned.triangles) area += model.mesh.area(t);
+    const std::vector<CornerLoad> forces = released_forces(model, now, trial, scheme, next_region(model), contacts_);
     Vec2 total = Vec2::Zero();
     for (const CornerLoad& at : forces) {
         total += at.force;

@@ -24,11 +24,14 @@ public:
 
     /// One vanishes at this state.
     bool is_due(const State& now) const;
-    /// Where its triangles have left their place by more than an edge.
-    std::string moved_warning(const Model& model, const State& now) const;
-    /// Replaces model and state by those without the region; `trial`: the end of a step from `now`; `damping` [1/s].
-    /// Returns the line of the log.
-    std::string perform(const State& trial, double damping, Model& model, State& now, ExcavationEnergies& energies);
+    /// Before the next one, at the trial step of h [s] from `now` to `trial`: the forces of faces that touch its
+    /// region, by further trial steps. Returns a warning where its triangles have left their place by more than an
+    /// edge.
+    std::string prepare(const Model& model, MoreauJean& stepper, const State& now, const State& trial, double h);
+    /// Replaces model and state by those without the region, after the trial step of `scheme`. Returns the
+    /// line of the log.
+    std::string perform(const State& trial, const SchemeOptions& scheme, Model& model, State& now,
+                        ExcavationEnergies& energies);
     /// The model after all that happened so far, from that at the start of the run.
     void repeat(Model& model) const;
     /// The clock is set back by `time` [s].
@@ -49,10 +52,13 @@ private:
 
         void serialize(auto& archive) { archive(time, corner, force); }
     };
+    std::vector<std::uint8_t> next_region(const Model& model) const;
+    std::string moved_warning(const Model& model, const State& now) const;
     void release_forces(std::size_t number, Model& model) const;
 
     std::vector<PlannedExcavation> planned_;
     std::vector<Done> done_;
+    std::vector<Vec2> contacts_;  // [N] of the next one: lasting_contacts
 };
 
 }  // namespace knap

@@ -8,7 +8,8 @@
 
 namespace knap {
 
-/// Throws UserError: a shape that cannot be meshed, a selection of nothing, loads that contradict each other. Where
+/// Throws UserError: a shape that cannot be meshed, a selection of nothing, loads that contradict each other, obstacles
+/// in the body. Where
 /// [adapt] does not pay, the scenario gets a uniform mesh instead, and a warning.
 Model model_of(ReadResult& read);
 
@@ -32,8 +33,12 @@ std::vector<Diagnostic> findings_of_probes(const ReadResult& read, const Model& 
 /// Warnings: supports between bodies that touch.
 std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
 
-/// Of pairs of which one is free: errors where they overlap at the start, warnings where they may meet.
+/// Of pairs of which one is free: errors where they overlap at the start, warnings where they may meet. Errors where a
+/// free one meets what is held.
 std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model);
+
+/// Warnings: bodies and obstacles that meet at a speed which covers critical openings in a step, as far as it is known.
+std::vector<Diagnostic> findings_of_impacts(const ReadResult& read, const Model& model, const StepPlan& plan);
 
 /// Warnings: a [[pressure]] whose source touches no crack and no joint.
 std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& model);
@@ -50,9 +55,10 @@ std::vector<Diagnostic> findings_of_bending(const ReadResult& read, const Model&
 /// Warnings: tables over time that steps do not resolve, and tables over temperature that the run does not reach.
 std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& model, const StepPlan& plan);
 
-/// Warnings: on these places, supports, fluids, tables, bending, steep loads and hot starts, the resolution of the
-/// process zone, the conduction of heat, jumps of prescribed displacements, details that reduce the stable step, and
-/// implausible numbers of steps, frames, lines and pictures. Without `cost` it is estimated where a run may be long.
+/// Warnings: on these places, supports, fluids, impacts, tables, bending, steep loads and hot starts, the resolution of
+/// the process zone, the conduction of heat, jumps of prescribed displacements, details that reduce the stable step,
+/// and implausible numbers of steps, frames, lines and pictures. Without `cost` it is estimated where a run may be
+/// long.
 std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
                                           const Cost* cost = nullptr);
 

@@ -191,6 +191,8 @@ Model model_of(ReadResult& read) {
         return model;
     } catch (const ShapeError& error) {
         throw UserError(read.at_shapes(error));
+    } catch (const ObstacleInBody& error) {
+        throw UserError({read.at(item("obstacle", error.number), error.diagnostics.front())});
     } catch (const EmptySelection& error) {
         const char* const lists[] = {"load", "support", "initial", "pressure"};  // in the order of EmptySelection::List
         const bool initial = error.list == EmptySelection::initial_velocities;

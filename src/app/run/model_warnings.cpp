@@ -9,6 +9,7 @@
 #include "base/union_find.hpp"
 #include "mesh/polygon.hpp"
 #include "mesh/size_field.hpp"
+#include "model/selections.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -414,8 +415,8 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_numbers(plan, cost);
     for (const auto& others :
          {findings_of_excavations(read, model), findings_of_supports(read, model), findings_of_fluids(read, model),
-          findings_of_steep_loads(read, model), findings_of_hot_start(read, model),
-          findings_of_tables(read, model, plan), findings_of_bending(read, model)})
+          findings_of_impacts(read, model, plan), findings_of_steep_loads(read, model),
+          findings_of_hot_start(read, model), findings_of_tables(read, model, plan), findings_of_bending(read, model)})
         warnings.found.insert(warnings.found.end(), others.begin(), others.end());
     return std::move(warnings.found);
 }

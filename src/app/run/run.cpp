@@ -77,7 +77,8 @@ private:
     void excavate();
     void adapt(const std::optional<Vec2>& also = {});
     void replace_model(const auto& replace);
-    void renew_stepper();
+    const SchemeOptions& scheme() const { return setup_.scenario.time.scheme; }
+    void renew_stepper() { renew(stepper_, setup_.model, scheme()); }
     RunMemory memory();
     void save();
     std::vector<std::string> missing_files() const;
@@ -110,6 +111,7 @@ private:
     std::int64_t triangle_steps_ = 0;
     double earlier_output_ = recorder_.time().cpu;  // [s]
     double until_ = std::min(setup_.options.until, setup_.scenario.time.end);
+    bool tells_damping_ = true;
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
     std::optional<Progress> progress_;
 
@@ -128,6 +130,7 @@ void Run::resume(const std::string& text) {
     excavations_.repeat(setup_.model);
     adaptation_.repeat(setup_.model);
     next_ = now_;  // its nodes are those of the present model
+    tells_damping_ = damping_text(scheme(), setup_.model, now_, 0).empty();
     renew_stepper();
     recorder_.model_changed();
     log_.truncate(memory_.log_size);
@@ -186,9 +189,7 @@ std::vector<std::string> Run::missing_files() const {
 }
 
 void Run::report(const std::string& warning) {
-    if (warning.empty()) return;
-    progress_->print(warning);
-    log_.add(warning);
+    if (!warning.empty()) progress_->print(warning), log_.add(warning);
 }
 
 void Run::report_warnings() {  // each gate warns once in a run
@@ -198,8 +199,6 @@ void Run::report_warnings() {  // each gate warns once in a run
         recorder_.gates().warned(*gate, text);
     }
 }
-
-void Run::renew_stepper() { renew(stepper_, setup_.model, setup_.scenario.time.scheme); }
 
 /// `replace` gives the run another model and the state of it; frames of the present one are written before.
 void Run::replace_model(const auto& replace) {
@@ -212,7 +211,6 @@ void Run::replace_model(const auto& replace) {
 
 /// A trial step of the whole body shows the forces that the region exerts on the rest.
 void Run::excavate() {
-    const SchemeOptions& scheme = setup_.scenario.time.scheme;
     double h = stepper_->step_size(now_, control_.next(now_));
     for (StepReport trial = stepper_->step(now_, h, next_); trial.rejection != Rejection::none;
          trial = stepper_->step(now_, h, next_))
@@ -221,8 +219,8 @@ void Run::excavate() {
                 formatted("no step from t = %.9g s, where a region is to vanish: see its place ", now_.time) +
                 place_text(trial.where));
     ExcavationEnergies energies;
-    report(excavations_.moved_warning(setup_.model, now_));
-    replace_model([&] { log_.add(excavations_.perform(next_, scheme.damping, setup_.model, now_, energies)); });
+    report(excavations_.prepare(setup_.model, *stepper_, now_, next_, h));
+    replace_model([&] { log_.add(excavations_.perform(next_, scheme(), setup_.model, now_, energies)); });
     recorder_.after_excavation(energies);
 }
 
@@ -248,13 +246,13 @@ void Run::step() {
     if (report.rejection == Rejection::too_coarse) return adapt(report.where);
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {
         const Vec2 where = place_of(*cut, setup_.model, now_, next_);
-        log_.add(cutback_text(*cut, where));
+        log_.add(cutback_text(*cut, where, setup_.scenario.time.end));
         if (control_.is_stuck()) throw SimulationError(stuck_text(*cut, where, control_.smallest_against(cut->reason)));
         if (cut->changes_to_explicit) begin_leapfrog(now_);
         return;
     }
     if (setup_.options.dump_lcp.contains(next_.n_steps))
-        log_.add(dump_lcp(setup_.model, now_, h, setup_.scenario.time.scheme, setup_.directory / "lcp"));
+        log_.add(dump_lcp(setup_.model, now_, h, scheme(), setup_.directory / "lcp"));
     count(report);
     if (!control_.ends_explicit_stage(now_)) return;
     const StepReport closing = stepper_->close_leapfrog(now_, next_);
@@ -267,6 +265,8 @@ void Run::step() {
 /// The step to the next state has been taken.
 void Run::count(const StepReport& report) {
     std::swap(now_, next_);
+    const std::string of_damping = tells_damping_ ? damping_text(scheme(), setup_.model, now_, next_.time) : "";
+    if (!of_damping.empty()) log_.add(of_damping), tells_damping_ = false;
     adaptation_.after_step(setup_.model);
     triangle_steps_ += setup_.model.mesh.n_triangles();
     recorder_.after_step(now_, report);

@@ -18,6 +18,7 @@ std::string at_place(const std::optional<Vec2>& place) { return place ? " at " +
 std::string reason_text(const Cutback& cut) {
     const std::string text(describe(cut.reason));
     if (cut.value == 0) return text;
+    if (cut.reason == CutbackReason::impact) return text + formatted(" (%.4g times)", cut.value);
     const bool is_length = cut.reason != CutbackReason::contact_residual;
     return text + formatted(is_length ? " (%.4g of an edge)" : " (%.4g of them)", cut.value);
 }
@@ -70,11 +71,15 @@ std::string solver_text(const RunRecord& record) {
 
 }  // namespace
 
-std::string cutback_text(const Cutback& cut, const Vec2& where) {
+std::string cutback_text(const Cutback& cut, const Vec2& where, double end) {
     const std::string text = formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at %s: %s\n", cut.time, cut.from,
                                        cut.to, place_text(where).c_str(), reason_text(cut).c_str());
     if (!cut.changes_to_explicit) return text;
-    return text + formatted("scheme: explicit from t = %.9g s, since %s\n", cut.time, describe(cut.reason).data());
+    const auto steps = [&](double until) { return std::ceil((std::min(until, end) - cut.time) / cut.to); };
+    return text + formatted(
+                      "scheme: explicit from t = %.9g s, since %s; at least %.0f steps of %.4g s, %.4g if the "
+                      "body is not quiet before time.end\n",
+                      cut.time, describe(cut.reason).data(), steps(cut.explicit_until), cut.to, steps(end));
 }
 
 std::string quiet_text(double time) { return formatted("scheme: implicit from t = %.9g s, the body is quiet\n", time); }
@@ -94,8 +99,10 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
         gate != gate_rules().end())  // contact_depth, contact_residual
         return text + std::string(gate->cure);
     const char* const alternatives =
-        cut.reason == CutbackReason::assumption_1 ? "time.assumption_1 = \"ignore\" to continue with one of the "
-                                                    "solutions; or time.cohesion = \"explicit\"; or "
+        cut.reason == CutbackReason::assumption_1
+            ? "time.bulk = \"auto\", which takes explicit steps where a body snaps "
+              "back; or time.assumption_1 = \"ignore\" to continue with one of "
+              "the solutions; or time.cohesion = \"explicit\"; or "
         : cut.reason == CutbackReason::not_converged
             ? "time.bulk = \"explicit\" with time.cohesion = \"explicit\", whose steps are solved vertex by vertex; or "
               "time.theta = 0.7 where it is smaller; or half the friction of the interface there, where it wedges the "
@@ -106,10 +113,11 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
 
 std::string missing_text(const std::vector<std::string>& files) {
     if (files.empty()) return "";
-    const std::size_t n = files.size() - 1;
-    const std::string others =
-        n > 0 ? ", and " + std::to_string(n) + " more file" + (n > 1 ? "s are" : " is") + " lost or damaged" : "";
-    return "warning[missing-file]: " + files.front() + others +
+    constexpr std::size_t n_named = 10;
+    std::string named = files.front();
+    for (std::size_t i = 1; i < std::min(files.size(), n_named); ++i) named += "; " + files[i];
+    if (files.size() > n_named) named += "; and " + std::to_string(files.size() - n_named) + " more";
+    return "warning[missing-file]: " + named +
            "; all other outputs are unaffected, --force computes the run again and writes all of them\n";
 }
 
@@ -161,15 +169,26 @@ std::string not_failed_text(const Scenario& scenario, const Summary& summary, In
                      shown_text(peak, "Pa", 6).c_str());
 }
 
+std::string damping_text(const SchemeOptions& scheme, const Model& model, const State& now, double time) {
+    const bool is_free =
+        !now.free_pieces.empty() || std::ranges::any_of(model.obstacles, [](const Obstacle& o) { return o.is_free(); });
+    if (!is_free || scheme.damping == 0 || scheme.damping_of == DampingOf::motion) return "";
+    return formatted(
+        "damping: from t = %.9g s on nothing holds %zu pieces of the body; there, and of free obstacles, time.damping "
+        "acts on vibrations, not on flight, roll and slide (damping_of = \"motion\", as until 0.1: on both)\n",
+        time, now.free_pieces.size());
+}
+
 std::string scheme_text(const TimeOptions& time, bool is_viscous) {
     const SchemeOptions& scheme = time.scheme;
     const char* const beta = scheme.cohesion == CohesionScheme::implicit_beta ? "implicit beta" : "explicit beta";
     if (scheme.bulk == BulkScheme::automatic)
         return formatted(
             "changes: implicit bulk (theta %g) and beta in large steps while the body is quiet%s, explicit bulk and "
-            "beta where it is not%s",
+            "beta where it is not%s%s",
             scheme.theta, time.start_in_equilibrium ? ", from equilibrium" : "",
-            scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "");
+            scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "",
+            is_viscous ? "; bulk viscosity of explicit steps" : "");
     if (scheme.bulk == BulkScheme::implicit_theta)
         return formatted(
             "implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "

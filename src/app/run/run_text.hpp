@@ -10,8 +10,8 @@
 
 namespace knap {
 
-/// A cutback, as a line of the log.
-std::string cutback_text(const Cutback& cut, const Vec2& where);
+/// A cutback, as a line of the log; a change to explicit steps with the numbers of them that lie ahead. `end` [s].
+std::string cutback_text(const Cutback& cut, const Vec2& where, double end);
 
 /// The change to implicit steps, likewise.
 std::string quiet_text(double time);
@@ -40,6 +40,9 @@ std::string not_at_rest_text(double end);
 
 /// Warning: a specimen whose interfaces can break has not failed: its largest stress is no strength; else empty.
 std::string not_failed_text(const Scenario& scenario, const Summary& summary, Index n_breaks);
+/// For the log, once: damping leaves the motion of pieces and obstacles alone that nothing holds since `time` [s];
+/// empty where there are none.
+std::string damping_text(const SchemeOptions& scheme, const Model& model, const State& now, double time);
 
 /// The methods of bulk and cohesion.
 std::string scheme_text(const TimeOptions& time, bool is_viscous);

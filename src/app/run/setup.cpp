@@ -199,14 +199,6 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
     return found;
 }
 
-bool in_triangle(const Mesh& mesh, Index t, const Vec2& x) {
-    for (Index k = 0; k < 3; ++k) {
-        const Vec2 a = mesh.corner(t, k), b = mesh.corner(t, (k + 1) % 3);
-        if (cross(b - a, x - a) < -1e-9 * (b - a).squaredNorm()) return false;
-    }
-    return true;
-}
-
 namespace {
 
 /// What the snap of a body moved and left out.

@@ -45,9 +45,6 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
 /// of the area".
 std::string random_sets_text(const Scenario& scenario);
 
-/// x lies in a triangle, or beyond its edges by no more than rounding.
-bool in_triangle(const Mesh& mesh, Index t, const Vec2& x);
-
 /// [m/s] Of the domain's first material.
 double rayleigh_speed(const Scenario& scenario);
 

@@ -1,5 +1,6 @@
 #include "app/run/step_plan.hpp"
 
+#include "analysis/energy_ledger.hpp"
 #include "analysis/rest_watch.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
@@ -115,8 +116,13 @@ StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Mo
     if (adapt.active())  // the step holds for all refinements
         smallest = std::min(smallest, guaranteed_step(adapt.size, model.materials, model.plane));
     StepPlan plan = plan_steps(time, smallest, until);
+    for (const FanPoint& point : model.fan_points)
+        if (const CohesiveLaw& law = model.laws[point.law]; law.breakable() && !point.cracked && law.delta_c() > 0)
+            plan.limits.critical_opening = std::min(plan.limits.critical_opening, law.delta_c());
+    plan.limits.passage = shear_passage(model);
     if (double& quiet_for = plan.limits.change.quiet_for; plan.limits.changes() && quiet_for == 0)
-        quiet_for = quiet_passages * shear_passage(model);
+        quiet_for = quiet_passages * plan.limits.passage;
+    plan.limits.change.weakest_point = weakest_point(model);
     plan.stable_of_triangle = std::move(stable);
     if (time.scheme.takes_implicit_steps()) count_corners(model, std::min(time.end, until), plan);
     return plan;

@@ -71,6 +71,8 @@ inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, cons
         ++report.softened;
         const double drop = at.area * law.G_c * fall * law.opening_of_fall(at.before, at.after);
         if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.corner();
+        if (const double opened = 2 * (at.opening - at.at_works); opened > report.largest_opened * law.delta_c())
+            report.largest_opened = opened / law.delta_c();
         report.viscous_dissipation += at.area * law.viscous_dissipation(at.before, at.after, at.at_fall);
     }
     report.largest_beta_growth = std::max(report.largest_beta_growth, at.after - at.before);

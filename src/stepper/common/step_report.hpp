@@ -45,7 +45,7 @@ struct StepReport {
     double step_change_work = 0;        // of a change of the step size in the leapfrog energy
     double contact_injection = 0;  // >= 0: positive works of contacts between free faces, by the residual of their laws
     double rotation_work = 0;      // defect of the elastic energy in the leapfrog energy, of large rotations
-    double damping_work = 0;       // <= 0: of mass-proportional damping
+    double damping_work = 0;       // of mass-proportional damping; <= 0 where it is of the motion as a whole
     double bulk_viscosity_work = 0;  // of bulk viscosity, over the last step (element/bulk_viscosity.hpp)
     double radiated_work = 0;        // <= 0: of absorbing boundaries
     double excavation_work = 0;      // of the forces of excavated regions while they decrease to zero
@@ -64,6 +64,9 @@ struct StepReport {
     double contact_depth = 0;            // [-] largest penetration of a free face over the length of its edge
     Vec2 depth_place = Vec2::Zero();     // [m] of it, in the deformed body
     double largest_speed = 0;            // [m/s]
+    double approach = 0;                 // [m/s] largest with which obstacles or free faces meet in the step
+    Vec2 approach_place = Vec2::Zero();  // [m] of it, in the deformed body
+    double largest_opened = 0;           // [-] by which a point that loses cohesion opens, over its delta_c; explicit
     double largest_beta_growth = 0;      // [-] must be 0
     double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time
     double largest_drop = 0;             // [J] S G_c (fall of beta)^2 of one point: about the error of the step there
@@ -119,8 +122,8 @@ struct StepReport {
                                          &R::viscous_dissipation,
                                          &R::bulk_viscosity_work};
         constexpr auto maxima = std::tuple{
-            &R::worst_impact_work,   &R::worst_friction_work,    &R::residual, &R::penetration, &R::largest_speed,
-            &R::largest_beta_growth, &R::largest_strength_factor};
+            &R::worst_impact_work,   &R::worst_friction_work,     &R::residual,      &R::penetration, &R::largest_speed,
+            &R::largest_beta_growth, &R::largest_strength_factor, &R::largest_opened};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
     }
@@ -128,7 +131,8 @@ struct StepReport {
     template <class Archive>
     void serialize(Archive& archive) {
         for_each_number([&](auto member, Combine) { archive(this->*member); });
-        archive(largest_drop, drop_corner, contact_depth, depth_place, contact_residual, residual_place);
+        archive(largest_drop, drop_corner, contact_depth, depth_place, contact_residual, residual_place, approach,
+                approach_place);
         archive(rejection, where, rejected_value);
     }
 
@@ -141,6 +145,7 @@ struct StepReport {
         if (other.largest_drop > largest_drop) largest_drop = other.largest_drop, drop_corner = other.drop_corner;
         add_depth(other.contact_depth, other.depth_place);
         add_contact_residual(other.contact_residual, other.residual_place);
+        if (other.approach > approach) approach = other.approach, approach_place = other.approach_place;
         reject(other.rejection, other.where, other.rejected_value);
         return *this;
     }
@@ -149,6 +154,10 @@ struct StepReport {
     }
     void add_contact_residual(double error, const Vec2& place) {
         if (error > contact_residual) contact_residual = error, residual_place = place;
+    }
+    /// Of a contact with this gap [m] that changes by `rate` [m/s], over a step of h [s].
+    void add_approach(double gap, double h, double rate, const Vec2& place) {
+        if (gap + h * rate <= 0 && -rate > approach) approach = -rate, approach_place = place;
     }
     /// Keeps the first rejection.
     void reject(Rejection reason, const Vec2& place, double value = 0) {

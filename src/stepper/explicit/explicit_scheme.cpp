@@ -21,11 +21,12 @@ constexpr std::size_t soon = 4;  // fans ahead, to prefetch
 
 ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     : model_(model),
-      damping_(options.damping),
+      options_(options),
       forces_(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation),
       crack_forces_(model),
       incubation_(model),
       absorbing_(model, options.absorbing),
+      free_pieces_(model, options, absorbing_.dashpots()),
       blocks_(make_blocks(model, absorbing_.dashpots())),
       obstacle_step_(model),
       solver_(model, options, obstacle_step_, absorbing_),
@@ -59,15 +60,18 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
 }
 
 StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
+    const double damping = 0.25 * (begin.last_step + h) * options_.damping;
     const ExplicitStep step{.begin = begin,
                             .end = end,
                             .drift_time = h,
                             .kick_time = 0.5 * (begin.last_step + h),
                             .mass = mass_,
                             .corner_force = corner_force_,
-                            .damping = 0.25 * (begin.last_step + h) * damping_,
+                            .damping = damping,
+                            .obstacle_damping = options_.damping_of == DampingOf::motion ? damping : 0,
                             .large_rotation = model_.large_rotation,
-                            .corner_impulse = corner_impulse_};
+                            .corner_impulse = corner_impulse_,
+                            .carried = free_pieces_.carried(begin, damping, end.free_pieces)};
     copy_partition(model_, begin, end);  // fans that were split before are split at the end, too
     end.viscous_stress.resize(no_viscous_stress_.size());
     for (std::size_t i = 0; i < amplitude_.size(); ++i)
@@ -241,15 +245,6 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
     });
 }
 
-ViscousStep ExplicitScheme::viscous_step(const ExplicitStep& step) {
-    const State& begin = step.begin;
-    const bool is_known = begin.viscous_stress.size() == no_viscous_stress_.size();
-    return {.velocity = begin.velocity,
-            .last_step = begin.last_step,
-            .before = (is_known ? begin.viscous_stress : no_viscous_stress_).data(),
-            .now = step.end.viscous_stress.data()};
-}
-
 /// NodeMotion takes half of f . u_n+1 off the strain energy, of which only f . Delta belongs there; with large
 /// rotations it counts the work as a defect of U.
 void ExplicitScheme::account_viscosity(const ViscousStep& viscous, StepReport& report) const {
@@ -324,7 +319,7 @@ Vec2 ExplicitScheme::velocity_as_one(Index corner, const Vec2& force, const Vec2
                                      const ExplicitStep& step) const {
     const Index f = model_.fan_of_corner[corner];
     const double mass = model_.fans[f].mass;
-    Vec2 velocity = step.decay * step.begin.velocity[f] + step.mobility * step.kick_time / mass * force;
+    Vec2 velocity = step.damped(f) + step.mobility * step.kick_time / mass * force;
     if (!contact.isZero(0)) velocity += step.mobility / mass * contact;
     if (const PrescribedMotion* motion = model_.motion_of(corner)) {
         const Vec2 given = step.prescribed_velocity(model_, *motion, step.begin.displacement[f]);

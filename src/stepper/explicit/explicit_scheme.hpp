@@ -7,6 +7,7 @@
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/explicit/absorbing_boundary.hpp"
+#include "stepper/explicit/free_pieces.hpp"
 #include "stepper/explicit/incubation.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
 #include "stepper/explicit/vertex_contacts.hpp"
@@ -46,19 +47,27 @@ private:
     StepReport advance_remaining_split_fans(const ExplicitStep& step);
     StepReport account_loads(const ExplicitStep& step);
     void account_loads(std::span<const CornerLoad> loads, const ExplicitStep& step, StepReport& report) const;
-    ViscousStep viscous_step(const ExplicitStep& step);
+    ViscousStep viscous_step(const ExplicitStep& step) const {
+        const std::vector<double>& before = step.begin.viscous_stress;
+        const bool is_known = before.size() == no_viscous_stress_.size();
+        return {.velocity = step.begin.velocity,
+                .last_step = step.begin.last_step,
+                .before = (is_known ? before : no_viscous_stress_).data(),
+                .now = step.end.viscous_stress.data()};
+    }
     void account_viscosity(const ViscousStep& viscous, StepReport& report) const;
     void account_rotation(const ExplicitStep& step, StepReport& report) const;
     /// No contact acts on several fans.
     bool fans_are_independent() const { return model_.obstacles.empty() && !contacts_; }
 
     const Model& model_;
-    double damping_;  // [1/s]
+    SchemeOptions options_;
     ElasticForces forces_;
     std::optional<ThermalStress> thermal_;  // with heat
     CrackForces crack_forces_;
     IncubationClock incubation_;
     AbsorbingBoundary absorbing_;
+    FreePieces free_pieces_;
     std::vector<MeshBlock> blocks_;
     ObstacleStep obstacle_step_;
     VertexSolver solver_;

@@ -8,6 +8,9 @@
 // no reaction of a fan that moves as one. With d = k alpha/2,
 //
 //     v+ = decay v + mobility M^-1 (k (F - K u) + H' P),     decay = (1 - d)/(1 + d),     mobility = 1/(1 + d)
+//
+// In a piece that nothing holds it acts on the mean velocity minus the rigid motion W of the piece (free_pieces.hpp),
+// which adds (1 - decay) W to v+.
 #include "base/vec.hpp"
 #include "model/state.hpp"
 #include "stepper/common/point_work.hpp"
@@ -59,9 +62,17 @@ struct ExplicitStep {
     double damping = 0;  // [-] d
     double decay = (1 - damping) / (1 + damping);  // [-]
     double mobility = 1 / (1 + damping);           // [-]
+    double obstacle_damping = 0;                   // [-] d of free obstacles
     bool large_rotation = false;                   // K u are the forces -f = grad U of Green's strain
 
     const std::vector<Vec2>& corner_impulse;  // [N s] per corner, of contacts between free faces; empty: there are none
+    const Vec2* carried = nullptr;  // [m/s] per node: (1 - decay) W, zero where a piece is held; null: all are
+
+    /// [m/s] What damping leaves of the velocity of a node, without forces.
+    Vec2 damped(Index node) const {
+        const Vec2 left = decay * begin.velocity[node];
+        return carried == nullptr ? left : Vec2(left + carried[node]);
+    }
 
     /// [m/s] v+ in the prescribed components, zero in the others; `displacement` [m] u.
     Vec2 prescribed_velocity(const Model& model, const PrescribedMotion& motion, const Vec2& displacement) const {
@@ -97,21 +108,23 @@ public:
 
     /// From node `from` to node `to` with the end velocity v+ [m/s]; `force` [N] F - K u.
     void move(Index from, Index to, double mass, const Vec2& force, const Vec2& velocity) {
-        with_options([&]<bool large_rotation, bool damped, bool steady>() {
+        with_options([&]<bool large_rotation, Damped damped, bool steady>() {
             move_to<large_rotation, damped, steady>(from, to, mass, load(force), load(velocity), sums_);
         });
     }
     /// Nodes that nothing but a force [N] acts on; a Fan has its mass and its node `fan`.
     template <class Fan>
     void move_freely(std::span<const Fan> fans, const Vec2* force) {
-        with_options([&]<bool large_rotation, bool damped, bool steady>() {
+        with_options([&]<bool large_rotation, Damped damped, bool steady>() {
             Sums sums = sums_;
             const double response = step_.mobility * step_.kick_time, decay = step_.decay;  // [s], [-]
             const Vec2* velocity = step_.begin.velocity.data();
             for (const Fan& fan : fans) {
                 const Pair f = load(*force++), v = load(velocity[fan.fan]);
-                move_to<large_rotation, damped, steady>(fan.fan, fan.fan, fan.mass, f,
-                                                        (damped ? decay * v : v) + response / fan.mass * f, sums);
+                Pair left = damped == Damped::nothing ? v : decay * v;
+                if constexpr (damped == Damped::vibration) left += load(step_.carried[fan.fan]);
+                move_to<large_rotation, damped, steady>(fan.fan, fan.fan, fan.mass, f, left + response / fan.mass * f,
+                                                        sums);
             }
             sums_ = sums;
         });
@@ -129,19 +142,22 @@ private:
     struct Sums {
         double kinetic = 0, strain = 0, step_change_work = 0, damping_work = 0, rotation_work = 0, largest_speed2 = 0;
     };
+    enum class Damped { nothing, motion, vibration };  // the last one in the pieces that nothing holds
     /// Calls body<large_rotation, damped, steady>(); steady: the step has not changed.
     template <class Body>
     void with_options(const Body& body) {
-        const auto with_change = [&]<bool large_rotation, bool damped>() {
+        const auto with_change = [&]<bool large_rotation, Damped damped>() {
             step_.change_time() == 0 ? body.template operator()<large_rotation, damped, true>()
                                      : body.template operator()<large_rotation, damped, false>();
         };
-        const bool damped = step_.damping != 0;
-        if (step_.large_rotation)
-            damped ? with_change.template operator()<true, true>() : with_change.template operator()<true, false>();
-        else damped ? with_change.template operator()<false, true>() : with_change.template operator()<false, false>();
+        const auto with_damping = [&]<bool large_rotation>() {
+            if (step_.damping == 0) with_change.template operator()<large_rotation, Damped::nothing>();
+            else if (step_.carried == nullptr) with_change.template operator()<large_rotation, Damped::motion>();
+            else with_change.template operator()<large_rotation, Damped::vibration>();
+        };
+        step_.large_rotation ? with_damping.template operator()<true>() : with_damping.template operator()<false>();
     }
-    template <bool large_rotation, bool damped, bool steady>
+    template <bool large_rotation, Damped damped, bool steady>
     [[gnu::always_inline]] void move_to(Index from, Index to, double mass, const Pair& force, const Pair& velocity,
                                         Sums& sums) const {
         const double h = step_.drift_time;
@@ -155,8 +171,12 @@ private:
             sums.strain -= 0.5 * dot(force, u);
         }
         if constexpr (!steady) sums.step_change_work -= step_.change_time() * dot(force, velocity - before);
-        if constexpr (damped)
+        if constexpr (damped == Damped::motion)
             sums.damping_work -= 0.5 * step_.damping * mass * dot(before + velocity, before + velocity);
+        if constexpr (damped == Damped::vibration)  // 2 d (v + v+)/2 . ((v + v+)/2 - W)
+            sums.damping_work -= 0.5 * mass *
+                                 dot(before + velocity, step_.damping * (before + velocity) -
+                                                            (1 + step_.damping) * load(step_.carried[from]));
         sums.largest_speed2 = std::max(sums.largest_speed2, speed2);
         store(velocity, step_.end.velocity[to]);
         store(u, step_.end.displacement[to]);

@@ -90,8 +90,7 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
     velocity.assign(work.n_parts, Vec2::Zero()), work.mass.assign(work.n_parts, 0);
     for (Index i = 0; i < fan.n_corners; ++i) {
         const double inverse_mass = step.mobility / mass[i], m = 1 / inverse_mass;
-        required[i] =
-            step.decay * begin.velocity[work.node[i]] + step.kick_time * inverse_mass * step.corner_force[corners[i]];
+        required[i] = step.damped(work.node[i]) + step.kick_time * inverse_mass * step.corner_force[corners[i]];
         if (!step.corner_impulse.empty()) required[i] += inverse_mass * step.corner_impulse[corners[i]];
         velocity[work.part[i]] += m * required[i];  // the momentum, until it is divided
         work.mass[work.part[i]] += m;

@@ -77,6 +77,9 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
         add_terms(i);
         impulse_[i] = scale * Vec2(contacts_.all()[i].contact, contacts_.all()[i].tangential);
         before_[i] = rate(i, step.begin);
+        const Index at = contacts_.all()[i].vertex[0];
+        report.add_approach(contacts_.all()[i].gap, step.drift_time, before_[i].x(),
+                            model_.ground_at(at) ? model_.ground_at(at)->place : model_.mesh.corner(at));
     }
     find_clusters();
 }
@@ -194,8 +197,10 @@ void VertexContacts::add_parts(TouchedFan& touched, const ExplicitStep& step, Co
             if (touched.part[i] != own) continue;
             const double m = step.mass[fan.first_corner + i];
             mass += m;
-            momentum += step.decay * m * begin.velocity[begin.node_of_corner[corners[i]]] +
-                        step.mobility * step.kick_time * step.corner_force[corners[i]];
+            const Index node = begin.node_of_corner[corners[i]];
+            momentum +=
+                step.decay * m * begin.velocity[node] + step.mobility * step.kick_time * step.corner_force[corners[i]];
+            if (step.carried != nullptr) momentum += m * step.carried[node];
         }
         Vec2 free = momentum / mass, mobility = Vec2::Constant(step.mobility / mass);
         if (const PrescribedMotion* motion = model_.motion_of(corner)) {  // of the whole fan, which is bonded

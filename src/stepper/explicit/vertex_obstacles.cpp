@@ -18,7 +18,7 @@ constexpr int max_obstacle_rounds = 200;  // of contacts between faces and on ed
 }  // namespace
 
 void VertexObstacles::begin(const ExplicitStep& step) {
-    now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time, step.damping);
+    now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time, step.obstacle_damping);
     now_.contacts.find(step.begin, step.drift_time, now_.motion.rate(), step.corner_force);
     now_.impulse.assign(now_.contacts.all().size(), Vec2::Zero());
     edges_.clear();  // of the step before; solve_edges() is not called where there are none
@@ -182,6 +182,13 @@ void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
             {found.contact, found.friction_part, 0.5 * n.dot(before + after), 0.5 * turned_left(n).dot(before + after),
              rate_error, contact.gap + step.drift_time * n.dot(after)},
             report);
+    }
+    for (const ObstacleContact& contact : now_.contacts.all()) {
+        const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; });
+        report.add_approach(
+            contact.gap, step.drift_time,
+            contact.normal.dot(of_body - velocity_at(begin.obstacles[contact.obstacle].velocity, contact)),
+            begin.obstacles[contact.obstacle].pose.position + contact.arm);
     }
     sum_wrenches(wrench_);
     now_.motion.finish(begin, wrench_, step.end, report);

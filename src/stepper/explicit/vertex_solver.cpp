@@ -126,10 +126,10 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     for (Index i = 0; i < fan.n_corners; ++i) {
         const Index corner = corners[i], node = begin.node_of_corner[corner];
         const double inverse_mass = step.mobility / step.mass[fan.first_corner + i];
-        const FanBody body{.velocity = begin.velocity[node],
-                           .free_velocity = step.decay * begin.velocity[node] +
-                                            step.kick_time * inverse_mass * step.corner_force[corner],
-                           .inverse_mass = Vec2::Constant(inverse_mass)};
+        const FanBody body{
+            .velocity = begin.velocity[node],
+            .free_velocity = step.damped(node) + step.kick_time * inverse_mass * step.corner_force[corner],
+            .inverse_mass = Vec2::Constant(inverse_mass)};
         problem.bodies.push_back(body);
     }
     add_dashpots(f, step, work);

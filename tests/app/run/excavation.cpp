@@ -5,6 +5,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include <cmath>
+
 namespace excavation_test {
 
 using namespace program;
@@ -158,6 +160,64 @@ at = ")" + at + "\"\n[time]\nend = \"60 ms\"\n[output]\nfields = false\n");
     CHECK(log.find("warning[excavated]: at t = 0.05") != std::string::npos);
     CHECK(log.find("moved by up to 3", found) < found + 120);
     CHECK(log.find(words, found + 1) == std::string::npos);
+}
+
+TEST_CASE("excavation: a roof that only touches an excavated pillar is released by the ramp") {
+    // under the force R (1 - t/ramp) of its weight it reaches the speed g (T - ramp/2) in the time T; it still vibrates,
+    // by some hundredths of its weight
+    const auto velocity = [](const Folder& folder, const std::string& ramp, const std::string& law) {
+        write_scene(folder, R"(knap = 1
+[domain]
+rotation = "large"
+[[body]]
+name = "pillar"
+shape = "rectangle"
+origin = [0, 0]
+size = [0.5, 0.5]
+[[body]]
+name = "roof"
+shape = "rectangle"
+origin = [-0.1, 0.5]
+size = [0.7, 0.4]
+[mesh]
+size = 0.3
+[material.rock]
+density = 2600
+E = "5 GPa"
+nu = 0.25
+[interface.default]
+breakable = false
+friction = 0.5
+)" + law + R"([contact]
+[[obstacle]]
+shape = "half plane"
+at = [0, 0]
+normal = [0, 1]
+friction = 0.5
+[[load]]
+ramp = 0.02
+acceleration = [0, -9.81]
+[[excavation]]
+box = [-0.01, -0.01, 0.51, 0.5]
+at = 0.04
+ramp = )" + ramp + "\n[time]\nend = 0.14\n[output]\nfields = false\nevery = 0.07\n");
+        const Answer run = run_scene(folder, "-j 1 -s 'figure=[]' -o " + folder.in_shell("run"));
+        CAPTURE(run.text);
+        REQUIRE(run.code == 0);
+        return knap::read_csv(folder.path / "run/fragment_paths.csv").column("velocity_y").back();
+    };
+    const Folder at_once("released roof at once");
+    CHECK(velocity(at_once, "0", "restitution = 0\n") == doctest::Approx(-9.81 * 0.1).epsilon(0.01));
+    for (const char* restitution : {"0", "0.5"}) {
+        CAPTURE(restitution);
+        const Folder slowly("released roof");
+        CHECK(velocity(slowly, "0.06", std::string("restitution = ") + restitution + "\n") ==
+              doctest::Approx(-9.81 * 0.07).epsilon(0.02));
+        const knap::History energy = knap::read_csv(slowly.path / "run/energy.csv");
+        // int R (1 - t/ramp) v dt with v = g t^2/(2 ramp): m g^2 ramp^2/24, upwards while it falls
+        CHECK(energy.column("excavation_work").back() ==
+              doctest::Approx(-0.28 * 2600 * std::pow(9.81 * 0.06, 2) / 24).epsilon(0.1));
+    }
 }
 
 }  // namespace excavation_test

@@ -61,4 +61,41 @@ TEST_CASE("law lag: a crack that is all but free ends the run and is told what t
     CHECK_FALSE(small.has("warning[scheme_dissipation_part]"));
 }
 
+TEST_CASE("law lag: a hard impact is met in small steps and check says what they cost") {
+    // a disc of rock that hits the ground at 25 m/s, 12 critical openings a step; it ended the run after 21 steps
+    const Folder folder("hard impact");
+    const auto scene = [](const std::string& velocity) {
+        return "knap = 1\n[domain]\nrotation = \"large\"\nshape = \"disc\"\ncentre = [0, 0.3443]\nradius = "
+               "0.3433\n[mesh]\n"
+               "size = 0.12\n[material.rock]\ndensity = 2700\nE = 10e9\nnu = 0.25\n[interface.default]\nsigma_c = "
+               "8e6\nG_c = "
+               "200\ngamma = 2\nfriction = 0.6\n[contact]\nfriction = 0.5\n[[obstacle]]\nname = \"ground\"\nshape = "
+               "\"half "
+               "plane\"\nat = [0, 0]\nnormal = [0, 1]\nfriction = 0.5\n[[initial]]\nvelocity = " +
+               velocity + "\n[time]\nend = 2e-3\n[output]\nfields = false\nevery = 1e-3\n";
+    };
+    for (const char* seed : {"1", "2", "3"}) {
+        CAPTURE(seed);
+        write_scene(folder, scene("[6, -24]"));
+        const Answer run = run_scene(
+            folder, std::string("-j 1 -s 'figure=[]' --force -s seed=") + seed + " -o " + folder.in_shell("run"));
+        CAPTURE(run.text);
+        CHECK(run.code == 0);
+        const auto record = nlohmann::json::parse(text_of(folder.path / "run/run.json"));
+        CHECK(record["cuts"]["impact"].get<int>() > 0);
+        CHECK(record["summary"]["dissipated"].get<double>() > 500);
+        for (const auto& gate : record["gates"])
+            if (gate["name"] == "law_lag") CHECK(gate["value"].get<double>() < 0.05);
+    }
+    const Answer hard = command("check " + folder.in_shell("scene.toml"));
+    CAPTURE(hard.text);
+    CHECK(hard.has("warning[hard-impact]"));
+    CHECK(hard.has("meet at 24.7 m/s"));
+    write_scene(folder, scene("[1, -4]"));  // two critical openings a step
+    CHECK_FALSE(command("check " + folder.in_shell("scene.toml")).has("hard-impact"));
+    const Answer soft = run_scene(folder, "-j 1 -s 'figure=[]' -o " + folder.in_shell("soft"));
+    CHECK(soft.code == 0);
+    CHECK(nlohmann::json::parse(text_of(folder.path / "soft/run.json"))["cuts"]["impact"] == 0);
+}
+
 }  // namespace law_lag_test

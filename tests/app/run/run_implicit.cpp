@@ -191,7 +191,18 @@ TEST_CASE("why a run stopped names place and time and what to change") {
     for (const char* words : {"t = 3e-05 s", "(0.25, -0.5) m", "2e-09 s", "1.5e-09 s", "time.theta = 0.7",
                               "time.bulk = \"explicit\"", "time.step_min = \"1.5e-12 s\""})
         CHECK_MESSAGE(text.find(words) != std::string::npos, words);
-    CHECK(knap::cutback_text(cut, {0.25, -0.5}).find("2e-09 s -> 1e-09 s at (0.25, -0.5) m: the interface problem") !=
+    CHECK(
+        knap::cutback_text(cut, {0.25, -0.5}, 1).find("2e-09 s -> 1e-09 s at (0.25, -0.5) m: the interface problem") !=
+        std::string::npos);
+
+    const knap::Cutback jump{.reason = knap::CutbackReason::assumption_1,
+                             .time = 1,
+                             .from = 2e-4,
+                             .to = 1e-6,
+                             .changes_to_explicit = true,
+                             .explicit_until = 1.0004995};
+    CHECK(knap::stuck_text(jump, {}, 1e-9).find("time.bulk = \"auto\"") != std::string::npos);
+    CHECK(knap::cutback_text(jump, {}, 2).find("at least 500 steps of 1e-06 s, 1e+06 if the body is not quiet") !=
           std::string::npos);
 }
 

@@ -38,7 +38,7 @@ ModelInput block(std::uint64_t seed, double velocity) {
 /// `within`: the largest overlap of an edge inside one piece, at the tip of a crack that has not gone through it.
 void check_rests(std::uint64_t seed, double within = 1e-3) {
     CAPTURE(seed);
-    Run run(block(seed, 1), {.damping = 10});
+    Run run(block(seed, 1), {.damping = 10, .damping_of = DampingOf::motion});
     const double h = 0.8 * run.stepper.stable_step();
     const auto moves = [&] { return run.ledger.row().kinetic > 1e-9 * run.ledger.largest_energy(); };
     while (run.now.time < 1 || (run.now.time < 6 && moves()))

@@ -69,7 +69,7 @@ Run toppling_block(double spin, double friction, double beyond) {
     ModelInput input = on_ground(bodies, {.friction = friction, .restitution = 0}, floor(0, 0.4, beyond));
     const Vec2 from_pivot(-0.2, 0.4);
     input.initial_velocities = {{.on = {.boundary = ""}, .value = spin * turned_left(from_pivot), .spin = spin}};
-    return Run(std::move(input), {.damping = 4});
+    return Run(std::move(input), {.damping = 4, .damping_of = DampingOf::motion});
 }
 
 }  // namespace
@@ -202,7 +202,7 @@ TEST_CASE("a block finds the corner between two supports at a distance") {
     input.supports.push_back({.on = box({0.4 - 1e-6, -1e-6}, {0.4 + 1e-6, 0.2 + 1e-6}), .law = 1, .gap = 0.02});
     input.supports[0].gap = 0.01;
     input.loads.push_back({.kind = Load::Kind::acceleration, .value = {3, 0}});
-    Run run(std::move(input), {.damping = 10});
+    Run run(std::move(input), {.damping = 10, .damping_of = DampingOf::motion});
     const double h = 0.5 * run.stepper.stable_step();
     while (run.now.time < 3) {
         run.step(h);
@@ -249,7 +249,7 @@ Run glued_block(const Vec2& size, const Vec2& pulse, const Box& pulled, double b
                            .on = {.boundary = "", .box = pulled},
                            .value = {pulse.x(), pulse.y()},
                            .history = {.time = {0, 0.1, 0.1 + 1e-9}, .value = {1, 1, 0}}});
-    return Run(std::move(input), {.damping = 8});
+    return Run(std::move(input), {.damping = 8, .damping_of = DampingOf::motion});
 }
 
 TEST_CASE("a glued block that is torn off comes back to the ground that held it") {

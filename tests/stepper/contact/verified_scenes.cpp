@@ -52,7 +52,7 @@ Rubble pour(int columns, int rows, double E, int n_steps) {
     const CohesiveLaw touch{.friction = 0.5};
     input.obstacles = {platen({0, 0}, {0, 1}, touch), platen({0, 0}, {1, 0}, touch),
                        platen({width, 0}, {-1, 0}, touch)};
-    Run run(std::move(input), {.damping = damping});
+    Run run(std::move(input), {.damping = damping, .damping_of = DampingOf::motion});
     const double h = 0.8 * run.stepper.stable_step();
     std::vector<Vec2> before;
     for (int i = 0; i < n_steps; ++i) {
@@ -209,7 +209,7 @@ TEST_CASE("E25 the teeth of a zigzag joint slide over each other") {
                         .on = {.box = Box{{-1, 1.99}, {20, 3}}},
                         .value = {v, std::nullopt},
                         .history = {{settle, settle + ramp}, {0, 1}}}};
-        Run run(std::move(input), {.damping = alpha});
+        Run run(std::move(input), {.damping = alpha, .damping_of = DampingOf::motion});
         const double h = 0.8 * run.stepper.stable_step();
         double M = 0, rest = 0;
         for (Index c = 0; c < run.model.mesh.n_corners(); ++c)

@@ -1,0 +1,49 @@
+#pragma once
+// Edges of the body in rigid obstacles. Contacts (stepper/common/obstacle_contacts.hpp) are those of corners of the
+// body, and of corners of polygons on edges of its boundary; this measures what is left: a disc between two nodes, a
+// corner that no contact stops, whatever is held against a free obstacle.
+#include "model/state.hpp"
+
+#include <functional>
+#include <optional>
+
+namespace knap {
+
+struct EdgeInObstacle {
+    Index obstacle;
+    std::array<Index, 2> corner;  // the ends of the edge, the body to the left
+    double length;                // [m] of the edge, now
+    double depth;                 // [m] by which edge and obstacle would have to be moved apart
+    Vec2 place;                   // [m] of the deepest point
+
+    /// [-] Over the length of the edge, or half the width of the obstacle if that is less, so that neither passes the
+    /// other unnoticed.
+    double part(const Obstacle& of) const { return depth / std::min(length, of.outline.half_width()); }
+};
+
+/// Edges of the boundary and faces that have come apart, of second order in two halves, in the obstacles they overlap:
+/// in their present places, or without a state in those of the start.
+void for_edges_in_obstacles(const Model& model, const State* state,
+                            const std::function<void(const EdgeInObstacle&)>& visit);
+
+/// The body lies in an obstacle at the start, or an obstacle in the body, by more than the rounding of given
+/// coordinates: what lies deepest.
+struct StartOverlap {
+    Index obstacle;
+    double depth;  // [m]
+    Vec2 place;    // [m]
+};
+std::optional<StartOverlap> overlap_at_start(const Model& model);
+
+/// A free obstacle that would meet what cannot give way to it, so that it passes through: a body whose corners are all
+/// held; or what comes first on its way, from its velocity and forces at the start until `end` [s], is an edge whose
+/// ends are held, or a support, which meets bodies alone.
+struct HeldAgainst {
+    enum class What { body, edge, support };
+    What what;
+    Index obstacle;
+    Vec2 place;  // [m] of an edge
+};
+std::vector<HeldAgainst> held_against_obstacles(const Model& model, double end);
+
+}  // namespace knap
