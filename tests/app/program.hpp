@@ -80,6 +80,15 @@ inline void check_refused(const Folder& folder, const std::string& text, const c
     CHECK(answer.has(words));
 }
 
+/// What check says of a scenario that it accepts.
+inline Answer accepted(const Folder& folder, const std::string& text) {
+    write_scene(folder, text);
+    const Answer answer = command("check " + folder.in_shell("scene.toml"));
+    CAPTURE(answer.text);
+    CHECK(answer.code == 0);
+    return answer;
+}
+
 /// Runs the scenario whole, with these numbers of threads, and in parts that end at these times: all have the tables
 /// and frames of the run `whole`; `least`: of them there are more.
 inline void check_threads_and_parts(const Folder& folder, std::initializer_list<const char*> threads,

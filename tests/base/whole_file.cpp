@@ -54,17 +54,9 @@ TEST_CASE("the previous file is kept under another name until the new one is who
 
 TEST_CASE("errors of files name the path") {
     const Scratch scratch;
-    const auto message = [](const auto& action) -> std::string {
-        try {
-            action();
-        } catch (const OutputError& error) {
-            return error.what();
-        }
-        return "";
-    };
     const fs::path missing = scratch.path / "missing" / "file";
-    CHECK(message([&] { read_whole_file(missing); }).find(missing.string()) != std::string::npos);
-    CHECK(message([&] { write_whole_file(missing, "x"); }).find(missing.string()) != std::string::npos);
+    CHECK(tests::output_error_of([&] { read_whole_file(missing); }).find(missing.string()) != std::string::npos);
+    CHECK(tests::output_error_of([&] { write_whole_file(missing, "x"); }).find(missing.string()) != std::string::npos);
 }
 
 TEST_CASE("a temporary name leads nowhere else") {
@@ -92,14 +84,6 @@ TEST_CASE("a temporary name leads nowhere else") {
 TEST_CASE("a file that grows is with the system after every line or the reason is told") {
     const Scratch scratch;
     const fs::path path = scratch.path / "energy.csv";
-    const auto reason = [](const auto& action) -> std::string {
-        try {
-            action();
-        } catch (const OutputError& error) {
-            return error.what();
-        }
-        return "";
-    };
     {
         AppendedFile file(path);
         file.add("first\n");
@@ -115,12 +99,15 @@ TEST_CASE("a file that grows is with the system after every line or the reason i
     CHECK(AppendedFile(path).size() == 6);
     if (fs::exists("/dev/full")) {
         AppendedFile full("/dev/full");
-        CHECK(reason([&] { full.add("x"); }).find("/dev/full: No space left") != std::string::npos);
+        CHECK(tests::output_error_of([&] { full.add("x"); }).find("/dev/full: No space left") != std::string::npos);
     }
     const tests::Limited no_more_files(RLIMIT_NOFILE, 0);
-    CHECK(reason([&] { AppendedFile{path}; }).find("energy.csv: Too many open files") != std::string::npos);
-    CHECK(reason([&] { write_whole_file(path, "x"); }).find("energy.csv: Too many open files") != std::string::npos);
-    CHECK(reason([&] { read_whole_file(path); }).find("energy.csv: Too many open files") != std::string::npos);
+    CHECK(tests::output_error_of([&] { AppendedFile{path}; }).find("energy.csv: Too many open files") !=
+          std::string::npos);
+    CHECK(tests::output_error_of([&] { write_whole_file(path, "x"); }).find("energy.csv: Too many open files") !=
+          std::string::npos);
+    CHECK(tests::output_error_of([&] { read_whole_file(path); }).find("energy.csv: Too many open files") !=
+          std::string::npos);
 }
 
 TEST_CASE("a file that cannot be read to its end is an error") {

@@ -13,6 +13,17 @@ using namespace program;
 
 namespace {
 
+/// What follows the density of a body that does not break and meets a half plane.
+const std::string on_a_plane = R"(E = "30 GPa"
+nu = 0.25
+[interface.default]
+breakable = false
+[contact]
+[[obstacle]]
+shape = "half plane"
+at = [0, 0]
+)";
+
 /// A disc of 0.34 m that flies with 10 m/s above a ground, and weighs nothing.
 const std::string flight = R"(knap = 1
 [domain]
@@ -24,15 +35,7 @@ radius = "0.34 m"
 size = "0.2 m"
 [material.rock]
 density = 2700
-E = "30 GPa"
-nu = 0.25
-[interface.default]
-breakable = false
-[contact]
-[[obstacle]]
-shape = "half plane"
-at = [0, 0]
-normal = [0, 1]
+)" + on_a_plane + R"(normal = [0, 1]
 friction = 0.3
 [[initial]]
 velocity = ["10 m/s", 0]
@@ -56,15 +59,7 @@ origin = ["16.38304 m", "-11.471528 m"]
 angle = "-35 deg"
 [material.limestone]
 density = 2600
-E = "30 GPa"
-nu = 0.25
-[interface.default]
-breakable = false
-[contact]
-[[obstacle]]
-shape = "half plane"
-at = [0, 0]
-normal = [0.573576436, 0.819152044]
+)" + on_a_plane + R"(normal = [0.573576436, 0.819152044]
 friction = 0.75
 [[load]]
 acceleration = [0, -9.81]
