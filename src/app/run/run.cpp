@@ -282,7 +282,7 @@ void Run::count(const StepReport& report) {
 void Run::step_to_end() {
     progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_);
     stepping_ = Stopwatch();
-    if (now_.n_steps == 0) report(start_damage_text(setup_.model, now_));
+    if (setup_.scenario.time.start_in_equilibrium && now_.n_steps == 0) report(start_damage_text(setup_.model, now_));
     states_.skip_to(now_);
     try {
         while (record_.status == "running" && !StepControl::has_reached(now_, until_) && !recorder_.at_rest()) {
