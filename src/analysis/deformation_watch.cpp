@@ -69,15 +69,17 @@ void DeformationWatch::look_into_obstacles(const State& state) {
 }
 
 double DeformationWatch::obstacle_speed(const State& state) const {
-    const double reach = 2 * bounding_box(model_.mesh.vertices).diagonal();
     double largest = 0;
     for (const ObstacleState& obstacle : state.obstacles)
-        largest = std::max(largest, obstacle.velocity.head<2>().norm() + reach * std::abs(obstacle.velocity.z()));
+        largest = std::max(largest, obstacle.velocity.head<2>().norm() + reach_ * std::abs(obstacle.velocity.z()));
     return largest;
 }
 
 void DeformationWatch::renew() {
     const Model& model = model_;
+    reach_ = 2 * bounding_box(model.mesh.vertices).diagonal();
+    stiffest_ = 0;
+    for (const Elastic& material : model.materials) stiffest_ = std::max(stiffest_, material.E);
     obstacle_path_ = infinity;
     for (const auto& [triangle, side, boundary] : model.mesh.boundary_edges)
         obstacle_path_ = std::min(obstacle_path_, 0.05 * model.mesh.side_vector(triangle, side).norm());
@@ -117,10 +119,8 @@ double DeformationWatch::search_path() const {
 
 double DeformationWatch::rounding_energy(double path) const {
     if (model_.large_rotation) return 0;
-    double modulus = 0;  // [Pa]
-    for (const Elastic& material : model_.materials) modulus = std::max(modulus, material.E);
     const double u = displacement_ + std::min(path, look_path_);  // since the last look
-    return std::ldexp(std::sqrt(model_.mesh.n_triangles()) * modulus * model_.thickness * u * u, 3 - 53);
+    return std::ldexp(std::sqrt(model_.mesh.n_triangles()) * stiffest_ * model_.thickness * u * u, 3 - 53);
 }
 
 void DeformationWatch::look_at(const State& state) {

@@ -84,6 +84,8 @@ private:
 
     const Model& model_;
     double triangle_area_ = 0, body_area_ = 0, look_path_ = 0, obstacle_path_ = 0;
+    double reach_ = 0;         // [m] no point of an obstacle beside the body is farther from its reference point
+    double stiffest_ = 0;      // [Pa] largest E of the materials
     double displacement_ = 0;  // [m] largest at the last look
     Extreme rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, obstacle_depth_;
     std::vector<std::array<Index, 2>> obstacle_pairs_;

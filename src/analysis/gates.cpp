@@ -346,6 +346,10 @@ void judge(const GateView& view, std::span<const AllowedLimit> limits, Gates& ga
     }
 }
 
+void GateKeeper::judge_end(const EnergyLedger& ledger, const DeformationWatch& deformation) {
+    knap::judge({ledger, critical_opening_, size_, true, &deformation, ledger.kinetic_part()}, allowed_, gates_);
+}
+
 bool GateKeeper::pass() const { return std::ranges::all_of(gates_, &Gate::pass); }
 
 std::vector<const Gate*> GateKeeper::new_warnings() const {

@@ -79,9 +79,7 @@ public:
     void judge(const EnergyLedger& ledger, const DeformationWatch& deformation) {
         knap::judge({ledger, critical_opening_, size_, false, &deformation}, allowed_, gates_);
     }
-    void judge_end(const EnergyLedger& ledger, const DeformationWatch& deformation, double kinetic_part) {
-        knap::judge({ledger, critical_opening_, size_, true, &deformation, kinetic_part}, allowed_, gates_);
-    }
+    void judge_end(const EnergyLedger& ledger, const DeformationWatch& deformation);
     const Gates& gates() const { return gates_; }
     bool pass() const;
 

@@ -1,5 +1,6 @@
 #include "analysis/interface_graph.hpp"
 
+#include "analysis/nearest.hpp"
 #include "model/state.hpp"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ template <class OfPoint>
 InterfaceStatus status_of_edge(const Model& model, Index edge, const OfPoint& of_point) {
     const Index order = model.mesh.order, i = edge / order, first = model.points_per_interface() * i;
     const Interface& interface = model.interfaces[i];
-    if (interface.cracked || model.laws[interface.law].sigma_c <= 0) return InterfaceStatus::precrack;
+    if (is_open_from_start(model, interface)) return InterfaceStatus::precrack;
     if (order == 1) return status_of(of_point(first), of_point(first + 1));
     return status_of(of_point(first + edge % 2), of_point(first + 2));  // the third point is in both halves
 }

@@ -54,7 +54,7 @@ NearBoundary nearest_boundary(const Mesh& mesh, const Vec2& place) {
     NearBoundary nearest;
     for (const BoundaryEdge& edge : mesh.boundary_edges) {
         const Vec2 a = mesh.corner(edge.triangle, edge.side), along = mesh.side_vector(edge.triangle, edge.side);
-        const Vec2 point = a + std::clamp((place - a).dot(along) / along.squaredNorm(), 0.0, 1.0) * along;
+        const Vec2 point = a + nearest_parameter(a, mesh.corner(edge.triangle, (edge.side + 1) % 3), place) * along;
         if (const double distance = (point - place).norm(); distance < nearest.distance)
             nearest = {point, distance, along.norm()};
     }

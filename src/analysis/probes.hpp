@@ -73,7 +73,7 @@ struct ProbeSubject {
     double distance = 0;       // [m] of it from `at` of the probe
     Index n_triangles = 0;     // of a mean stress
 };
-/// "pre-crack from (0, 0) m to (0.1, 0) m, 0 m from its place"
+/// "pre-crack from (0, 0) m to (0.1, 0) m, 0.002 m from its place"; without the distance where it is 0
 std::string text_of(const ProbeSubject& subject);
 
 class Probes {

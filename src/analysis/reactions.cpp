@@ -20,12 +20,16 @@ Reactions::Reactions(const Model& model) : model_(model) {
     largest_forces_.assign(places_.size(), 0.0);
 }
 
-void Reactions::after_step(const State& state) {
-    forces_.assign(loads_.size(), Vec2::Zero());
+void Reactions::sum_forces(const State& state, std::vector<Vec2>& forces) const {
+    forces.assign(loads_.size(), Vec2::Zero());
     for (const auto& [place, corner, k] : held_)
         if (const Index motion = model_.prescribed_of_corner[corner]; motion >= 0)  // else it was excavated
-            forces_[place][k] += state.reaction[motion][k];
-    for (const ObstacleState& obstacle : state.obstacles) forces_.push_back(-obstacle.reaction.head<2>());
+            forces[place][k] += state.reaction[motion][k];
+    for (const ObstacleState& obstacle : state.obstacles) forces.push_back(-obstacle.reaction.head<2>());
+}
+
+void Reactions::after_step(const State& state) {
+    sum_forces(state, forces_);
     for (std::size_t i = 0; i < forces_.size(); ++i)
         largest_forces_[i] = std::max(largest_forces_[i], forces_[i].norm());
 }
@@ -43,20 +47,23 @@ void Reactions::renew() {
 }
 
 std::vector<Reaction> Reactions::at(const State& state) const {
+    std::vector<Vec2> forces;
+    sum_forces(state, forces);
     std::vector<Reaction> found(loads_.size(), {Vec2::Zero(), Vec2::Zero()});
     std::vector<Eigen::Vector2i> n_held(loads_.size(), Eigen::Vector2i::Zero());
     for (const auto& [place, corner, k] : held_) {
         if (model_.prescribed_of_corner[corner] < 0) continue;  // it was excavated
         ++n_held[place][k];
-        found[place].force[k] += state.reaction[model_.prescribed_of_corner[corner]][k];
         found[place].displacement[k] += state.displacement[state.node_of_corner[corner]][k];
     }
-    for (std::size_t i = 0; i < found.size(); ++i)
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        found[i].force = forces[i];
         for (int k = 0; k < 2; ++k)
             if (n_held[i][k] > 0) found[i].displacement[k] /= n_held[i][k];
+    }
     for (const ObstacleState& obstacle : state.obstacles)
-        found.push_back({-obstacle.reaction.head<2>(), obstacle.moved.head<2>(), -obstacle.reaction.z(),
-                         obstacle.moved.z(), obstacle.velocity.head<2>(), obstacle.velocity.z()});
+        found.push_back({forces[found.size()], obstacle.moved.head<2>(), -obstacle.reaction.z(), obstacle.moved.z(),
+                         obstacle.velocity.head<2>(), obstacle.velocity.z()});
     return found;
 }
 

@@ -63,6 +63,9 @@ private:
         int component;
     };
 
+    /// [N] In the order of at().
+    void sum_forces(const State& state, std::vector<Vec2>& forces) const;
+
     const Model& model_;
     std::vector<Index> loads_;
     std::vector<Held> held_;

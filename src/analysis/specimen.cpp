@@ -65,6 +65,7 @@ double Gauge::strain(const State& state, const std::vector<Reaction>& reactions)
 Specimen::Specimen(const Model& model, const Reactions& reactions, const SpecimenOptions& options)
     : reactions_(reactions),
       options_(options),
+      window_ends_(options.window),
       columns_(stress_strain_columns(options)),
       driver_(driver_of(reactions, options.driver)),
       sign_(options.test == Test::tension ? 1 : -1) {
@@ -134,7 +135,7 @@ SpecimenMoment Specimen::at(const State& state) const {
 void Specimen::begin(const State& start) {
     last_ = at(start);
     curve_ = {windows_.end(columns_, last_, 0, 0)};
-    next_window_ = options_.window > 0 ? start.time + options_.window : infinity;
+    window_ends_.start(start.time);
 }
 
 void Specimen::after_step(const State& now) {
@@ -161,10 +162,7 @@ std::vector<double> Specimen::Mean::end(std::span<const Measure<SpecimenMoment>>
 }
 
 void Specimen::end_window(const State& now, Index n_tensile, Index n_shear) {
-    const double reached = now.time * (1 + 1e-12);
-    if (reached < next_window_) return;
-    next_window_ = options_.window * (std::floor(reached / options_.window) + 1);
-    curve_.push_back(windows_.end(columns_, last_, n_tensile, n_shear));
+    if (window_ends_.advance_if_due(now.time)) curve_.push_back(windows_.end(columns_, last_, n_tensile, n_shear));
 }
 
 History Specimen::curve(Index n_tensile, Index n_shear) const {

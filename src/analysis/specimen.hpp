@@ -14,6 +14,7 @@
 // a curve of its own, of means over `window`, so that they do not depend on the lines that are written.
 #include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
+#include "base/every.hpp"
 #include "output/history_csv.hpp"
 
 namespace knap {
@@ -91,7 +92,7 @@ public:
     /// Stress over strain until now, with the columns of a line.
     History curve(Index n_tensile, Index n_shear) const;
 
-    void serialize(auto& archive) { archive(last_, lines_, windows_, next_window_, curve_); }
+    void serialize(auto& archive) { archive(last_, lines_, windows_, window_ends_, curve_); }
 
 private:
     /// Integrals over time.
@@ -108,6 +109,7 @@ private:
 
     const Reactions& reactions_;
     SpecimenOptions options_;
+    Every window_ends_;  // of the curve
     std::vector<Measure<SpecimenMoment>> columns_;
     std::size_t driver_;  // into Reactions::at
     double outwards_;     // direction from the middle of the body to the driver, along the axis
@@ -115,7 +117,6 @@ private:
     Gauge axial_, lateral_;
     SpecimenMoment last_;                     // at the end of the last step
     Mean lines_, windows_;                    // since the last line and the last window
-    double next_window_ = infinity;           // [s] its end
     std::vector<std::vector<double>> curve_;  // a line for each window
 };
 

@@ -67,9 +67,11 @@ double GridTable::operator()(double x, double y, double t) const {
 
 double GridTable::corner(double begin, double end, double shortest, double tolerance) const {
     const std::vector<double>&x = axes_[0], &y = axes_[1], &t = axes_[2];
+    auto at = std::ranges::upper_bound(t, begin);
+    if (at == t.end() || *at >= end) return end;
     const auto [low, high] = std::ranges::minmax(values_);
     double farthest = tolerance * (high - low), found = end;
-    for (auto at = std::ranges::upper_bound(t, begin); at != t.end() && *at < end; ++at) {
+    for (; at != t.end() && *at < end; ++at) {
         if (*at - begin < shortest) continue;
         const double part = (*at - begin) / (end - begin);
         for (std::size_t i = 0; i < x.size() * y.size(); ++i) {

@@ -8,7 +8,7 @@ namespace knap {
 /// Inserts one straight piece after the other; earlier pieces keep their place, later ones are bent onto them.
 class GraphBuilder {
 public:
-    /// Goes on with a graph. `box`, `n_pieces`: about where and how many.
+    /// Goes on with a graph. `box`: about where the pieces lie; `n_pieces`: about how many there are.
     GraphBuilder(PlanarGraph& graph, const Box& box, std::size_t n_pieces);
 
     /// Points of the pieces that are nearer than the tolerance to earlier nodes and segments are moved onto these.

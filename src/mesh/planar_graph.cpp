@@ -63,6 +63,12 @@ PlanarGraph planar_graph(const Shape& shape, double region_tolerance, SnapCounts
     const double tolerance = shape.tolerance();
     const Box box = bounding_box(shape.outer.points);
     const std::size_t n_points = n_points_of(shape);
+    const bool snaps = shape.snap > tolerance;
+    const auto insert_regions = [&](GraphBuilder& builder) {
+        for (Index i = 0; i < std::ssize(shape.regions); ++i)
+            builder.insert(sides_of(shape.regions[i].points, true), std::max(tolerance, region_tolerance),
+                           {.region = i});
+    };
     {
         GraphBuilder builder(graph, box, n_points);
         builder.insert(sides_of(shape.outer.points, true), tolerance, {.ring = 0}, shape.outer.boundary);
@@ -70,20 +76,15 @@ PlanarGraph planar_graph(const Shape& shape, double region_tolerance, SnapCounts
             builder.insert(sides_of(shape.holes[i].points, true), tolerance, {.ring = i + 1}, shape.holes[i].boundary);
         for (Index i = 0; i < std::ssize(shape.cracks); ++i)
             builder.insert(sides_of(shape.cracks[i].points, false), tolerance, {.crack = i});
-        if (shape.snap <= tolerance)
-            for (Index i = 0; i < std::ssize(shape.regions); ++i)
-                builder.insert(sides_of(shape.regions[i].points, true), std::max(tolerance, region_tolerance),
-                               {.region = i});
+        if (!snaps) insert_regions(builder);
     }
-    if (shape.snap > tolerance) {
+    if (snaps) {
         cut_off(graph, shape, tolerance);
         drop_unused_nodes(graph);
         const SnapCounts found = snap_lines(graph, shape);
         if (counts) *counts = found;
         GraphBuilder builder(graph, box, n_points);
-        for (Index i = 0; i < std::ssize(shape.regions); ++i)
-            builder.insert(sides_of(shape.regions[i].points, true), std::max(tolerance, region_tolerance),
-                           {.region = i});
+        insert_regions(builder);
     }
     cut_off(graph, shape, tolerance);
     drop_unused_nodes(graph);

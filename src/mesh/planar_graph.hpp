@@ -33,7 +33,6 @@ struct SnapCounts {
     int n_left_out = 0;            // pieces shorter than that, which were left out
     double length_left_out = 0;    // [m] of these
     std::vector<Index> lost = {};  // cracks of which nothing is left: numbers
-    bool any() const { return n_joined + n_merged + n_left_out > 0 || !lost.empty(); }
 };
 
 /// For a shape whose rings were checked. The end of a crack within the shape tolerance of a ring or of an earlier crack

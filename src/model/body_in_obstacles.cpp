@@ -95,9 +95,9 @@ std::optional<HeldAgainst> held_on_way(const Model& model, Index number, double 
     using What = HeldAgainst::What;
     const Obstacle& obstacle = model.obstacles[number];
     const ObstacleState start = initial_state(obstacle);
-    Vec3 acceleration = Vec3::Zero();
-    for (const ObstacleForce& force : obstacle.forces) acceleration += force.history(infinity) * force.value;
-    for (int k = 0; k < 3; ++k) acceleration[k] = obstacle.is_free(k) ? acceleration[k] / obstacle.inertia_of(k) : 0;
+    Vec3 acceleration = force_at(obstacle, infinity);
+    for (int k = 0; k < 3; ++k)
+        if (obstacle.is_free(k)) acceleration[k] /= obstacle.inertia_of(k);
     const auto way = [&](double t) -> Vec3 { return t * start.velocity + 0.5 * t * t * acceleration; };
     const auto length = [&] {  // [m] at most
         return end * (start.velocity.head<2>().norm() + 0.5 * end * acceleration.head<2>().norm());

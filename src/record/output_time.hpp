@@ -1,30 +1,9 @@
 #pragma once
 // When output is written, and the time that it takes.
+#include "base/every.hpp"
 #include "base/stopwatch.hpp"
-#include "base/vec.hpp"
-
-#include <cmath>
 
 namespace knap {
-
-/// Output times: after the start, at the multiples of an interval [s]; never, where that is 0.
-class Every {
-public:
-    explicit Every(double interval) : interval_(interval) {}
-    void start(double time) { next_ = interval_ > 0 ? time + interval_ : infinity; }
-    bool is_due(double time) const { return reached(time) >= next_; }
-    /// Likewise; if it is due, the next multiple is what counts from then on.
-    bool advance_if_due(double time) {
-        if (!is_due(time)) return false;
-        next_ = interval_ * (std::floor(reached(time) / interval_) + 1);
-        return true;
-    }
-    void serialize(auto& archive) { archive(next_); }
-
-private:
-    static double reached(double time) { return time * (1 + 1e-12); }
-    double interval_, next_ = infinity;
-};
 
 /// Time spent on output.
 struct OutputTime {

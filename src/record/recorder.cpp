@@ -67,7 +67,7 @@ void Recorder::begin(const State& start) {
     if (options_.continues_other_run) deformation_.look_at(start), gates_.judge(ledger_, deformation_);
     open_files();
     follow_cracks(start);
-    if (!reactions_.empty()) reactions_.after_step(start);
+    reactions_.after_step(start);
     write_lines(start);
     write_fragments(start);
     lines_.start(start.time);
@@ -89,7 +89,7 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);
     follow_cracks(now);
-    if (!reactions_.empty()) reactions_.after_step(now);
+    reactions_.after_step(now);
     if (breaks_) {  // every step: between two lines none must be missed
         const Timed timed(time_);
         if (specimen_) specimen_->after_step(now);
@@ -138,7 +138,7 @@ void Recorder::finish(const State& now, bool ended_early) {
         const Timed timed(time_);
         deformation_.look_at(now), look_ = {0, now.n_steps};
     }
-    gates_.judge_end(ledger_, deformation_, ledger_.kinetic_part());
+    gates_.judge_end(ledger_, deformation_);
     if (last_line_ < now.time) write_lines(now);
     const History& fragments = histories().fragment_history;
     if (fragments.rows.empty() || fragments.rows.back()[0] < now.time) write_fragments(now);

@@ -5,7 +5,6 @@
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
-#include "stepper/step_control.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,6 +3,7 @@
 #include "model/successor.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
+#include "stepper/contact/face_contacts.hpp"
 #include "stepper/explicit/explicit_step.hpp"
 #include "stepper/explicit/free_pieces.hpp"
 
@@ -24,10 +25,11 @@ void visit_contact_forces(const Model& model, const State& begin, const State& e
     };
     for (const FaceContactState& contact : end.face_contacts) {
         const GroundVertex* ground = model.ground_at(contact.edge);
-        const Index a = contact.edge, b = ground ? model.mesh.n_corners() + ground->next : a % 3 == 2 ? a - 2 : a + 1;
+        const Index a = contact.edge,
+                    b = ground ? model.mesh.n_corners() + ground->next : FreeBoundary::next_in_triangle(a);
         const Vec2 x_a = place(a), along = place(b) - x_a, away = place(contact.vertex) - x_a;
         const double length = along.norm();
-        const Vec2 t = along / length, n = -turned_left(t);
+        const Vec2 t = along / length, n = outward(t);
         const double share = t.dot(away) / length, gap = n.dot(away);
         const Vec2 force = (contact.contact * n + contact.tangential * t) / kick_time,
                    couple = gap / length * contact.tangential / kick_time * n;

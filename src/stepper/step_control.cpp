@@ -199,7 +199,7 @@ void StepControl::begin_stage(double step, double largest) {
 }
 
 double StepControl::least_after_impact() const {
-    return std::min(largest_, std::max(limits_.smallest, least_against_contact * largest_));
+    return std::min(largest_, smallest_against(CutbackReason::contact_speed));
 }
 
 double StepControl::smallest_against(CutbackReason reason) const {

@@ -269,6 +269,7 @@ public:
     }
 
     void on_places() {
+        std::ranges::move(findings_of_probes(read_, model_), std::back_inserter(found));
         for (const Body& body : scenario_.bodies) {
             const std::string list = body.path + ".region";
             const std::size_t n = std::min(read_.values.count(list), body.shape.regions.size());
@@ -397,7 +398,6 @@ private:
 
 std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& model) {
     Warnings warnings(read, model);
-    warnings.found = findings_of_probes(read, model);
     warnings.on_places();
     return std::move(warnings.found);
 }
@@ -409,7 +409,6 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_heat(plan.limits.largest);
     warnings.on_jumps(plan.limits.largest);
     warnings.on_rotation();
-    std::ranges::move(findings_of_probes(read, model), std::back_inserter(warnings.found));
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace knap {
 namespace {
@@ -152,8 +153,8 @@ private:
     /// Values that go on beyond the table (`trend`) are suspect far from it; others are often meant to stay.
     void judge(const std::string& path, const TemperatureTable& table, bool trend) {
         if (table.empty()) return;
-        if (!known_) range_ = temperatures_of_run(read_.scenario, mesh_), known_ = true;
-        const auto& [low, high] = range_;
+        if (!range_) range_ = temperatures_of_run(read_.scenario, mesh_);
+        const auto& [low, high] = *range_;
         const std::vector<double>&T = table.temperature, &v = table.value;
         const std::size_t n = T.size();
         const double span = T[n - 1] - T[0];
@@ -175,14 +176,13 @@ private:
             {.severity = Diagnostic::Severity::warning,
              .code = "table-not-reached",
              .message = formatted("`%s` covers %.6g to %.6g %s, and the temperatures of the run, %.6g to %.6g %s, %s",
-                                  path.c_str(), T.front(), T.back(), unit, range_[0], range_[1], unit, what),
+                                  path.c_str(), T.front(), T.back(), unit, (*range_)[0], (*range_)[1], unit, what),
              .note = "a table over the temperatures of the run; all temperatures count from one zero"}));
     }
 
     const ReadResult& read_;
     const Mesh& mesh_;
-    std::array<double, 2> range_{};
-    bool known_ = false;
+    std::optional<std::array<double, 2>> range_;  // [K] temperatures of the run, once a table needs them
     std::vector<Diagnostic> found_;
 };
 

@@ -28,6 +28,12 @@ struct FaceContact {
     double depth;                 // [m] of the overlap: -g, or less at a convex corner
     double contact, tangential;   // [N s] impulses of the step before (0 if new), duplicates merged: the start of the
                                   // iteration
+
+    /// Of values at the corners: that of the vertex, the mean of both, minus that of the edge.
+    Vec2 jump(const auto& of_corner) const {
+        return 0.5 * (of_corner(vertex[0]) + of_corner(vertex[1])) - (1 - share) * of_corner(edge[0]) -
+               share * of_corner(edge[1]);
+    }
 };
 
 /// That of the pair of materials; on a support that of its interface, whatever lies on it; of two faces of joints that

@@ -37,8 +37,8 @@ void FreePieces::find(const State& begin) {
     const Mesh& mesh = model_.mesh;
     const Index n = mesh.n_triangles(), n_points = model_.points_per_interface();
     UnionFind sets(n);
-    std::vector<std::uint8_t> held(n,
-                                   0);  // at first the triangles that something holds, then the lowest of their piece
+    // [0/1] at first of the triangles that something holds, then of the lowest one of their piece
+    std::vector<std::uint8_t> held(n, 0);
     const std::vector<std::uint8_t> joins = joining_points(model_, begin);
     for (std::size_t i = 0; i < model_.interfaces.size(); ++i) {
         if (std::ranges::none_of(std::span(joins).subspan(i * n_points, n_points), [](auto joined) { return joined; }))
@@ -78,9 +78,9 @@ void FreePieces::find(const State& begin) {
     }
     std::ranges::stable_sort(found, {}, &std::pair<Index, Member>::first);
     for (const auto& [piece, member] : found) {
-        if (blocks_.empty() || blocks_.back().piece != piece) pieces_[piece].member = members_.size();
-        if (blocks_.empty() || blocks_.back().piece != piece ||
-            members_.size() - blocks_.back().first == members_in_a_block)
+        const bool begins = blocks_.empty() || blocks_.back().piece != piece;
+        if (begins) pieces_[piece].member = members_.size();
+        if (begins || members_.size() - blocks_.back().first == members_in_a_block)
             blocks_.push_back({piece, members_.size(), members_.size()});
         members_.push_back(member);
         pieces_[piece].mass += member.mass;

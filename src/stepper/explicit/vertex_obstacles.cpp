@@ -169,12 +169,15 @@ void VertexObstacles::correct_work(const State& end, StepReport& report) const {
 
 void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
     const State &begin = step.begin, &end = step.end;
+    const auto rate_at_begin = [&](const ObstacleContact& contact) -> Vec2 {
+        return contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
+               velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+    };
     for (std::size_t i = 0; i < edges_.size(); ++i) {
         const ObstacleContact& contact = now_.contacts.on_edges()[i];
         const LinkResult& found = edges_[i].found;
         const Vec2 n = contact.normal;
-        const Vec2 before = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }) -
-                            velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
+        const Vec2 before = rate_at_begin(contact);
         const Vec2 after = contact.of_body([&](Index c) -> Vec2 { return end.velocity[end.node_of_corner[c]]; }) -
                            velocity_at(now_.motion.rate()[contact.obstacle], contact);
         const double rate_error = (edge_tolerance + report.residual) * (before.norm() + after.norm());  // [m/s]
@@ -183,13 +186,9 @@ void VertexObstacles::finish(const ExplicitStep& step, StepReport& report) {
              rate_error, contact.gap + step.drift_time * n.dot(after)},
             report);
     }
-    for (const ObstacleContact& contact : now_.contacts.all()) {
-        const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; });
-        report.add_approach(
-            contact.gap, step.drift_time,
-            contact.normal.dot(of_body - velocity_at(begin.obstacles[contact.obstacle].velocity, contact)),
-            begin.obstacles[contact.obstacle].pose.position + contact.arm);
-    }
+    for (const ObstacleContact& contact : now_.contacts.all())
+        report.add_approach(contact.gap, step.drift_time, contact.normal.dot(rate_at_begin(contact)),
+                            begin.obstacles[contact.obstacle].pose.position + contact.arm);
     sum_wrenches(wrench_);
     now_.motion.finish(begin, wrench_, step.end, report);
     if (!model_.contact_of_pair.empty()) correct_work(step.end, report);

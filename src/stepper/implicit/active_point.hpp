@@ -77,7 +77,7 @@ inline std::size_t end_of_fan(const std::vector<ActivePoint>& points, std::size_
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
                             Index fan_point);
 
-/// Likewise a contact with an obstacle that moves with the rate `obstacle_rate` over the step.
+/// A contact with an obstacle that moves with the rate `obstacle_rate` over the step, as a point.
 ActivePoint obstacle_point(const Model& model, const StepContext& step, const CornerPartition& nodes,
                            const ObstacleContact& contact, const Vec3& obstacle_rate);
 

@@ -24,9 +24,7 @@ bool FacePoints::lacked(const State& begin, double h, const std::vector<Vec2>& c
         const auto rate = [&](Index corner) -> Vec2 {
             return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : corner_rate[corner];
         };
-        const Vec2 w = 0.5 * (rate(contact.vertex[0]) + rate(contact.vertex[1])) -
-                       (1 - contact.share) * rate(contact.edge[0]) - contact.share * rate(contact.edge[1]);
-        return contact.gap + h * contact.normal.dot(w) < -1e-12 * contact.length;
+        return contact.gap + h * contact.normal.dot(contact.jump(rate)) < -1e-12 * contact.length;
     };
     return faces_ && std::ranges::any_of(faces_->all(), [&](const FaceContact& contact) {
                return std::ranges::find(before_, number(contact)) == before_.end() && closes(contact);
@@ -59,9 +57,7 @@ ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const Corn
     const auto velocity = [&](Index corner) -> Vec2 {
         return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : begin.velocity[begin.node_of_corner[corner]];
     };
-    const double rate =
-        contact.normal.dot(0.5 * (velocity(contact.vertex[0]) + velocity(contact.vertex[1])) -
-                           (1 - contact.share) * velocity(contact.edge[0]) - contact.share * velocity(contact.edge[1]));
+    const double rate = contact.normal.dot(contact.jump(velocity));
     ActivePoint made{.sides = sides_of(contact, nodes),
                      .normal = -contact.normal,  // from the vertex to the edge
                      .law = {.u_N = contact.gap,

@@ -171,14 +171,19 @@ void ImplicitBulk::impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_
         for (Index c = n * first; c < n * last; ++c)
             of_corner[c] = -theta_h * (begin_force_[c] + theta_h * of_corner[c]);
     });
-    const Index* node = nodes_->node_of_corner.data();
-    add_mass_times([&](Index c) { return change_of_velocity(node[c], rate[node[c]]); }, of_corner);
+    add_change_of_momentum(rate, of_corner);
 }
 
 /// [m/s] theta (v+ - v)
 Vec2 ImplicitBulk::change_of_velocity(Index node, const Vec2& rate) const {
     if (!nodes_->prescribed[node][0] && !nodes_->prescribed[node][1]) return rate - velocity_[node];
     return step_->theta * (end_velocity(node, rate) - velocity_[node]);
+}
+
+/// [N s] theta M (v+ - v)
+void ImplicitBulk::add_change_of_momentum(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
+    const Index* node = nodes_->node_of_corner.data();
+    add_mass_times([&](Index c) { return change_of_velocity(node[c], rate[node[c]]); }, of_corner);
 }
 
 void ImplicitBulk::momentum(const std::vector<Vec2>& velocity, std::vector<Vec2>& of_corner) const {
@@ -195,8 +200,7 @@ void ImplicitBulk::momentum_of_nodes(const std::vector<Vec2>& velocity, std::vec
 void ImplicitBulk::external_impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
     of_corner.clear();
     for (const Vec2& force : load_) of_corner.push_back(-step_->kick() * force);
-    const Index* node = nodes_->node_of_corner.data();
-    add_mass_times([&](Index c) { return change_of_velocity(node[c], rate[node[c]]); }, of_corner);
+    add_change_of_momentum(rate, of_corner);
 }
 
 void ImplicitBulk::sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const {

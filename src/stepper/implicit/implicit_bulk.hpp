@@ -73,6 +73,7 @@ private:
     template <class Velocity>
     void add_mass_times(const Velocity& of_corner, std::vector<Vec2>& sum) const;
     Vec2 change_of_velocity(Index node, const Vec2& rate) const;
+    void add_change_of_momentum(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;
     double elastic_impulse(Index corner, double speed) const;
     void elastic_force(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
                        std::vector<Vec2>& of_corner) const;

@@ -50,7 +50,7 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
         if (faces_.find(begin, h, face_rate_)) report = solve_step(begin, h, end);
         else report.rejection = Rejection::contact_speed;
         if (faces_.size() == 0 || report.rejection != Rejection::none || round == max_face_rounds) return report;
-        for (Index c = 0; c < model_.mesh.n_corners(); ++c) face_rate_[c] = x_.rate[partition_.node_of_corner[c]];
+        read_corner_rates(face_rate_);
         if (!faces_.lacked(begin, h, face_rate_)) return report;
     }
 }
@@ -159,8 +159,12 @@ bool ImplicitScheme::move_freely() {
     double fastest = 0;
     for (const Vec2& rate : x_.rate) fastest = std::max(fastest, rate.norm());
     const bool moved = solver_.move_freely() > moved_freely * fastest;
-    for (Index c = 0; c < model_.mesh.n_corners(); ++c) corner_rate_[c] = x_.rate[partition_.node_of_corner[c]];
+    read_corner_rates(corner_rate_);
     return !moved || ++n_free_rounds_ == max_free_rounds;
+}
+
+void ImplicitScheme::read_corner_rates(std::vector<Vec2>& of_corner) const {
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) of_corner[c] = x_.rate[partition_.node_of_corner[c]];
 }
 
 bool ImplicitScheme::lemke_is_cheap() const {
@@ -259,7 +263,7 @@ void ImplicitScheme::guess_multipliers() {
 bool ImplicitScheme::activate_opening_fans(StepReport& report) {
     for (std::size_t j = 0; j < x_.points.size(); ++j)
         guess_of(j) = {x_.points[j].multipliers.contact, x_.points[j].multipliers.tangential};
-    for (Index c = 0; c < model_.mesh.n_corners(); ++c) corner_rate_[c] = x_.rate[partition_.node_of_corner[c]];
+    read_corner_rates(corner_rate_);
     contact_impulse_.assign(model_.mesh.n_corners(), Vec2::Zero());
     for (std::size_t i = 0; i < faces_.size(); ++i) faces_.add_impulse(i, face_points()[i].impulse(), contact_impulse_);
     for (std::size_t i = 0; i < contacts_.all().size(); ++i) {

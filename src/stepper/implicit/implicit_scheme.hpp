@@ -51,6 +51,7 @@ private:
     void solve_free_obstacles(StepReport& report);
     bool needs_free_motions();
     bool move_freely();
+    void read_corner_rates(std::vector<Vec2>& of_corner) const;  // of the present solution
     bool lemke_is_cheap() const;
     bool start_from_lemke();
     void set_partition();
