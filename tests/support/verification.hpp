@@ -1,6 +1,6 @@
 #pragma once
 // Reference cases have one home, the test that runs them. A number is held against its reference by verify(), which makes the test fail beyond
-// the tolerance ACC and, when a report is requested (KNAP_VERIFICATION names a folder), notes the number for tests/VERIFICATION.md.
+// the tolerance ACC and, when a report is requested (KNAP_VERIFICATION names a folder), notes the number for tests/verification/numbers.csv.
 // The case is the first word of the test's name: "B3 four openings and three impacts" is about B3.
 #include <doctest/doctest.h>
 

@@ -1,4 +1,5 @@
-// tests/VERIFICATION.md from what the tests noted (support/verification_listener.hpp): verification_report CASES.tsv > VERIFICATION.md
+// From what the tests noted (support/verification_listener.hpp): FOLDER/verification/numbers.csv, a line a number; cases.csv, a line a test; and
+// the table of FOLDER/VERIFICATION.md, between its two comments. verification_report CASES.tsv FOLDER MADE, e.g. "2026-11-28, revision 6cb7cba"
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,6 +17,7 @@ namespace {
 struct Number {
     std::string path, quantity, found, reference, kind;
     double deviation = 0, acc = 0, str = 0;
+    bool is_bound() const { return acc == 0; }
     bool meets_acc() const { return deviation <= acc; }
     bool meets_str() const { return deviation <= str; }
 };
@@ -24,7 +26,7 @@ struct Test {
     std::string name;  // without the name of the case
     bool slow = false, failed = false;
     double seconds = 0;
-    std::vector<std::string> texts, pictures;
+    std::string text;  // what it is
     std::vector<Number> numbers;
 };
 
@@ -62,14 +64,13 @@ Cases read(const std::string& file) {
                              .slow = f[2] == "slow",
                              .failed = f[4] != "0",
                              .seconds = std::stod(f[3]),
-                             .texts = {},
-                             .pictures = {},
+                             .text = {},
                              .numbers = {}});
             test = &tests.back();
         } else if (test && f[0] == "T" && f.size() == 2) {
-            test->texts.push_back(f[1]);
-        } else if (test && f[0] == "P" && f.size() == 2) {
-            test->pictures.push_back(f[1]);
+            test->text += (test->text.empty() ? "" : " ") + f[1];
+        } else if (test && f[0] == "P") {
+            // a picture, which the page shows
         } else if (test && f[0] == "N" && f.size() == 9) {
             test->numbers.push_back({f[1], f[2], f[3], f[4], f[5], std::stod(f[6]), std::stod(f[7]), std::stod(f[8])});
         } else if (test) {
@@ -82,113 +83,136 @@ Cases read(const std::string& file) {
     return cases;
 }
 
-std::string text_of(double value, const char* format = "%.2g") {
+std::string text_of(double value) {
     char text[40];
-    std::snprintf(text, sizeof text, format, value);
+    std::snprintf(text, sizeof text, "%.2g", value);
     return text;
 }
 
-std::string met(int n, int of) {
-    return n == of ? "met" : "**" + std::to_string(of - n) + " of " + std::to_string(of) + " not met**";
+std::string seconds(double value) { return value < 10 ? text_of(value) : std::to_string(std::lround(value)); }
+
+/// A field of a csv file.
+std::string field(const std::string& text) {
+    if (text.find_first_of(",\"\n") == std::string::npos) return text;
+    return '"' + std::regex_replace(text, std::regex("\""), "\"\"") + '"';
 }
 
-/// How many of all numbers of a case meet a tolerance.
-template <class Criterion>
-std::pair<int, int> count(const std::vector<Test>& tests, const Criterion& criterion) {
-    int n = 0, of = 0;
-    for (const Test& test : tests)
-        for (const Number& number : test.numbers) n += criterion(number), ++of;
-    return {n, of};
+const char* yes(bool it_is) { return it_is ? "yes" : "no"; }
+
+std::string numbers_csv(const Cases& cases, const std::string& made) {
+    std::string csv =
+        "# Every number of the reference cases (tests/VERIFICATION.md). Written by tools/verify, " + made +
+        ".\n# A deviation is relative to the reference or absolute, in the unit of the quantity. A bound has none.\n"
+        "case,test,schemes,quantity,found,reference,deviation,kind,ACC,ACC met,STR,STR met\n";
+    for (const auto& [name, tests] : cases)
+        for (const Test& test : tests)
+            for (const Number& n : test.numbers) {
+                csv += name.text() + ',' + field(test.name) + ',' + field(n.path) + ',' + field(n.quantity) + ',' +
+                       field(n.found) + ',' + field(n.reference) + ',';
+                csv += n.is_bound() ? ",,," : text_of(n.deviation) + ',' + n.kind + ',' + text_of(n.acc) + ',';
+                csv += yes(n.meets_acc());
+                csv += n.is_bound() ? ",," : ',' + text_of(n.str) + ',' + yes(n.meets_str());
+                csv += '\n';
+            }
+    return csv;
 }
 
-const auto acc = [](const Number& number) { return number.meets_acc(); };
-const auto str = [](const Number& number) { return number.meets_str(); };
+struct Count {
+    std::size_t of = 0, acc = 0, str = 0;
+    double nearest = 0;  // largest deviation over ACC
+    double seconds = 0;
+    bool slow = false, failed = false;
+};
 
-std::string paths_of(const std::vector<Test>& tests) {
-    std::vector<std::string> paths;
-    for (const Test& test : tests)
-        for (const Number& number : test.numbers)
-            if (!number.path.empty() && std::find(paths.begin(), paths.end(), number.path) == paths.end())
-                paths.push_back(number.path);
-    std::sort(paths.begin(), paths.end());
-    std::string text;
-    for (const std::string& path : paths) text += (text.empty() ? "" : "; ") + path;
-    return text.empty() ? "-" : text;
-}
-
-double seconds_of(const std::vector<Test>& tests) {
-    double sum = 0;
-    for (const Test& test : tests) sum += test.seconds;
-    return sum;
-}
-
-void print_overview(const Cases& cases) {
-    int n_acc = 0, n_str = 0;
-    double quick = 0, slow = 0;
-    for (const auto& [name, tests] : cases) {
-        const auto [a, of] = count(tests, acc);
-        n_acc += a == of;
-        n_str += count(tests, str).first == of;
-        for (const Test& test : tests) (test.slow ? slow : quick) += test.seconds;
-    }
-    std::printf(
-        "%d of %zu cases meet ACC in every number, %d meet STR in every number. Processor time: quick tests %.0f s, "
-        "slow ones %.0f s.\n\n",
-        n_acc, cases.size(), n_str, quick, slow);
-    std::printf("| case | | bulk, cohesion | numbers | ACC | STR | processor time |\n|---|---|---|---|---|---|---|\n");
-    for (const auto& [name, tests] : cases) {
-        const auto [a, of] = count(tests, acc);
-        const int s = count(tests, str).first;
-        std::printf("| [%s](#%c%d) | %s | %s | %d | %s | %s | %.2g s |\n", name.text().c_str(), name.group - 'A' + 'a',
-                    name.number, tests.front().name.c_str(), paths_of(tests).c_str(), of, met(a, of).c_str(),
-                    s == of ? "met" : (std::to_string(s) + " of " + std::to_string(of)).c_str(), seconds_of(tests));
-    }
-}
-
-void print(const CaseName& name, const std::vector<Test>& tests) {
-    std::printf("\n## %s\n", name.text().c_str());
+Count count(const std::vector<Test>& tests) {
+    Count c;
     for (const Test& test : tests) {
-        std::printf("\n**%c%s** (%s%.2g s%s)\n", std::toupper(test.name.front()), test.name.substr(1).c_str(),
-                    test.slow ? "slow, " : "", test.seconds, test.failed ? ", **FAILS**" : "");
-        for (const std::string& text : test.texts) std::printf("\n%s\n", text.c_str());
-        std::printf(
-            "\n| quantity | bulk, cohesion | knap | reference | deviation | ACC | STR "
-            "|\n|---|---|---|---|---|---|---|\n");
+        c.seconds += test.seconds;
+        c.slow = c.slow || test.slow;
+        c.failed = c.failed || test.failed;
         for (const Number& n : test.numbers) {
-            const bool is_bound = n.acc == 0;
-            std::printf("| %s | %s | %s | %s | %s | %s | %s |\n", n.quantity.c_str(),
-                        n.path.empty() ? "-" : n.path.c_str(), n.found.c_str(), n.reference.c_str(),
-                        is_bound ? "" : (text_of(n.deviation) + " " + n.kind).c_str(),
-                        n.meets_acc() ? (is_bound ? "met" : ("met, " + text_of(n.acc)).c_str())
-                                      : ("**not met**, " + text_of(n.acc)).c_str(),
-                        is_bound ? "" : ((n.meets_str() ? "met, " : "not met, ") + text_of(n.str)).c_str());
+            ++c.of;
+            c.acc += n.meets_acc();
+            c.str += n.meets_str();
+            if (!n.is_bound()) c.nearest = std::max(c.nearest, n.deviation / n.acc);
         }
-        for (const std::string& picture : test.pictures)
-            std::printf("\n![%s](verification/%s)\n", name.text().c_str(), picture.c_str());
     }
+    return c;
+}
+
+std::string cases_csv(const Cases& cases, const std::string& made) {
+    std::string csv = "# The tests of the reference cases (tests/VERIFICATION.md). Written by tools/verify, " + made +
+                      ".\ncase,test,speed,processor time [s],numbers,meet ACC,meet STR,what it is\n";
+    for (const auto& [name, tests] : cases)
+        for (const Test& test : tests) {
+            const Count c = count({test});
+            csv += name.text() + ',' + field(test.name) + ',' + (test.slow ? "slow" : "quick") + ',' +
+                   seconds(test.seconds) + ',' + std::to_string(c.of) + ',' + std::to_string(c.acc) + ',' +
+                   std::to_string(c.str) + ',' + field(test.text) + '\n';
+        }
+    return csv;
+}
+
+std::string table(const Cases& cases, const std::string& made) {
+    std::size_t n_acc = 0, n_str = 0;
+    double quick = 0, slow = 0;
+    std::string rows;
+    for (const auto& [name, tests] : cases) {
+        const Count c = count(tests);
+        const std::string text = name.text();
+        n_acc += c.acc == c.of;
+        n_str += c.str == c.of;
+        for (const Test& test : tests) (test.slow ? slow : quick) += test.seconds;
+        rows += "| <a id=\"" + std::string(1, static_cast<char>(std::tolower(text[0]))) + text.substr(1) + "\"></a>" +
+                text + " | " + tests.front().name + " | " + std::to_string(c.of) + " | " +
+                (c.acc == c.of && !c.failed
+                     ? text_of(c.nearest)
+                     : "**" + std::to_string(c.of - c.acc) + " not met" + (c.failed ? ", fails" : "") + "**") +
+                " | " + (c.str == c.of ? "all" : std::to_string(c.str)) + " | " + seconds(c.seconds) + " s" +
+                (c.slow ? ", slow" : "") + " |\n";
+    }
+    char summary[200];
+    std::snprintf(
+        summary, sizeof summary,
+        "%zu of %zu cases meet ACC in every number, %zu meet STR in every number. Processor time: quick tests "
+        "%.0f s, slow ones %.0f s.",
+        n_acc, cases.size(), n_str, quick, slow);
+    return made + ": " + summary +
+           "\n\n| case | | numbers | largest deviation over ACC | meet STR | processor time "
+           "|\n|---|---|---|---|---|---|\n" +
+           rows;
+}
+
+std::string text_of_file(const std::string& file) {
+    std::ifstream in(file);
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void write(const std::string& file, const std::string& text) {
+    std::ofstream out(file);
+    if (out << text && out.flush()) return;
+    std::cerr << file << " cannot be written\n";
+    std::exit(1);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 2) {
-        std::fprintf(stderr, "usage: verification_report CASES.tsv\n");
+    if (argc != 4) {
+        std::fprintf(stderr, "usage: verification_report CASES.tsv FOLDER MADE\n");
         return 2;
     }
     const Cases cases = read(argv[1]);
-    if (cases.empty()) {
-        std::fprintf(stderr, "%s has no cases\n", argv[1]);
+    const std::string folder = argv[2], made = argv[3], page = folder + "/VERIFICATION.md", begin = "<!-- cases -->\n";
+    std::string text = text_of_file(page);
+    const std::size_t from = text.find(begin), to = text.find("<!-- end of cases -->");
+    if (cases.empty() || from == std::string::npos || to == std::string::npos) {
+        std::fprintf(stderr, "%s has no cases, or %s no place for their table\n", argv[1], page.c_str());
         return 1;
     }
-    std::printf(
-        "# Verification\n\n"
-        "Written by `tools/verify` from runs of the tests; nothing in here is typed by hand. Each number is found, and "
-        "held against its reference, by the test of that name, and the\n"
-        "test fails where ACC is not met. ACC is what a correct program must reach, STR what a good one does (a tenth "
-        "of ACC where the case names nothing else). A deviation is\n"
-        "relative to the reference, or absolute in the unit of the quantity (a dimensionless one where none is named), "
-        "as its line says. The quick tests run with `tools/test`, the slow ones with `tools/test --slow`.\n\n");
-    print_overview(cases);
-    for (const auto& [name, tests] : cases) print(name, tests);
+    write(folder + "/verification/numbers.csv", numbers_csv(cases, made));
+    write(folder + "/verification/cases.csv", cases_csv(cases, made));
+    const std::size_t start = from + begin.size();
+    write(page, text.replace(start, to - start, table(cases, made)));
     return 0;
 }
