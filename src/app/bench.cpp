@@ -195,7 +195,7 @@ struct Bench {
     std::string table = "quantity,value\n";
     double bytes = 0, flops = 0;  // [1/s] of the machine
 
-    void add(const std::string& name, double value) { table += name + formatted(",%.6g\n", value); }
+    void add(const std::string& name, double value) { table += '"' + name + '"' + formatted(",%.6g\n", value); }
 
     void ratio(const char* name, double value) {
         std::printf("ratio  %-50s %.3f\n", (std::string(name) + ":").c_str(), value);

@@ -153,4 +153,35 @@ TEST_CASE("notes name files that exist") {
     }
 }
 
+/// Of a line of a csv file; commas between quotes separate nothing.
+std::ptrdiff_t n_fields(const std::string& line) {
+    bool quoted = false;
+    return 1 + std::count_if(line.begin(), line.end(), [&](char c) {
+               if (c == '"') quoted = !quoted;
+               return c == ',' && !quoted;
+           });
+}
+
+TEST_CASE("tables of results say what they are and stand on a page") {
+    std::string pages;
+    for (const char* page :
+         {"scenarios/BENCHMARKS.md", "scenarios/README.md", "tools/bench/README.md", "tests/VERIFICATION.md"})
+        for (const std::string& line : source_tree::read(source_tree::root() / page).lines) pages += line;
+    for (const char* folder : {"scenarios/results", "tools/bench", "tests/verification"})
+        for (const File& file : source_tree::files_below(folder)) {
+            if (!file.has_extension(".csv")) continue;
+            CAPTURE(file.path);
+            const auto header = std::find_if(file.lines.begin(), file.lines.end(),
+                                             [](const std::string& l) { return !l.starts_with("#"); });
+            REQUIRE(header != file.lines.end());
+            CHECK(header != file.lines.begin());
+            for (auto line = header; line != file.lines.end(); ++line)
+                CHECK_MESSAGE(n_fields(*line) == n_fields(*header), *line);
+            const std::string name = std::filesystem::path(file.path).filename().string();
+            CHECK_MESSAGE((pages.find("/" + name + ")") != std::string::npos ||
+                           pages.find("(" + name + ")") != std::string::npos),
+                          "no page links to it");
+        }
+}
+
 }  // namespace files_test
