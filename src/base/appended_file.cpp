@@ -1,13 +1,13 @@
 #include "base/appended_file.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <utility>
 
 namespace knap {
@@ -27,8 +27,7 @@ AppendedFile::AppendedFile(AppendedFile&& other) noexcept
 
 void AppendedFile::check(bool good) const {
     if (good) return;
-    throw OutputError("cannot write " + path_.string() + ": " +
-                      (errno == ELOOP ? "it is a symbolic link" : std::strerror(errno)));
+    throw OutputError("cannot write " + path_.string() + ": " + error_text(errno));
 }
 
 void AppendedFile::add(std::string_view text) {

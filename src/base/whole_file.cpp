@@ -1,5 +1,6 @@
 #include "base/whole_file.hpp"
 
+#include "base/checksum.hpp"
 #include "base/error.hpp"
 
 #include <fcntl.h>
@@ -15,7 +16,11 @@ namespace fs = std::filesystem;
 namespace {
 
 OutputError cannot_write(const fs::path& path, int error) {
-    return OutputError("cannot write " + path.string() + ": " + std::strerror(error));
+    return OutputError("cannot write " + path.string() + ": " + error_text(error));
+}
+
+OutputError cannot_read(const fs::path& path, int error) {
+    return OutputError("cannot read " + path.string() + ": " + error_text(error));
 }
 
 /// A new file of this process: what is left of an earlier one is removed, and a symbolic link is not followed.
@@ -81,22 +86,88 @@ void flush_to_disk(const fs::path& path) {
     if (error != 0) throw cannot_write(path, error);
 }
 
-std::string read_whole_file(const fs::path& path) {
-    std::string bytes;
-    const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    int error = file < 0 ? errno : 0;
-    for (ssize_t n = 1; n != 0 && error == 0;) {
-        constexpr std::size_t least = 1 << 16;
-        const std::size_t done = bytes.size();
-        bytes.resize(done + std::max(least, done));
-        n = read(file, bytes.data() + done, bytes.size() - done);
-        bytes.resize(done + static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
-        if (n < 0 && errno != EINTR) error = errno;
+namespace {
+
+/// An open file that is read.
+class Source {
+public:
+    explicit Source(const fs::path& path) : path_(path), file_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+        if (file_ < 0) throw cannot_read(path_, errno);
     }
-    if (file >= 0) close(file);
-    if (error != 0) throw OutputError("cannot read " + path.string() + ": " + std::strerror(error));
+    ~Source() { close(file_); }
+    Source(const Source&) = delete;
+    Source& operator=(const Source&) = delete;
+
+    /// The next bytes, fewer than n at the end alone.
+    std::string next(std::size_t n) {
+        std::string bytes(n, '\0');
+        std::size_t done = 0;
+        for (ssize_t last = 1; last != 0 && done < n; done += static_cast<std::size_t>(std::max<ssize_t>(last, 0)))
+            if (last = read(file_, bytes.data() + done, n - done); last < 0 && errno != EINTR)
+                throw cannot_read(path_, errno);
+        bytes.resize(done);
+        return bytes;
+    }
+    void skip_to_last(std::size_t n) {
+        const off_t size = lseek(file_, 0, SEEK_END);
+        if (size < 0 || lseek(file_, std::max<off_t>(0, size - static_cast<off_t>(n)), SEEK_SET) < 0)
+            throw cannot_read(path_, errno);
+    }
+
+private:
+    const fs::path& path_;
+    int file_;
+};
+
+}  // namespace
+
+std::string read_whole_file(const fs::path& path) {
+    Source source(path);
+    std::string bytes;
+    for (bool more = true; more;) {
+        constexpr std::size_t least = 1 << 16;
+        const std::size_t n = std::max(least, bytes.size());
+        const std::string next = source.next(n);
+        bytes += next, more = next.size() == n;
+    }
     bytes.shrink_to_fit();
     return bytes;
 }
+
+std::string read_begin(const fs::path& path, std::size_t n) { return Source(path).next(n); }
+
+std::string read_given_file(const fs::path& path, const std::string& code) {
+    try {
+        return read_whole_file(path);
+    } catch (const OutputError& error) {
+        throw UserError(code, error.what());
+    }
+}
+
+std::string fault_of_end(const fs::path& path, std::string_view mark) {
+    std::error_code none;
+    if (!fs::exists(path, none)) return "does not exist";
+    try {
+        const std::size_t n = 2 * mark.size();
+        Source source(path);
+        source.skip_to_last(n);
+        const std::string end = source.next(n);
+        if (end.empty()) return "is empty";
+        if (end.find(mark) != end.npos) return "";
+    } catch (const OutputError& error) {
+        return std::string("is damaged: ") + error.what();
+    }
+    return "is cut off after " + std::to_string(fs::file_size(path, none)) + " bytes";
+}
+
+std::string fault_of_bytes(const fs::path& path, std::uint64_t sum) {
+    try {
+        return checksum(read_whole_file(path)) == sum ? "" : "is damaged: its checksum is wrong";
+    } catch (const OutputError& error) {
+        return std::string("is damaged: ") + error.what();
+    }
+}
+
+std::string error_text(int error) { return error == ELOOP ? "it is a symbolic link" : std::strerror(error); }
 
 }  // namespace knap

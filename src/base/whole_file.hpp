@@ -1,5 +1,6 @@
 #pragma once
 // Files that are written and read as a whole.
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -27,5 +28,17 @@ void flush_to_disk(const std::filesystem::path& path);
 
 /// All bytes of a file. Throws OutputError with path and reason.
 std::string read_whole_file(const std::filesystem::path& path);
+/// The same of a file that a command reads: throws UserError `code`.
+std::string read_given_file(const std::filesystem::path& path, const std::string& code);
+/// Its first `n` bytes, or all where it has fewer. Throws OutputError.
+std::string read_begin(const std::filesystem::path& path, std::size_t n);
+
+/// What is wrong with a file that should end with `mark` (and a few blanks): "is empty"; "" where it does.
+std::string fault_of_end(const std::filesystem::path& path, std::string_view mark);
+/// The same of one whose bytes should have this checksum: "is damaged: ...".
+std::string fault_of_bytes(const std::filesystem::path& path, std::uint64_t sum);
+
+/// The text of an errno of open() or write().
+std::string error_text(int error);
 
 }  // namespace knap

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <vector>
 
@@ -22,7 +21,7 @@ public:
     Reader(std::istream& text, std::string source) : text_(text), source_(std::move(source)) {}
 
     LcpMatrix matrix() {
-        if (!next_line(true)) fail("the file is empty or cannot be read");
+        if (!next_line(true)) fail("the file is empty");
         std::string header = line_.str(), banner, object, format, field, symmetry;
         std::ranges::transform(header, header.begin(), [](unsigned char c) { return std::tolower(c); });
         std::istringstream(header) >> banner >> object >> format >> field >> symmetry;
@@ -112,8 +111,7 @@ private:
 };
 
 LcpMatrix read_matrix_market_file(const std::string& file) {
-    std::ifstream text(file);
-    if (!text) throw UserError("cannot-read", "cannot open `" + file + "`");
+    std::istringstream text(read_given_file(file, "cannot-read"));
     return read_matrix_market(text, file);
 }
 

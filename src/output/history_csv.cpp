@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <ranges>
+#include <sstream>
 
 namespace knap {
 namespace {
@@ -61,9 +61,9 @@ void write_csv(const History& history, const std::vector<std::string>& header, c
 }
 
 History read_csv(const std::filesystem::path& path) {
-    std::ifstream in(path, std::ios::binary);
+    std::istringstream in(read_given_file(path, "missing-file"));
     std::string line;
-    if (!in || !next_line(in, line)) throw UserError("missing-file", "cannot read `" + path.string() + "`");
+    if (!next_line(in, line)) throw UserError("damaged-file", "`" + path.string() + "` is empty");
     History history{.file = path.string()};
     for (const std::string_view name : cells(line)) history.columns.emplace_back(name_in_header(name));
     const std::size_t n_columns = history.columns.size();

@@ -1,5 +1,6 @@
 #include "output/vtk_series.hpp"
 
+#include "base/checksum.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
@@ -25,8 +26,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <numeric>
+#include <sstream>
 
 namespace knap {
 namespace {
@@ -245,7 +246,8 @@ vtkFieldData* data_of(vtkUnstructuredGrid* grid, Of of) {
     return of == Of::points ? static_cast<vtkFieldData*>(grid->GetPointData()) : grid->GetCellData();
 }
 
-void write_part(const FramePart& part, const Frame& frame, const path& file) {
+/// Returns the checksum of the file.
+std::uint64_t write_part(const FramePart& part, const Frame& frame, const path& file) {
     const Entries points = points_of(part, frame);
     const Index n = part.geometry.points_per_cell;
     Entries cells(points.size() / n);
@@ -283,22 +285,13 @@ void write_part(const FramePart& part, const Frame& frame, const path& file) {
     if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
         throw OutputError("cannot make " + file.string() + ": " +
                           vtkErrorCode::GetStringFromErrorCode(writer->GetErrorCode()));
-    write_whole_file(file, writer->GetOutputString());
+    const std::string bytes = writer->GetOutputString();
+    write_whole_file(file, bytes);
+    return checksum(bytes);
 }
 
-/// What is wrong with a file of VTK by its end; empty where it is whole. (VTK reads half a file without an error.)
-std::string fault_of(const path& file) {
-    constexpr std::string_view mark = "</VTKFile>";
-    std::error_code none;
-    if (!std::filesystem::exists(file, none)) return "does not exist";
-    std::ifstream in(file, std::ios::binary | std::ios::ate);
-    const std::streamoff size = in.tellg();
-    if (size == 0) return "is empty";
-    std::string end(static_cast<std::size_t>(std::clamp<std::streamoff>(size, 0, 2 * mark.size())), '\0');
-    in.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
-    if (!in.read(end.data(), static_cast<std::streamsize>(end.size()))) return "cannot be read";
-    return end.find(mark) == end.npos ? "is cut off after " + std::to_string(size) + " bytes" : "";
-}
+/// By the end of a file of VTK, which reads half a file without an error.
+std::string fault_of(const path& file) { return fault_of_end(file, "</VTKFile>"); }
 
 constexpr const char* cure_of_damage =
     "`knap run` of its scenario with --force computes the run again and writes all files; the others can be used";
@@ -367,19 +360,31 @@ const std::vector<OutputTable>& frame_outputs() {
     return tables;
 }
 
-VtkSeries::VtkSeries(path run, std::vector<double> written) : run_(std::move(run)), times_(std::move(written)) {
+VtkSeries::VtkSeries(path run, std::vector<double> written, std::vector<Sums> sums)
+    : run_(std::move(run)), times_(std::move(written)), sums_(std::move(sums)) {
     prepare_vtk();
     std::error_code error;
     std::filesystem::create_directories(run_ / "fields", error);
     if (error) throw OutputError("cannot make " + (run_ / "fields").string() + ": " + error.message());
     for (const path& file : std::filesystem::directory_iterator(run_ / "fields", error))
         if (file.string().ends_with(".vtu.part")) std::filesystem::remove(file, error);
+    for (std::size_t i = 0; i < sums_.size(); ++i)
+        for (std::size_t k = 0; k < parts().size(); ++k)
+            if (const path file = run_ / file_of(parts()[k], i); fault_of(file).empty())
+                faults_[file_of(parts()[k], i)] = fault_of_bytes(file, sums_[i][k]);
+}
+
+std::string VtkSeries::fault_of_file(const std::string& name) const {
+    const auto found = faults_.find(name);
+    return found != faults_.end() && !found->second.empty() ? found->second : fault_of(run_ / name);
 }
 
 void VtkSeries::write(const Frame& frame) {
     const bool obstacles = frame.n_obstacles() > 0;
-    for (const FramePart& part : parts_with(obstacles)) write_part(part, frame, run_ / file_of(part, times_.size()));
-    times_.push_back(frame.time);
+    Sums sums{};
+    for (std::size_t k = 0; k < parts_with(obstacles).size(); ++k)
+        sums[k] = write_part(parts()[k], frame, run_ / file_of(parts()[k], times_.size()));
+    times_.push_back(frame.time), sums_.push_back(sums);
     write_collection(run_, times_, obstacles);
 }
 
@@ -399,22 +404,21 @@ void VtkSeries::flush() {
 
 bool VtkSeries::has(std::size_t frame) const {
     return std::ranges::all_of(parts_with(false),
-                               [&](const FramePart& part) { return fault_of(run_ / file_of(part, frame)).empty(); });
+                               [&](const FramePart& part) { return fault_of_file(file_of(part, frame)).empty(); });
 }
 
 std::vector<std::string> VtkSeries::missing(bool obstacles) const {
     std::vector<std::string> files;
     for (std::size_t i = 0; i < times_.size(); ++i)
         for (const FramePart& part : parts_with(obstacles))
-            if (const std::string fault = fault_of(run_ / file_of(part, i)); !fault.empty())
+            if (const std::string fault = fault_of_file(file_of(part, i)); !fault.empty())
                 files.push_back(file_of(part, i) + " " + fault);
     return files;
 }
 
 std::vector<double> frame_times(const path& run) {
     const path file = run / "run.pvd";
-    std::ifstream in(file, std::ios::binary);
-    if (!in) throw UserError("missing-file", "cannot read `" + file.string() + "`");
+    std::istringstream in(read_given_file(file, "missing-file"));
     if (const std::string fault = fault_of(file); !fault.empty())
         throw UserError("damaged-file", "`" + file.string() + "` " + fault, cure_of_damage);
     std::vector<double> times;

@@ -7,7 +7,10 @@
 #include "output/frame.hpp"
 #include "output/outputs.hpp"
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -18,9 +21,12 @@ const std::vector<OutputTable>& frame_outputs();
 
 class VtkSeries {
 public:
+    /// Checksums of the files of a frame.
+    using Sums = std::array<std::uint64_t, 3>;
+
     /// Makes <run>/fields and removes incomplete files there. `written` [s]: times of the frames that an earlier part
-    /// of the run wrote; new frames follow them.
-    explicit VtkSeries(std::filesystem::path run, std::vector<double> written = {});
+    /// of the run wrote, with their `sums`, with which their files are compared; new frames follow them.
+    explicit VtkSeries(std::filesystem::path run, std::vector<double> written = {}, std::vector<Sums> sums = {});
 
     /// Writes the next frame and lists it. Whatever interrupts the run, run.pvd and all files that it lists are
     /// complete. Throws OutputError naming the path that could not be written.
@@ -31,6 +37,7 @@ public:
     void flush();
 
     const std::vector<double>& times() const { return times_; }  // [s]
+    const std::vector<Sums>& sums() const { return sums_; }
 
     /// Whether the bulk and interfaces of this frame are whole.
     bool has(std::size_t frame) const;
@@ -39,9 +46,13 @@ public:
     std::vector<std::string> missing(bool obstacles) const;
 
 private:
+    std::string fault_of_file(const std::string& name) const;
+
     std::filesystem::path run_;
     std::vector<double> times_;
-    std::size_t n_flushed_ = times_.size();  // a checkpoint that counts frames has flushed them
+    std::vector<Sums> sums_;
+    std::map<std::string, std::string> faults_;  // of files that an earlier part of the run wrote, by name
+    std::size_t n_flushed_ = times_.size();      // a checkpoint that counts frames has flushed them
 };
 
 /// Times [s] of the frames of a finished or interrupted run. Throws UserError when there is no run.pvd.

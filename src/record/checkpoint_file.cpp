@@ -1,15 +1,14 @@
 #include "record/checkpoint_file.hpp"
 
+#include "base/checksum.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
+#include "base/whole_file.hpp"
 #include "record/version.hpp"
-
-#include <boost/crc.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
 namespace knap {
@@ -18,7 +17,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int format_number = 22;
+constexpr int format_number = 23;
 constexpr std::size_t longest_line = 300;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }
@@ -27,7 +26,7 @@ struct Head {
     std::string program;
     Moment moment;
     std::size_t size = 0;
-    std::uint32_t sum = 0;
+    std::uint64_t sum = 0;
 };
 
 /// Of the first line of a file.
@@ -47,21 +46,15 @@ Head head_of(const std::string& text) {
 std::string moment_text(const Moment& moment) { return formatted("%.17g %.17g", moment.time, moment.last_step); }
 
 /// Of all that follows the name of the program.
-std::uint32_t sum_of(const Moment& moment, std::string_view memory) {
+std::uint64_t sum_of(const Moment& moment, std::string_view memory) {
     return checksum(moment_text(moment)) ^ checksum(memory);
 }
 
 }  // namespace
 
-std::uint32_t checksum(std::string_view bytes) {
-    boost::crc_32_type crc;
-    crc.process_bytes(bytes.data(), bytes.size());
-    return crc.checksum();
-}
-
 std::string packed_checkpoint(const std::string& memory, const Moment& moment) {
-    return formatted("%s %d %s %s %zu %u\n", magic, format_number, program().c_str(), moment_text(moment).c_str(),
-                     memory.size(), sum_of(moment, memory)) +
+    return formatted("%s %d %s %s %zu %ju\n", magic, format_number, program().c_str(), moment_text(moment).c_str(),
+                     memory.size(), std::uintmax_t{sum_of(moment, memory)}) +
            memory;
 }
 
@@ -87,11 +80,9 @@ std::string fault_of_state(const fs::path& file, Moment* moment) {
     const std::uintmax_t size = fs::file_size(file, error);
     if (error) return "cannot be read: " + error.message();
     if (size == 0) return "is empty";
-    std::string line(longest_line, '\0');
-    std::ifstream in(file, std::ios::binary);
-    in.read(line.data(), static_cast<std::streamsize>(line.size()));
-    line.resize(std::min(line.find('\n'), line.size()));
     try {
+        std::string line = read_begin(file, longest_line);
+        line.resize(std::min(line.find('\n'), line.size()));
         const Head head = head_of(line);
         if (moment) *moment = head.moment;
         const std::size_t expected = line.size() + 1 + head.size;
@@ -100,6 +91,17 @@ std::string fault_of_state(const fs::path& file, Moment* moment) {
         return std::string("cannot be used: ") + problem.what();
     }
     return "";
+}
+
+std::string fault_of_whole_state(const fs::path& file) {
+    std::string fault = fault_of_state(file);
+    if (!fault.empty()) return fault;
+    try {
+        unpacked_checkpoint(read_whole_file(file));
+    } catch (const SimulationError& problem) {
+        fault = std::string("cannot be used: ") + problem.what();
+    }
+    return fault;
 }
 
 std::vector<StoredState> stored_states(const fs::path& run) {

@@ -8,8 +8,7 @@
 //                                 continues to a later end
 //     <run>/states/<time>.state   of output.states
 //
-// A file is one line (format, program, time and last step, bytes, CRC-32) and the memory of the run.
-#include <cstdint>
+// A file is one line (format, program, time and last step, bytes, checksum) and the memory of the run.
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -27,8 +26,6 @@ struct Moment {
     double last_step = 0;  // [s]
 };
 
-std::uint32_t checksum(std::string_view bytes);  // CRC-32
-
 /// A file from the bytes of a memory, and back. Unpacking throws SimulationError with the fault of the file.
 std::string packed_checkpoint(const std::string& memory, const Moment& moment);
 std::string unpacked_checkpoint(const std::string& file);
@@ -38,6 +35,8 @@ std::filesystem::path state_file(double time);
 
 /// Why a file is no whole state of this format, by its first line and its size: "is empty"; empty where it is one.
 std::string fault_of_state(const std::filesystem::path& file, Moment* moment = nullptr);
+/// The same by all of its bytes.
+std::string fault_of_whole_state(const std::filesystem::path& file);
 
 struct StoredState {
     std::filesystem::path file;

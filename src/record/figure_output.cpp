@@ -1,5 +1,6 @@
 #include "record/figure_output.hpp"
 
+#include "base/checksum.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 #include "figures/canvas.hpp"
@@ -87,18 +88,29 @@ void FigureOutput::show_last_state(double end) {
     }
 }
 
+void FigureOutput::compare() {
+    for (std::size_t i = 0; i < sums_.size(); ++i)
+        if (std::error_code none; std::filesystem::exists(directory_ / name_of(i), none))
+            if (const std::string fault = fault_of_bytes(directory_ / name_of(i), sums_[i]); !fault.empty())
+                damaged_.push_back(name_of(i).string() + " " + fault);
+}
+
 void FigureOutput::flush() {
-    for (std::error_code none; n_flushed_ < drawn_.size(); ++n_flushed_)
-        if (std::filesystem::exists(drawn_[n_flushed_], none)) flush_to_disk(drawn_[n_flushed_]);
+    for (std::error_code none; sums_.size() < drawn_.size();) {
+        const std::filesystem::path file = directory_ / name_of(sums_.size());
+        const bool is_there = std::filesystem::exists(file, none);
+        if (is_there) flush_to_disk(file);
+        sums_.push_back(is_there ? checksum(read_whole_file(file)) : 0);
+    }
 }
 
 std::vector<std::string> FigureOutput::missing_files() const {
     std::vector<std::string> files = undrawn_;
-    for (std::error_code none; const std::filesystem::path& figure : drawn_) {
-        const std::filesystem::path file = "figures" / figure.filename();
-        if (!std::filesystem::exists(directory_ / file, none)) files.push_back(file.string() + " does not exist");
-        else if (std::filesystem::file_size(directory_ / file, none) == 0) files.push_back(file.string() + " is empty");
-    }
+    files.insert(files.end(), damaged_.begin(), damaged_.end());
+    std::error_code none;
+    for (std::size_t i = 0; i < drawn_.size(); ++i)
+        if (!std::filesystem::exists(directory_ / name_of(i), none))
+            files.push_back(name_of(i).string() + " does not exist");
     return files;
 }
 

@@ -23,14 +23,17 @@ public:
     void draw_sequences(const FrameOutput& frames);
 
     const std::vector<std::filesystem::path>& drawn() const { return drawn_; }
+    /// Compares the figures that an earlier part of the run drew with their checksums.
+    void compare();
     /// Returns when all figures so far are on the disk.
     void flush();
-    /// Figures that are lost, empty, or could not be drawn: "figures/cracks.png does not exist".
+    /// Figures that are lost, damaged, or could not be drawn: "figures/cracks.png does not exist".
     std::vector<std::string> missing_files() const;
 
-    void serialize(auto& archive) { archive(next_at_, drawn_); }
+    void serialize(auto& archive) { archive(next_at_, drawn_, sums_); }
 
 private:
+    std::filesystem::path name_of(std::size_t drawn) const { return "figures" / drawn_[drawn].filename(); }
     bool is_due(std::size_t figure, const State& now) const;
     void draw_due(const State& now, bool at_end);
     void show_last_state(double end);
@@ -43,7 +46,8 @@ private:
     OutputTime& time_;
     std::vector<std::size_t> next_at_;  // per figure: number of its next time
     std::vector<std::filesystem::path> drawn_;
-    std::size_t n_flushed_ = 0;
+    std::vector<std::uint64_t> sums_;   // checksums of those that are on the disk
+    std::vector<std::string> damaged_;  // of an earlier part of the run, with the fault
     std::vector<std::string> undrawn_;  // with the reason
 };
 

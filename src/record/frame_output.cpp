@@ -7,7 +7,7 @@
 namespace knap {
 
 void FrameOutput::open() {
-    series_.emplace(directory_, times_);
+    series_.emplace(directory_, times_, sums_);
     series_->list(!model_.obstacles.empty());
     writer_.emplace([this](const State& then) {
         Frame frame = make_frame(model_, then, false);
@@ -41,6 +41,7 @@ void FrameOutput::finish(const State& now, bool ended_early) {
 void FrameOutput::complete() {
     if (!is_open()) return;
     writer_->finish();
+    sums_ = series_->sums();
     const double seconds = uncounted();
     time_.cpu += seconds, time_.frames += seconds;
     counted_ += seconds;

@@ -33,7 +33,7 @@ public:
     std::vector<std::string> missing_files() const;
     double uncounted() const { return writer_ ? writer_->cpu() - counted_ : 0; }  // [s] of the writer, not yet in time
 
-    void serialize(auto& archive) { archive(clock_, times_); }
+    void serialize(auto& archive) { archive(clock_, times_, sums_); }
 
 private:
     void write(const State& now);
@@ -44,7 +44,8 @@ private:
     Every clock_;
     OutputTime& time_;
     std::vector<double> times_;
-    double counted_ = 0;  // [s] processor time of the writer that time_ contains
+    std::vector<VtkSeries::Sums> sums_;  // of the frames that are complete
+    double counted_ = 0;                 // [s] processor time of the writer that time_ contains
     std::optional<VtkSeries> series_;
     std::optional<FrameWriter> writer_;  // destroyed first: its thread uses the other members
 };

@@ -79,6 +79,7 @@ void Recorder::open_files() {
     if (options_.directory.empty()) return;
     const Timed timed(time_);
     tables_.open();
+    figures_.compare();
     if (frames_.has_times() || figures_.need_frames()) frames_.open();
 }
 

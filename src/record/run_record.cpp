@@ -1,6 +1,7 @@
 #include "record/run_record.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "record/outputs.hpp"
 #include "record/version.hpp"
 
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
 
 namespace knap {
@@ -272,15 +272,16 @@ std::string run_json(const RunRecord& record) {
 }
 
 Json read_run_json(const std::filesystem::path& run) {
-    std::ifstream file(run / "run.json");
-    if (!file) throw UserError("no-run", "`" + run.string() + "` is not a run directory: it has no readable run.json");
+    if (std::error_code none; !std::filesystem::exists(run / "run.json", none))
+        throw UserError("no-run", "`" + run.string() + "` is not a run directory: it has no run.json");
+    const std::string text = read_given_file(run / "run.json", "no-run");
     const auto damaged = [&](const std::string& why) {
         return UserError("bad-run", "`" + (run / "run.json").string() + "` " + why,
                          "repeat the run, with --force in the same directory");
     };
     Json record;
     try {
-        record = Json::parse(file);
+        record = Json::parse(text);
     } catch (const Json::exception& error) {
         throw damaged(std::string("cannot be read: ") + error.what());
     }
@@ -298,8 +299,7 @@ Json read_run_json(const std::filesystem::path& run) {
 EarlierRecord earlier_record(const std::filesystem::path& directory) {
     std::error_code none;
     if (!std::filesystem::is_regular_file(directory / "run.json", none)) return {};
-    std::ifstream file(directory / "run.json");
-    const Json json = Json::parse(file, nullptr, false);
+    const Json json = Json::parse(read_given_file(directory / "run.json", "unreadable-file"), nullptr, false);
     if (json.is_discarded()) return {.is_of_a_run = true};
     const auto member = [&](const char* key) { return json.is_object() && json.contains(key) ? json[key] : Json(); };
     const Json status = member("status");

@@ -38,6 +38,13 @@ inline std::string text_of(const fs::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+/// In its middle.
+inline void flip_a_byte(const fs::path& path) {
+    std::string bytes = text_of(path);
+    bytes[bytes.size() / 2] ^= 1;
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
 /// A folder of its own for one test, empty at the start.
 class Folder {
 public:

@@ -2,12 +2,15 @@
 #include "base/whole_file.hpp"
 
 #include "base/appended_file.hpp"
+#include "base/checksum.hpp"
 #include "base/error.hpp"
 #include "support/limited.hpp"
 
 #include <doctest/doctest.h>
 
 #include <unistd.h>
+
+#include <set>
 
 namespace whole_file_test {
 
@@ -119,6 +122,44 @@ TEST_CASE("a file that cannot be read to its end is an error") {
     const std::string large(300'000, 'x');
     write_whole_file(scratch.path / "large", large, true);
     CHECK(read_whole_file(scratch.path / "large") == large);
+}
+
+TEST_CASE("every flipped bit and every missing byte changes the checksum") {
+    std::string bytes = "a checksum of 29 bytes: 4 words";
+    std::set<std::uint64_t> sums{checksum(bytes)};
+    for (std::size_t bit = 0; bit < 8 * bytes.size(); ++bit) {
+        std::string other = bytes;
+        other[bit / 8] = static_cast<char>(other[bit / 8] ^ (1 << bit % 8));
+        sums.insert(checksum(other));
+    }
+    for (std::size_t n = 0; n < bytes.size(); ++n) sums.insert(checksum(bytes.substr(0, n)));
+    for (const char* end : {"", "x"}) sums.insert(checksum(bytes + std::string("\0", 1) + end));
+    CHECK(sums.size() == 1 + 9 * bytes.size() + 2);
+    // the highest bits of two words, which multiplication alone would not spread
+    std::string twice(64, ' ');
+    const std::uint64_t before = checksum(twice);
+    twice[7] ^= '\x80', twice[15] ^= '\x80';
+    CHECK(checksum(twice) != before);
+}
+
+TEST_CASE("a file is read in parts and a fault names its reason") {
+    const Scratch scratch;
+    const fs::path file = scratch.path / "bytes";
+    std::string bytes;
+    for (int i = 0; i < 200'000; ++i) bytes += static_cast<char>(i * i % 251);
+    write_whole_file(file, bytes);
+    CHECK(read_whole_file(file) == bytes);
+    CHECK(read_begin(file, 70'000) == bytes.substr(0, 70'000));
+    for (const std::size_t n : {bytes.size(), 2 * bytes.size()}) CHECK(read_begin(file, n) == bytes);
+    for (const std::size_t n : {std::size_t{5}, bytes.size()})
+        CHECK(fault_of_end(file, bytes.substr(bytes.size() - n)).empty());
+    CHECK(fault_of_end(file, "</end>") == "is cut off after 200000 bytes");
+    CHECK(fault_of_end(scratch.path, "</end>").find("is damaged: ") == 0);
+    CHECK(fault_of_bytes(file, checksum(bytes)).empty());
+    CHECK(fault_of_bytes(file, checksum(bytes) + 1) == "is damaged: its checksum is wrong");
+    CHECK(fault_of_bytes(scratch.path / "none", 0).find("No such file") != std::string::npos);
+    CHECK(tests::output_error_of([&] { read_whole_file(scratch.path); }).find("Is a directory") != std::string::npos);
+    CHECK_THROWS_AS(read_given_file(scratch.path / "none", "missing-file"), UserError);
 }
 
 }  // namespace whole_file_test

@@ -75,8 +75,8 @@ pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path&
     const bool anew = force || !Checkpoints::problem_in(runs / run.name, false).empty();
     const fs::path path = runs / (run.name + ".log");
     // O_NONBLOCK: a pipe without a reader is an error, not a long wait
-    const int log = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_CLOEXEC, 0666);
-    if (log < 0) throw OutputError("cannot write " + path.string() + ": " + std::strerror(errno));
+    const int log = open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (log < 0) throw OutputError("cannot write " + path.string() + ": " + error_text(errno));
     const pid_t batch = getpid();
     const auto prepare = [&] {
         // when the batch ends, even by SIGKILL, the run ends as by Ctrl-C: otherwise it would keep its directory locked

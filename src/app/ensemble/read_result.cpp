@@ -1,12 +1,14 @@
 // The numbers of a run, from its run.json and its histories.
 #include "app/ensemble/ensemble.hpp"
+#include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "output/history_csv.hpp"
 #include "record/run_record.hpp"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <fstream>
+#include <sstream>
 
 namespace knap {
 namespace {
@@ -88,8 +90,14 @@ double value_of(const StudyQuantity& quantity, const Json& summary, const fs::pa
 
 /// The first error in the log of a run.
 std::string error_in(const fs::path& log) {
-    std::ifstream file(log);
-    for (std::string line; std::getline(file, line);)
+    std::string text;
+    try {
+        if (std::error_code none; fs::exists(log, none)) text = read_whole_file(log);
+    } catch (const OutputError& error) {
+        return error.what();
+    }
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
         if (line.starts_with("error")) return line.substr(std::min(line.find(": ") + 2, line.size()));
     return "see " + log.filename().string();
 }

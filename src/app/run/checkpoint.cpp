@@ -106,7 +106,7 @@ bool is_there(const fs::path& path) {
 
 }  // namespace
 
-void Checkpoints::write(RunMemory& memory) {
+void Checkpoints::write(RunMemory memory) {
     const std::string bytes = packed(memory);
     if (newest_is_whole_) replace_whole_file(directory_ / newest_checkpoint, directory_ / previous_checkpoint, bytes);
     else write_whole_file(directory_ / newest_checkpoint, bytes, true);
@@ -177,7 +177,7 @@ bool KeptStates::is_due(const State& now) const {
 }
 
 void KeptStates::skip_to(const State& now) {
-    while (is_due(now)) ++n_;
+    for (; is_due(now); ++n_) faults_.push_back(fault_of_whole_state(directory_ / state_file(times_[n_])));
 }
 
 void KeptStates::write(RunMemory memory) {
@@ -190,9 +190,10 @@ void KeptStates::write(RunMemory memory) {
 
 std::vector<std::string> KeptStates::missing() const {
     std::vector<std::string> files;
-    for (std::size_t i = 0; i < n_; ++i)
-        if (const std::string fault = fault_of_state(directory_ / state_file(times_[i])); !fault.empty())
-            files.push_back(state_file(times_[i]).string() + " " + fault);
+    for (std::size_t i = 0; i < n_; ++i) {
+        const std::string fault = i < faults_.size() ? faults_[i] : fault_of_state(directory_ / state_file(times_[i]));
+        if (!fault.empty()) files.push_back(state_file(times_[i]).string() + " " + fault);
+    }
     return files;
 }
 

@@ -45,7 +45,7 @@ public:
 
     bool due() const { return watch_.wall() >= every_; }
     /// Throws OutputError where it cannot be written; the earlier ones are kept then.
-    void write(RunMemory& memory);
+    void write(RunMemory memory);
     /// Reads the newest undamaged one into `memory`; returns a warning about damaged ones. Throws UserError where none
     /// can be used.
     std::string read(RunMemory& memory);
@@ -75,7 +75,7 @@ public:
     KeptStates(std::filesystem::path directory, std::vector<double> times)
         : directory_(std::move(directory)), times_(std::move(times)) {}
 
-    /// Those that are reached were written by an earlier part of the run.
+    /// Those that are reached were written by an earlier part of the run: they are read.
     void skip_to(const State& now);
     bool is_due(const State& now) const;
     /// Those that are reached. Throws OutputError.
@@ -86,7 +86,8 @@ public:
 private:
     std::filesystem::path directory_;
     std::vector<double> times_;
-    std::size_t n_ = 0;  // that are reached
+    std::size_t n_ = 0;                // that are reached
+    std::vector<std::string> faults_;  // of those of an earlier part of the run
 };
 
 /// A memory as bytes, and back into a memory of the same scenario. Restoring throws SimulationError where the bytes are

@@ -114,6 +114,7 @@ private:
     bool tells_damping_ = true;
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
     std::optional<Progress> progress_;
+    std::vector<std::string> lost_of_log_;  // in an earlier part of the run
 
     /// The simulated time is over, or the body is at rest.
     bool is_complete() const { return StepControl::has_reached(now_, setup_.scenario.time.end) || recorder_.at_rest(); }
@@ -133,6 +134,7 @@ void Run::resume(const std::string& text) {
     tells_damping_ = damping_text(scheme(), setup_.model, now_, 0).empty();
     renew_stepper();
     recorder_.model_changed();
+    if (log_.size() < memory_.log_size) lost_of_log_ = {"log.txt has lost its end"};
     log_.truncate(memory_.log_size);
     recorder_.open_files();
     states_.skip_to(now_);
@@ -171,20 +173,18 @@ TimeSpent Run::spent() const {
 /// Of this moment.
 RunMemory Run::memory() {
     recorder_.flush_files();
+    flush_to_disk(setup_.directory / "log.txt");
     RunMemory memory = memory_;
     memory.log_size = log_.size(), memory.spent = spent();
     return memory;
 }
 
-void Run::save() {
-    RunMemory memory = this->memory();
-    checkpoints_.write(memory);
-}
+void Run::save() { checkpoints_.write(memory()); }
 
 /// That are lost or damaged.
 std::vector<std::string> Run::missing_files() const {
-    std::vector<std::string> files = recorder_.missing_files(), states = states_.missing();
-    files.insert(files.end(), states.begin(), states.end());
+    std::vector<std::string> files = recorder_.missing_files();
+    for (const auto& more : {states_.missing(), lost_of_log_}) files.insert(files.end(), more.begin(), more.end());
     return files;
 }
 

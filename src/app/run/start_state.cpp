@@ -1,6 +1,7 @@
 #include "app/run/start_state.hpp"
 
 #include "app/run/continuation.hpp"
+#include "base/checksum.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"

@@ -115,12 +115,6 @@ void kill_twenty_times(const std::string& block, const Folder& folder) {
     check_same_bits(folder.path / "whole", folder.path / "killed");
 }
 
-void flip_a_byte(const fs::path& path) {
-    std::string bytes = text_of(path);
-    bytes[bytes.size() / 2] ^= 1;
-    std::ofstream(path, std::ios::binary) << bytes;
-}
-
 }  // namespace
 
 TEST_CASE("a run killed at twenty random moments ends with the same bits") {

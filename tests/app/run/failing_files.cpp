@@ -56,17 +56,20 @@ TEST_CASE("a run goes on past damaged frames and states and names them with the 
     fs::resize_file(there / "fields/interfaces_0002.vtu", 300);
     fs::remove(there / "states/5e-07.state");
     fs::resize_file(there / "states/1e-06.state", 200);
+    flip_a_byte(there / "fields/bulk_0000.vtu");  // inside: it has its size and its end
     fs::create_symlink(folder.path / "elsewhere", there / "run.json.part");
 
     const Answer resumed = command(run + in_shell);
     CAPTURE(resumed.text);
     CHECK(resumed.code == 0);
     CHECK(resumed.has("resumed: continues from the checkpoint"));
-    CHECK(resumed.has("warning[missing-file]: fields/bulk_0001.vtu is empty; "));
+    CHECK(resumed.has("warning[missing-file]: fields/bulk_0000.vtu is damaged: its checksum is wrong; "));
+    CHECK(resumed.has("fields/bulk_0001.vtu is empty; "));
     for (const char* lost : {"fields/interfaces_0002.vtu", "states/5e-07.state", "states/1e-06.state"})
         CHECK(resumed.has(lost));
     CHECK(resumed.has("; all other outputs are unaffected, --force computes the run again"));
-    CHECK(text_of(there / "run.json").find("fields/bulk_0001.vtu is empty") != std::string::npos);
+    for (const char* of_record : {"fields/bulk_0000.vtu is damaged", "fields/bulk_0001.vtu is empty"})
+        CHECK(text_of(there / "run.json").find(of_record) != std::string::npos);
     CHECK(text_of(there / "energy.csv") == text_of(folder.path / "whole/energy.csv"));
     CHECK(fs::file_size(there / "figures/speed.webp") > 1000);  // without the frames that are damaged
     CHECK_FALSE(fs::exists(folder.path / "elsewhere"));
@@ -88,6 +91,59 @@ TEST_CASE("a run goes on past damaged frames and states and names them with the 
     REQUIRE(command(run + in_shell + " --force").code == 0);  // the cure
     check_same(folder.path / "whole", there, 10);
     CHECK(fs::exists(there / "states/5e-07.state"));
+}
+
+TEST_CASE("a flipped byte in any file that a checkpoint counts is named when the run goes on") {
+    const Folder folder("flipped");
+    const std::string run =
+        "run bar_ramp_wave -q -j 1 -s 'time.end=\"2 us\"' -s expect={} -s output.report=false "
+        "-s 'output.every=\"0.5 us\"' -s 'output.states=[\"0.5 us\"]' "
+        "-s 'figure=[{ file = \"speed.png\", show = \"speed\", at = \"0.6 us\", width = 300 }]' -o ";
+    command(run + folder.in_shell("stopped") + " --until '1.2 us'");
+    for (const char* flipped : {"", "fields/bulk_0002.vtu", "fields/interfaces_0001.vtu", "figures/speed.png",
+                                "states/5e-07.state", "log.txt"}) {
+        CAPTURE(flipped);
+        const fs::path there = folder.path / "run";
+        fs::remove_all(there);
+        fs::copy(folder.path / "stopped", there, fs::copy_options::recursive);
+        if (flipped == std::string("log.txt")) fs::resize_file(there / flipped, 10);
+        else if (*flipped != '\0') flip_a_byte(there / flipped);
+        const Answer resumed = command(run + folder.in_shell("run"));
+        CAPTURE(resumed.text);
+        CHECK(resumed.code == 0);
+        CHECK(resumed.has("warning[missing-file]: ") == (*flipped != '\0'));
+        CHECK(resumed.has(std::string(flipped) + (*flipped == 's' ? " cannot be used: its checksum is wrong; all other"
+                                                  : *flipped == 'l' ? " has lost its end"
+                                                  : *flipped == 'f' ? " is damaged: its checksum is wrong; all other"
+                                                                    : "")));
+        CHECK(text_of(there / "run.json").find(*flipped != '\0' ? flipped : "status") != std::string::npos);
+    }
+    fs::permissions(folder.path / "run/energy.csv", fs::perms::none);
+    const Answer unread = command("render " + folder.in_shell("run") + " --show energy");
+    CHECK((unread.code == 0 || unread.has("Permission denied")));  // the superuser may read it
+    fs::permissions(folder.path / "run/energy.csv", fs::perms::owner_all);
+    fs::remove(folder.path / "run/energy.csv");
+    fs::create_directory(folder.path / "run/energy.csv");
+    CHECK(command("render " + folder.in_shell("run") + " --show energy").has("run/energy.csv: Is a directory"));
+}
+
+TEST_CASE("the messages of a run in a sweep do not follow a symbolic link") {
+    const Folder folder("linked_log");
+    const std::string sweep =
+        "sweep bar_ramp_wave -s 'time.end=\"1 us\"' -s expect={} -s figure=[] -j 1 -o " + folder.in_shell("sweep");
+    REQUIRE(command(sweep).code == 0);
+    fs::path log;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder.path / "sweep/runs"))
+        if (entry.path().extension() == ".log") log = entry.path();
+    REQUIRE(fs::exists(log));
+    std::ofstream(folder.path / "mine") << "mine";
+    fs::remove(log);
+    fs::create_symlink(folder.path / "mine", log);
+    const Answer again = command(sweep + " --force");
+    CAPTURE(again.text);
+    CHECK(again.code != 0);
+    CHECK(again.has(log.filename().string() + ": it is a symbolic link"));
+    CHECK(text_of(folder.path / "mine") == "mine");
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)  // which take more than there is
