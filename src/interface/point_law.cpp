@@ -2,9 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace knap {
 namespace {
+
+constexpr int max_ramp_steps = 100;
+constexpr double rounding = 2e-16;
 
 /// beta+ and beta_theta from the openings at the end of the step.
 void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r) {
@@ -15,14 +19,6 @@ void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse&
     r.piece = r.softens ? law.material->piece_at(law.material->equivalent_opening(u_N, u_T)) : 0;
     r.cohesion_theta = law.step->theta * r.end_cohesion + (1 - law.step->theta) * law.cohesion;
     r.opens = u_N > 0;
-    if (!(law.ramp > 0)) return;
-    const double theta = law.step->theta, mean_N = law.u_N + theta * (u_N - law.u_N),
-                 mean_T = law.u_T + theta * (u_T - law.u_T);
-    const double part = law.material->equivalent_opening(mean_N, mean_T) / law.ramp;
-    r.on_ramp = part > 0 && part < 1;
-    r.opens_on_ramp = mean_N > 0;
-    r.ramp_part = std::min(part, 1.0);
-    r.cohesion_theta *= r.ramp_part;
 }
 
 /// The resolvent of the staircase  -q_T in sum W_i sgn(w_T - kink_i): its force and its signs (0 at their kink).
@@ -66,10 +62,91 @@ std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
     std::uint32_t state = r.closed | (r.sticks << 1);
     if (r.closed && !r.sticks && at.friction_follows) state |= digit(r.friction_sign) << 2;
-    if (r.on_ramp) state |= (r.opens_on_ramp << 13) | (1u << 12) | (digit(r.cohesion_sign) << 6);
+    if (r.on_ramp) state |= (digit(r.end_sign) << 14) | (r.opens_on_ramp << 13) | (1u << 12);
+    if (r.on_ramp) state |= digit(r.cohesion_sign) << 6;
     if (r.softens)
         state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6) | (static_cast<std::uint32_t>(r.piece) << 8);
     return state;
+}
+
+/// The response if the cohesive impulse is c. Returned: kappa times that which the ramp gives at the rates omega that c
+/// leaves.
+double respond_to_cohesion(const PointLaw& law, const Multipliers& at, double w_N, double w_T, double c,
+                           PointResponse& r) {
+    const double h = law.step->h, kick = law.step->kick(), held = at.contact - law.strength * law.cohesion;
+    r = {.cohesion_theta = c / law.strength};
+    if (law.contact.may_touch) r.contact = std::max(0.0, held + c - at.rho_N * (w_N - law.contact.rate));
+    r.closed = r.contact > 0;
+    find_tangential(law, at, w_T, r);
+    double omega_N = w_N, omega_T = w_T;
+    if (r.closed) omega_N = law.contact.rate;
+    else if (law.contact.may_touch) omega_N -= (held + c) / at.rho_N;
+    if (r.sticks) omega_T = r.kink;
+    else if (!std::isinf(at.rho_T)) omega_T += (r.tangential - at.tangential) / at.rho_T;
+    const bool has_no_slip = r.sticks && r.cohesion_sign == 0 && law.material->gamma * c > 0;
+    const double mean_N = law.u_N + kick * omega_N, mean_T = has_no_slip ? 0 : law.u_T + kick * omega_T,
+                 end_T = law.u_T + h * omega_T, s = law.material->equivalent_opening(mean_N, mean_T);
+    const auto sign = [](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; };
+    update_cohesion(law, law.u_N + h * omega_N, end_T, r);
+    r.full_cohesion = std::exchange(r.cohesion_theta, c / law.strength);
+    r.on_ramp = s < law.ramp;
+    r.ramp_part = std::min(s / law.ramp, 1.0);
+    r.opens_on_ramp = mean_N > 0;
+    r.cohesion_sign = sign(mean_T), r.end_sign = sign(end_T);
+    return law.strength * r.full_cohesion * std::min(s, law.ramp);
+}
+
+/// [kg m] kappa dc/d omega of c = C beta_theta min(s/kappa, 1), s in the middle of the step, beta_theta of its end.
+Vec2 ramp_slope(const PointLaw& law, const PointResponse& r, Softening softening) {
+    const double gamma = law.material->gamma;
+    Vec2 slope = Vec2::Zero();
+    if (r.on_ramp)
+        slope = law.strength * r.full_cohesion * law.step->kick() * Vec2(r.opens_on_ramp, gamma * r.cohesion_sign);
+    if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks))
+        slope -= law.ramp * r.ramp_part * softening_modulus(law, r, softening) * Vec2(r.opens, gamma * r.end_sign);
+    return slope;
+}
+
+/// [1/kg] -d omega/dc. `rubs`: mu sgn of friction that follows p = c + ...
+Vec2 rates_of_cohesion(const PointLaw& law, const Multipliers& at, const PointResponse& r, double rubs) {
+    return {r.closed || !law.contact.may_touch ? 0 : 1 / at.rho_N,
+            r.sticks ? 0 : (law.material->gamma * r.cohesion_sign + rubs) / at.rho_T};
+}
+
+double rubs(const PointLaw& law, const PointResponse& r) { return r.closed ? law.friction * r.friction_sign : 0; }
+
+/// The resolvent of a ramp: c falls with the rates that it leaves, of which it is an increasing function.
+PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
+    PointResponse r;
+    const double full = law.strength * law.cohesion;
+    double low = 0, high = full, c = full;
+    for (int i = 0; i < max_ramp_steps; ++i) {
+        const double beyond = law.ramp * c - respond_to_cohesion(law, at, w_N, w_T, c, r);
+        (beyond > 0 ? high : low) = c;
+        const Vec2 moves = rates_of_cohesion(law, at, r, at.friction_follows ? rubs(law, r) : 0);
+        double next = c - beyond / (law.ramp + ramp_slope(law, r, Softening::now).dot(moves));
+        if (std::abs(next - c) <= rounding * full || high - low <= rounding * full) break;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        c = next;
+    }
+    r.state = piece(at, r);
+    return r;
+}
+
+/// omega = w + (q - q^)/rho where it is free, q = (p - c, -gamma c sgn - mu p sgn), dc = slope . d omega/kappa.
+Eigen::Matrix2d ramp_tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening,
+                             double friction) {
+    Vec2 slope = ramp_slope(law, r, softening);
+    slope /= law.ramp + slope.dot(rates_of_cohesion(law, at, r, friction));
+    if (r.closed) slope.x() = friction * at.rho_N / at.rho_T * slope.y();
+    if (r.sticks) slope = {r.closed ? 0 : slope.x(), 0};
+    const Vec2 along(1, r.sticks ? 0 : law.material->gamma * r.cohesion_sign + friction);
+    Eigen::Matrix2d D = along * slope.transpose();
+    if (r.closed) D.row(0) << at.rho_N, 0;
+    if (r.closed && !r.sticks) D(1, 0) -= friction * at.rho_N;
+    if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
+    if (std::abs(D(0, 1) - D(1, 0)) <= 8 * rounding * std::abs(D(0, 1))) D(1, 0) = D(0, 1);
+    return D;
 }
 
 }  // namespace
@@ -82,6 +159,7 @@ void PointLaw::set_staircase() {
 }
 
 PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
+    if (law.ramp > 0) return respond_on_ramp(law, at, w_N, w_T);
     PointResponse r;
     r.contact = law.contact.may_touch ? std::max(0.0, at.contact - at.rho_N * (w_N - law.contact.rate)) : 0;
     r.closed = r.contact > 0;
@@ -90,7 +168,7 @@ PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, do
     update_cohesion(law, u_N, u_T, r);
     find_tangential(law, at, w_T, r);
     if (r.sticks) {
-        update_cohesion(law, u_N, law.ramp > 0 ? law.u_T + law.step->h * r.kink : r.kink == 0 ? law.u_T : 0, r);
+        update_cohesion(law, u_N, r.kink == 0 ? law.u_T : 0, r);
         const double kink = r.kink;
         find_tangential(law, at, w_T, r);
         if (!r.sticks || r.kink != kink) update_cohesion(law, u_N, u_T, r);
@@ -111,6 +189,7 @@ Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
 
 Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening) {
     const bool with_friction = r.closed && law.friction > 0 && at.friction_follows && softening != Softening::at_all;
+    if (law.ramp > 0) return ramp_tangent(law, at, r, softening, with_friction ? rubs(law, r) : 0);
     Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
     if (r.closed) D(0, 0) = at.rho_N;
     if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
@@ -118,18 +197,10 @@ Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointR
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
         // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds (opens, gamma sgn) . dw
         const Vec2 loss = loss_direction(law, r);
-        const double modulus = r.ramp_part * softening_modulus(law, r, softening);
+        const double modulus = softening_modulus(law, r, softening);
         D -= modulus * loss * loss.transpose();
         // the contact of a closed point carries the lost tension, and its friction grows with it
         if (with_friction) D(0, 1) -= modulus * loss.y();
-    }
-    if (r.on_ramp) {  // q = -C beta r (1, gamma sgn), dr = theta h/kappa (opens, gamma sgn) . dw
-        const Vec2 along(r.opens_on_ramp && !r.closed ? 1.0 : 0.0,
-                         r.sticks ? 0 : law.material->gamma * r.cohesion_sign);
-        const double stiffness =
-            law.strength * r.cohesion_theta / r.ramp_part * law.step->theta * law.step->h / law.ramp;
-        D += stiffness * along * along.transpose();
-        if (with_friction) D(0, 1) += stiffness * along.y();
     }
     return D;
 }

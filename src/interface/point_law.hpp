@@ -10,7 +10,10 @@
 // the derivative is definite.
 //
 // Secant unloading: beta_theta is multiplied by clamp(s/kappa, 0, 1) with s at u + theta h w, the mean of the step for
-// theta = 1/2, where its work is then the change of the elastic energy.
+// theta = 1/2, where its work is then the change of the elastic energy. The resolvent is that of contact, friction and
+// ramp together, of the rates omega = w + (q - q^)/rho: however steep a ramp is, rho bounds its stiffness, and where
+// a slip reverses the force takes every value between those of its two signs. (With the ramp at w it jumped there, and
+// equations with such a point had no solution.)
 #include "base/vec.hpp"
 #include "interface/interface_law.hpp"
 #include "material/cohesive_law.hpp"
@@ -45,11 +48,12 @@ struct PointLaw {
 
     /// The kinks of the tangential law, when the law over the step is known.
     void set_staircase();
+    double ramp_stiffness() const { return ramp > 0 ? strength * cohesion * step->kick() / ramp : 0; }  // [kg]
 };
 
 /// The iterate of the method of multipliers.
 struct Multipliers {
-    double contact = 0;            // [N s] p^ >= 0
+    double contact = 0;            // [N s] p^ >= 0; with a ramp that of PointResponse::held
     double tangential = 0;         // [N s] t^
     double rho_N = 0, rho_T = 0;   // [kg]; infinite rho_T: the rate itself decides (prescribed on both sides)
     bool friction_follows = true;  // friction is bounded by mu p, else by mu `pressed` (Tresca, a step towards Coulomb)
@@ -61,8 +65,10 @@ struct PointResponse {
     double tangential = 0;                        // [N s] q_T
     double friction_part = 0;                     // [N s] friction of q_T
     double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
-    double ramp_part = 1;                         // [-] of the cohesion that secant unloading leaves; in cohesion_theta
-    bool on_ramp = false, opens_on_ramp = false;  // 0 < ramp_part < 1; its u_N > 0
+    // secant unloading: full_cohesion times ramp_part is cohesion_theta
+    double full_cohesion = 0, ramp_part = 1;      // [-]
+    bool on_ramp = false, opens_on_ramp = false;  // ramp_part < 1; u_N > 0 in the middle of the step
+    double end_sign = 0;                          // of the slip at the end of the step
     int piece = 0;                                // of the softening branch, where it softens
     std::uint32_t state = 0;                      // identifies the smooth piece of the law
     bool closed = false, sticks = false, softens = false, breaks = false, opens = false;
@@ -70,6 +76,10 @@ struct PointResponse {
     double kink = 0;                              // [m/s] where it sticks
 
     double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta; }  // [N s] q_N
+    /// [N s] What the multiplier p^ becomes: p, with a ramp and the cohesion that is not borne.
+    double held(const PointLaw& law) const {
+        return law.ramp > 0 ? normal(law) + law.strength * law.cohesion : contact;
+    }
 };
 
 PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T);

@@ -1,4 +1,4 @@
-// The law of one point over an implicit step: its derivative against differences of the law.
+// The law of one point over an implicit step: its derivative against differences of the law, and its ramp.
 #include "interface/point_law.hpp"
 
 #include "base/random.hpp"
@@ -22,10 +22,8 @@ struct Point {
     Vec2 rate;
 
     PointResponse response(const Vec2& w) const { return respond(law, at, w.x(), w.y()); }
-    Vec2 impulse(const Vec2& w) const {
-        const PointResponse r = response(w);
-        return {r.normal(law), r.tangential};
-    }
+    Vec2 impulse(const PointResponse& r) const { return {r.normal(law), r.tangential}; }
+    Vec2 impulse(const Vec2& w) const { return impulse(response(w)); }
 };
 
 /// A damaged point anywhere near the corner of its law; `step` of the result belongs to it, so it must not be moved.
@@ -49,6 +47,18 @@ void make_random(Random& random, Point& point) {
                 .friction_follows = random.uniform(0, 1) < 0.7,
                 .pressed = random.uniform(0, 1)};
     point.rate = Vec2(random.uniform(-2, 2), random.uniform(-4, 4));
+}
+
+/// Likewise, with secant unloading; kappa is that of beta, or down to a millionth of it.
+void make_random_on_ramp(Random& random, Point& point) {
+    make_random(random, point);
+    point.law.ramp = (1 - point.law.cohesion) * material.delta_c() * std::pow(10, -random.uniform(0, 6));
+    const double s = random.uniform(0, 1) < 0.3 ? 1 : random.uniform(0, 1);
+    point.law.u_T = random.uniform(-1, 1) * s * point.law.ramp / material.gamma;
+    point.law.u_N = s * point.law.ramp - material.gamma * std::abs(point.law.u_T);
+    point.law.contact.rate = -point.law.u_N / point.step.h;
+    point.at.contact = random.uniform(0, 1) * point.law.strength * point.law.cohesion;
+    point.law.set_staircase();
 }
 
 }  // namespace
@@ -94,6 +104,76 @@ TEST_CASE("the tangent of a point is the derivative of its law") {
         n_open += here.softens && !here.closed;
     }
     for (const int n : {n_coupled, n_left_out, n_stick, n_open}) CHECK(n > 50);
+}
+
+TEST_CASE("the tangent of a ramp is the derivative of its law") {
+    Random random(6, "ramps");
+    int n_on_ramp = 0, n_stick = 0, n_closed = 0, n_soften = 0, n_rub = 0;
+    for (int count = 0; count < 4000; ++count) {
+        Point point;
+        make_random_on_ramp(random, point);
+        const double e = 1e-3 * point.law.ramp;
+        const PointResponse here = point.response(point.rate);
+        Eigen::Matrix2d differences;
+        bool one_piece = true;
+        for (int k = 0; k < 2; ++k) {
+            const Vec2 d = e * Vec2::Unit(k);
+            const PointResponse before = point.response(point.rate - d), after = point.response(point.rate + d);
+            one_piece = one_piece && before.state == here.state && after.state == here.state;
+            differences.col(k) = (point.impulse(before) - point.impulse(after)) / (2 * e);
+        }
+        if (!one_piece) continue;
+        const Eigen::Matrix2d D = tangent(point.law, point.at, here, Softening::now);
+        CAPTURE(count);
+        // of a softening ramp the law is a product, whose curvature the differences miss by their length
+        CHECK((D - differences).cwiseAbs().maxCoeff() <= (here.softens ? 2e-3 : 1e-13 / e + 1e-8));
+        const bool rubs = here.closed && !here.sticks && point.law.friction > 0 && point.at.friction_follows;
+        const bool one_sign = !here.softens || here.end_sign == here.cohesion_sign;
+        if (!rubs && one_sign && (here.opens_on_ramp || here.closed)) CHECK(D(0, 1) == D(1, 0));
+        n_on_ramp += here.on_ramp, n_stick += here.sticks, n_closed += here.closed, n_soften += here.softens;
+        n_rub += rubs;
+    }
+    for (const int n : {n_on_ramp, n_stick, n_closed, n_soften, n_rub}) CHECK(n > 50);
+}
+
+TEST_CASE("a ramp is no stiffer than the springs of its multipliers and obeys its law at the rates they leave") {
+    Random random(7, "ramps");
+    int n_on_ramp = 0, n_reversed = 0;
+    for (int count = 0; count < 4000; ++count) {
+        Point point;
+        make_random_on_ramp(random, point);
+        point.step.implicit_beta = false;
+        const PointLaw& law = point.law;
+        const Multipliers& at = point.at;
+        const PointResponse r = point.response(point.rate);
+        const Vec2 q = point.impulse(r),
+                   omega = point.rate + Vec2(law.contact.may_touch ? (r.held(law) - at.contact) / at.rho_N : 0,
+                                             (q.y() - at.tangential) / at.rho_T);
+        CAPTURE(count);
+        // beta min(s/kappa, 1) in the middle of the step
+        const double kick = point.step.kick(),
+                     s = material.equivalent_opening(law.u_N + kick * omega.x(), law.u_T + kick * omega.y());
+        CHECK(std::abs(r.cohesion_theta * law.ramp - law.cohesion * std::min(s, law.ramp)) <= 1e-12);
+        CHECK(r.contact >= 0);
+        if (law.contact.may_touch) CHECK(omega.x() >= law.contact.rate - 1e-12);
+        // a fixed point on springs of any stiffness
+        Multipliers there = at;
+        there.contact = r.held(law), there.tangential = q.y();
+        for (const double rho : {1e-3, 1.0, 1e3}) {
+            there.rho_N = there.rho_T = rho;
+            const PointResponse again = respond(law, there, omega.x(), omega.y());
+            CHECK((point.impulse(again) - q).norm() <= 1e-9);
+        }
+        // no jump, over a way that is a hundred times the ramp, too
+        const Vec2 d =
+            law.ramp * std::pow(10, random.uniform(-2, 2)) / kick * Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+        const PointResponse moved = point.response(point.rate + d);
+        if (law.contact.may_touch && (law.friction == 0 || !at.friction_follows))
+            CHECK((point.impulse(moved) - q).norm() <= 1.01 * std::max(at.rho_N, at.rho_T) * d.norm() + 1e-12);
+        n_on_ramp += r.on_ramp, n_reversed += r.cohesion_sign * moved.cohesion_sign < 0;
+    }
+    CHECK(n_on_ramp > 50);
+    CHECK(n_reversed > 20);
 }
 
 }  // namespace point_law_test

@@ -6,6 +6,9 @@ namespace knap {
 namespace {
 
 constexpr double no_cohesion = 1e-12;  // [-] beta below it is zero
+// [-] kappa/delta_c. A steeper ramp counts as an opening without one: rounding of the openings would be forces, and its
+// energy is less than a millionth of G_c.
+constexpr double steepest_ramp = 1e-6;
 
 }  // namespace
 
@@ -21,6 +24,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     double beta = at.cracked || law.sigma_c == 0 ? 0 : cohesion(model, *step.begin, at.point);
     if (beta < no_cohesion) beta = 0;
     const PointState* known = state_of(model, *step.begin, at.point);
+    const double kappa = known ? law.ramp(beta, known->largest_opening) : 0;
     ActivePoint made{.sides = nodes.sides(model, fan_point),
                      .fan = fan,
                      .normal = at.normal,
@@ -29,7 +33,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                              .strength = beta > 0 ? step.kick() * at.area * law.sigma_c : 0,
                              .cohesion = beta,
                              .material = &law,
-                             .ramp = known ? law.ramp(beta, known->largest_opening) : 0,
+                             .ramp = kappa > steepest_ramp * law.delta_c() ? kappa : 0,
                              .friction = law.friction,
                              .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
                                                             touching_gap(model, *step.begin, at)),

@@ -9,6 +9,8 @@
 
 namespace knap {
 
+constexpr double ramp_share = 0.01;  // of its stiffness, so that 10 times it are the stiffness of usual springs
+
 struct ActivePoint {
     PointSides sides;
     Index fan = -1;  // into Model::fans, points of a fan in succession; -1: contact with an obstacle
@@ -19,6 +21,7 @@ struct ActivePoint {
     Vec2 rate = Vec2::Zero();          // [m/s] (w_N, w_T)
     Vec2 support_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
     double mass = 0;                   // [kg] that an impulse between the two sides moves: scale of impulses over rates
+    double ramp_stiffness = 0;         // [kg] of the steepest ramp of its fan
 
     Vec2 in_frame(const Vec2& a) const { return {normal.dot(a), turned_left(normal).dot(a)}; }
     Vec2 out_of_frame(const Vec2& a) const { return a.x() * normal + a.y() * turned_left(normal); }
@@ -27,14 +30,18 @@ struct ActivePoint {
     Vec2 across(const std::vector<Vec2>& of_node) const { return in_frame(sides.jump(of_node)); }
     Vec2 rate_at(const std::vector<Vec2>& rate) const { return across(rate) - support_rate; }
     Vec2 impulse() const { return out_of_frame({response.normal(law), response.tangential}); }  // [N s] q
-    /// Its multipliers on springs of so many times the stiffness of the body.
+    /// Its multipliers on springs of so many times the stiffness of the body. Redundant points round a vertex share
+    /// their forces by the stiffness of its ramps, which multipliers on much softer springs would follow slowly.
     Multipliers augmented(double augmentation) const {
+        return on_springs(augmentation * std::max(mass, ramp_share * ramp_stiffness));
+    }
+    Multipliers softened() const { return on_springs(mass); }
+    Multipliers on_springs(double rho) const {
         Multipliers at = multipliers;
-        at.rho_N = augmentation * mass;
-        if (!std::isinf(at.rho_T)) at.rho_T = augmentation * mass;
+        at.rho_N = rho;
+        if (!std::isinf(at.rho_T)) at.rho_T = rho;
         return at;
     }
-    Multipliers softened() const { return augmented(1); }
     /// (p, q_T) [N s] at a rate by the equations of the piece of its response.
     Vec2 impulse_of_piece(const Vec2& at_rate) const {
         const double contact =

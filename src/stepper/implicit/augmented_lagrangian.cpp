@@ -66,10 +66,10 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     };
     const auto begin_again = [&] { restart_from(first_), unit_ = first_unit; };
     first_ = x_, final_augmentation_ = full_augmentation;
-    // On ramps of secant unloading the active set found other solutions with friction than the method of multipliers,
-    // which also ends nearer to rounding and is no slower for a few points.
-    sweeps_ = x_.points.size() >= min_points &&
-              std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
+    sweeps_ = x_.points.size() >= min_points;
+    // on ramps of secant unloading the active set found other solutions with friction than the method of multipliers
+    const bool has_pieces =
+        sweeps_ && std::ranges::none_of(x_.points, [](const ActivePoint& p) { return p.law.ramp > 0; });
     Pieces pieces = Pieces::cycling;
     const auto solve_pieces = [&] {
         pieces = find_pieces(friction);
@@ -78,7 +78,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
                (pieces == Pieces::found || !newton_matrix_.is_indefinite());
     };
     precision_ = Precision::full;
-    if (sweeps_ && system_.begin_reduced(x_.points)) {  // on the dense matrix of a few points
+    if (has_pieces && system_.begin_reduced(x_.points)) {  // on the dense matrix of a few points
         const bool solved = solve_pieces();
         if (solved && residual() <= balance_goal(unit_)) return true;
         if (solved) system_.forget();  // its rounding is too large for the balance of the body, which goes on from here
@@ -92,7 +92,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
             if (find_solution(max_newton_steps)) return true;
             begin_again();
         }
-        if (solve_pieces()) return true;
+        if (has_pieces && solve_pieces()) return true;
         // Where it cycles, the energy of the springs may lead on; within Assumption 1 the solution is the same one.
         if (pieces != Pieces::found && !friction && !newton_matrix_.is_indefinite() &&
             find_solution(max_newton_steps) && !newton_matrix_.is_indefinite())
@@ -102,7 +102,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     // Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.
     const int n_attempts = !friction ? 1 : effort == Effort::little ? 3 : 4;
     for (int i = 1; i <= n_attempts; ++i) {
-        const bool cycles = sweeps_ && friction && i == 1;
+        const bool cycles = has_pieces && friction && i == 1;
         if (!cycles && attempt(i == n_attempts ? max_newton_steps : max_cycling_steps)) return true;
         if (is_jammed()) return false;
         if (friction && i < n_attempts && iterate_friction()) return true;
@@ -337,8 +337,10 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
 /// Tresca's law, friction bounded by the contact impulses of the previous round, with bounds that approach Coulomb's.
 /// True: near enough to Coulomb's law for a preliminary solution.
 bool AugmentedLagrangian::iterate_friction() {
-    for (ActivePoint& point : x_.points)
-        point.multipliers.friction_follows = false, point.multipliers.pressed = point.multipliers.contact;
+    for (ActivePoint& point : x_.points) {
+        point.multipliers.friction_follows = false;
+        point.multipliers.pressed = point.law.ramp > 0 ? point.response.contact : point.multipliers.contact;
+    }
     double goal = 1e-4;
     bool near_enough = false;
     for (int round = 0; round < max_friction_rounds && !near_enough; ++round) {
@@ -397,9 +399,10 @@ double AugmentedLagrangian::update_multipliers() {
     for (std::size_t j = 0; j < move_.size(); ++j) {
         const PointResponse& q = x_.points[j].response;
         Multipliers& multipliers = x_.points[j].multipliers;
-        move_[j] = {q.contact - multipliers.contact, q.tangential - multipliers.tangential};
+        const double held = q.held(x_.points[j].law);
+        move_[j] = {held - multipliers.contact, q.tangential - multipliers.tangential};
         longest = std::max(longest, move_[j].cwiseAbs().maxCoeff());
-        multipliers.contact = q.contact, multipliers.tangential = q.tangential;
+        multipliers.contact = held, multipliers.tangential = q.tangential;
     }
     return longest;
 }

@@ -212,8 +212,9 @@ double FanSweep::update_multipliers(std::span<ActivePoint> points) const {
     for (std::size_t j = 0; j < points.size(); ++j) {
         Multipliers& at = points[j].multipliers;
         const PointResponse& q = response_[j];
-        change = std::max({change, std::abs(q.contact - at.contact), std::abs(q.tangential - at.tangential)});
-        at.contact = q.contact, at.tangential = q.tangential;
+        const double held = q.held(points[j].law);
+        change = std::max({change, std::abs(held - at.contact), std::abs(q.tangential - at.tangential)});
+        at.contact = held, at.tangential = q.tangential;
     }
     return change;
 }

@@ -182,7 +182,7 @@ bool ImplicitScheme::start_from_lemke() {
     corner_rate_ = found->rate, active_.assign(model_.fans.size(), 1);
     for (std::size_t i = 0; i < model_.fan_points.size(); ++i) {
         const Index point = model_.fan_points[i].point;
-        guess_[i] = step_.theta * Vec2(found->contact[point], found->impulse[point].y());
+        guess_[i] = step_.theta * Vec2(found->held[point], found->impulse[point].y());
     }
     return true;
 }
@@ -208,12 +208,16 @@ void ImplicitScheme::make_points() {
     std::ranges::fill(active_point_of_, -1);
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {
         const Fan& fan = model_.fans[f];
+        const std::size_t first = x_.points.size();
+        double stiffest = 0;
         for (Index i = fan.first_point; active_[f] && i < fan.first_point + fan.n_points; ++i) {
             if (unbreakable(model_, model_.fan_points[i])) continue;
             active_point_of_[i] = static_cast<Index>(x_.points.size());
             ActivePoint& made = x_.points.emplace_back(interface_point(model_, step_, partition_, f, i));
             made.mass = mass_between(made.sides.before, made.sides.after);
+            stiffest = std::max(stiffest, made.law.ramp_stiffness());
         }
+        for (std::size_t j = first; j < x_.points.size(); ++j) x_.points[j].ramp_stiffness = stiffest;
     }
     for (std::size_t i = 0; i < faces_.size(); ++i) {
         ActivePoint& made = x_.points.emplace_back(faces_.point(i, step_, partition_));
@@ -303,7 +307,7 @@ void ImplicitScheme::check_residual(StepReport& report) const {
     for (const ActivePoint& point : x_.points) {
         const Vec2 w = point.rate_at(x_.rate);
         Multipliers multipliers = point.softened();
-        multipliers.contact = point.response.contact, multipliers.tangential = point.response.tangential;
+        multipliers.contact = point.response.held(point.law), multipliers.tangential = point.response.tangential;
         const PointResponse again = respond(point.law, multipliers, w.x(), w.y());
         report.residual =
             std::max({report.residual, std::abs(again.normal(point.law) - point.response.normal(point.law)) / unit,

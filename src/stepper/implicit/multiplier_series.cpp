@@ -36,6 +36,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
     };
     for (std::size_t first = 0, end; first < points.size(); first = end) {
         double longest = 0, strongest = 0, square = 0, product = 0, length = 0;  // of the previous move and this one
+        bool is_rigid = true;        // else ramps decide how redundant points share their forces
         double to_bound = infinity;  // moves until a contact, or a sticking point, is at its bound
         for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
             const ActivePoint& point = points[end];
@@ -47,7 +48,9 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             length += d.squaredNorm();
             const PointLaw& law = point.law;
             const Multipliers& multipliers = point.multipliers;
-            if (point.response.closed && d.x() < 0) to_bound = std::min(to_bound, multipliers.contact / -d.x());
+            is_rigid = is_rigid && !point.response.on_ramp;
+            if ((point.response.closed || law.ramp > 0) && d.x() < 0)
+                to_bound = std::min(to_bound, multipliers.contact / -d.x());
             if (!point.response.sticks || d.y() == 0) continue;
             const double bound =
                 law.friction * multipliers.contact + law.material->gamma * law.strength * point.response.cohesion_theta;
@@ -57,7 +60,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
         if (longest <= min_move || points[first].fan < 0) continue;
         double series = 0;  // moves
         const double q = product / square, deviation2 = length - product * product / square;
-        if (strongest <= no_force * longest) series = infinity;
+        if (is_rigid && strongest <= no_force * longest) series = infinity;
         else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
             series = std::min(q / (1 - q), std::clamp(sure_part * std::sqrt(length / std::max(deviation2, 0.0)),
                                                       max_series, max_sure_series));

@@ -299,6 +299,12 @@ StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
     }
     end.contact.assign(model_.n_points(), 0);
     for (int k = 0; k < static_cast<int>(contacts_.size()); ++k) end.contact[contacts_[k]] = z[normal_ + k];
+    end.held = end.contact;
+    for (int k = 0; k < static_cast<int>(ramps_.size()); ++k) {
+        const Index p = cohesive_[ramps_[k]];
+        end.held[p] += points_[p].law.strength * points_[p].law.cohesion / step_.theta * z[ramp_ + k] /
+                       model_.fan_points[points_[p].sides.fan_point].area;
+    }
     for (const Layer& layer : layers_) end.cohesion[cohesive_[layer.cohesive]] = 0;
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
         const Index p = cohesive_[layers_[l].cohesive];

@@ -55,6 +55,7 @@ struct StepLcpEnd {
     std::vector<Vec2> opening;         // [m] (u_N+, u_T+), per point
     std::vector<Vec2> impulse;         // [N s] P (N, T), per point; 0 for unbreakable points, where it is unknown
     std::vector<double> contact;       // [N s] p_N, per point
+    std::vector<double> held;          // [N s] likewise, on a ramp with the cohesion that is not borne
     std::vector<double> cohesion;      // [-] beta+, per point
 };
 

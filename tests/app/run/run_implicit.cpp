@@ -272,4 +272,50 @@ TEST_CASE("a run reports the steps of the Lemke fallback") {
           std::string::npos);
 }
 
+TEST_CASE("a notched beam that is loaded again and again with secant unloading needs no smaller steps") {
+    // Ramps of 1e-6 to 0.1 delta_c lie side by side round every vertex, and their slips reverse.
+    const Folder folder("secant");
+    write_scene(folder, R"(knap = 1
+name = "beam"
+[domain]
+shape = "polygon"
+points = [["0 mm", "0 mm"], ["240 mm", "0 mm"], ["240 mm", "40 mm"], ["260 mm", "40 mm"], ["260 mm", "0 mm"],
+          ["500 mm", "0 mm"], ["500 mm", "100 mm"], ["0 mm", "100 mm"]]
+sides = ["left half", "notch", "notch", "notch", "right half", "right", "top", "left"]
+model = "plane stress"
+[mesh]
+size = "30 mm"
+refine = [{ inside = ["200 mm", "0 mm", "300 mm", "100 mm"], size = "10 mm" }]
+[material.concrete]
+density = "2400 kg/m3"
+E = "25.85 GPa"
+nu = 0.18
+[interface.default]
+sigma_c = "2.7 MPa"
+G_c = "90 J/m2"
+unloading = "secant"
+[[load]]
+on = { box = ["-1 mm", "-1 mm", "10 mm", "1 mm"] }
+displacement = ["0 mm", "0 mm"]
+[[load]]
+on = { box = ["488 mm", "-1 mm", "501 mm", "1 mm"] }
+displacement = ["free", "0 mm"]
+[[load]]
+on = { box = ["240 mm", "99 mm", "260 mm", "101 mm"] }
+displacement = ["free", "-1 mm"]
+table = [["0 s", 0], ["0.15 s", 0.06], ["0.3 s", 0.01], ["0.45 s", 0.1], ["0.6 s", 0.01], ["0.8 s", 0.2], ["1 s", 0]]
+[time]
+bulk = "implicit"
+end = "1 s"
+step = "5 ms"
+theta = 0.55
+[output]
+fields = false
+)");
+    const Answer run = run_scene(folder, "-j 1 -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    CHECK(run.code == 0);
+    CHECK(text_of(folder.path / "run/log.txt").find("cutback") == std::string::npos);
+}
+
 }  // namespace run_implicit_test
