@@ -188,13 +188,19 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     const bool breaks_in_contact =
         !model.contact_of_pair.empty() &&
         std::ranges::any_of(model.interfaces, [&](const Interface& i) { return model.laws[i.law].breakable(); });
-    std::printf("  about %.3g s of one core: mesh and model %.2g, steps %.2g, frames %.2g, figures %.2g, tables %.2g\n",
-                cost.total(), cost.model, cost.steps, cost.frames, cost.figures, cost.lines);
-    std::printf("  a step takes %.2g s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
-                cost.first_step, long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first,
-                breaks_in_contact
-                    ? "pieces that break and lie on each other may take 30 times as long: see the progress line"
-                    : "within a factor of 2 there, more for a body that fragments");
+    if (cost.given_up_after > 0) {
+        std::printf("  %s; a smaller time.step, or %s\n", unknown_text(cost, plan.limits.largest).c_str(),
+                    long_measured ? "bulk = \"auto\"" : "--time, which waits ten times as long");
+    } else {
+        std::printf(
+            "  about %.3g s of one core: mesh and model %.2g, steps %.2g, frames %.2g, figures %.2g, tables %.2g\n",
+            cost.total(), cost.model, cost.steps, cost.frames, cost.figures, cost.lines);
+        std::printf("  a step takes %.2g s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
+                    cost.first_step, long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first,
+                    breaks_in_contact
+                        ? "pieces that break and lie on each other may take 30 times as long: see the progress line"
+                        : "within a factor of 2 there, more for a body that fragments");
+    }
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
         std::printf(

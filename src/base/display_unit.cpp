@@ -21,10 +21,15 @@ DisplayUnit display_unit(double largest, const std::string& unit) {
 }
 
 std::string readable(double value, const std::string& unit, int digits) {
-    constexpr double day = 86400, year = 365.25 * day;
-    if (const double size = std::abs(value); unit == "s" && size >= 2 * day && std::isfinite(size))
-        return formatted("%.*g ", digits, size < 2 * year ? value / day : value / year) +
-               (size < 2 * year ? "day" : "year");
+    struct Long {
+        double size, from;  // [s]
+        const char* name;
+    };
+    constexpr double hour = 3600, day = 24 * hour, year = 365.25 * day;
+    if (unit == "s" && std::isfinite(value))
+        for (const auto& [size, from, name] :
+             {Long{year, 2 * year, "year"}, {day, day, "day"}, {hour, 2 * hour, "h"}, {60, 1000, "min"}})
+            if (std::abs(value) >= from) return formatted("%.*g ", digits, value / size) + name;
     const DisplayUnit shown = display_unit(std::abs(value), unit);
     return formatted("%.*g", digits, value * shown.factor) + (unit.empty() ? "" : " " + shown.unit);
 }

@@ -37,13 +37,17 @@ struct FaultPlaces {
     static constexpr std::size_t n_shown = 4;
     std::vector<Vec2> at = {};  // the first ones
     std::size_t n = 0;
+    Vec2 last = {};
     double worst = infinity;  // [m] the smallest length
     double limit = 0;         // [m] there
     std::string other = {};   // the other part there
 
-    /// True where it is the worst so far.
+    /// True where it is the worst so far. Consecutive equal places are one.
     bool add(const Vec2& x, double length, double allowed) {
-        if (++n <= n_shown) at.push_back(x);
+        if (n == 0 || x != last) {
+            if (++n <= n_shown) at.push_back(x);
+            last = x;
+        }
         if (!(length < worst)) return false;
         worst = length, limit = allowed;
         return true;

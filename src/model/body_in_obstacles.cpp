@@ -80,6 +80,12 @@ bool may_meet(const Obstacle& obstacle, const HeldBody& body) {
     return true;
 }
 
+/// The place of the body that is nearest to the obstacle at its start.
+Vec2 nearest_place(const Obstacle& obstacle, const std::vector<Vec2>& places) {
+    const ObstacleSurface surface(obstacle.outline, obstacle.start);
+    return *std::ranges::min_element(places, {}, [&](const Vec2& x) { return surface.distance_to(x).gap; });
+}
+
 /// Whether neither end of an edge gives way to a push along its normal.
 bool is_held(const Model& model, Index a, Index b) {
     const Vec2 normal = turned_left((model.mesh.corner(b) - model.mesh.corner(a)).normalized());
@@ -115,10 +121,10 @@ std::optional<HeldAgainst> held_on_way(const Model& model, Index number, double 
         std::optional<HeldAgainst> held;
         const auto look = [&](const Vec2& a, const Vec2& b, const auto& what) {
             if (!surface.may_reach(a, (b - a).norm())) return;
-            const double gap = gap_to_edge(surface, a, b).gap;
+            const auto [gap, place] = gap_to_edge(surface, a, b);
             if (!(gap < deepest)) return;
             deepest = gap, held.reset();
-            if (const std::optional<What> found = what()) held = {*found, number, 0.5 * (a + b)};
+            if (const std::optional<What> found = what()) held = {*found, number, place};
         };
         visit_boundary(model.mesh, [&](Index a, Index b) {
             look(model.mesh.corner(a), model.mesh.corner(b),
@@ -194,8 +200,12 @@ std::vector<HeldAgainst> held_against_obstacles(const Model& model, double end) 
         const Obstacle& obstacle = model.obstacles[o];
         if (!obstacle.is_free()) continue;
         const auto body = std::ranges::find_if(bodies, [&](const HeldBody& b) { return may_meet(obstacle, b); });
-        if (body != bodies.end()) found.push_back({HeldAgainst::What::body, o, body->places.front()});
-        else if (const auto held = held_on_way(model, o, end)) found.push_back(*held);
+        std::optional<HeldAgainst> held = held_on_way(model, o, end);
+        if (body != bodies.end()) {
+            if (!held) held = {.place = nearest_place(obstacle, body->places)};
+            held->what = HeldAgainst::What::body, held->obstacle = o;
+        }
+        if (held) found.push_back(*held);
     }
     return found;
 }

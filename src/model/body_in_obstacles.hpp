@@ -42,7 +42,7 @@ struct HeldAgainst {
     enum class What { body, edge, support };
     What what;
     Index obstacle;
-    Vec2 place;  // [m] of an edge
+    Vec2 place;  // [m] where they meet; of a body that nothing drives the obstacle to: its place nearest to it
 };
 std::vector<HeldAgainst> held_against_obstacles(const Model& model, double end);
 

@@ -69,7 +69,7 @@ Model without(Model model, std::span<const Index> triangles) {
 State carried_over(const Model& from, const State& state, const Model& to) {
     State next = all_bonded(state, to);
     next.elastic_energy = state.elastic_energy, next.elastic_work = state.elastic_work;
-    next.obstacles = state.obstacles;
+    next.obstacles = state.obstacles, next.free_pieces = state.free_pieces;
     next.temperature = state.temperature, next.temperature_before = state.temperature_before;
     const std::size_t n_fans = to.fans.size();
     const auto vanished = [&](Index corner) { return to.has_vanished(to.mesh.triangle_of(corner)); };

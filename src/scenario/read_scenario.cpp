@@ -73,6 +73,19 @@ std::string path_of_part(const std::string& part) {
     return table;
 }
 
+/// The text of a fault with the parts of a Shape that it names as in the scenario: "of cracks[107] at" -> "of
+/// `domain.crack[107]` at".
+std::string with_paths(std::string text, const std::string& part) {
+    const std::string prefix = part.substr(0, part.find('.') == std::string::npos ? 0 : part.find('.') + 1);
+    for (const char* const list : {"holes[", "cracks[", "regions["})
+        for (std::size_t at = 0; (at = text.find(list, at)) != std::string::npos;) {
+            const std::size_t length = text.find(']', at) + 1 - at;
+            const std::string path = "`" + path_of_part(prefix + text.substr(at, length)) + "`";
+            text.replace(at, length, path), at += path.size();
+        }
+    return text;
+}
+
 /// The built-in scenario that a name means: itself, or the shortest name with this beginning if all others with it
 /// begin with that name (edge-crack: edge_cracked_block, not its variants). Empty: none.
 std::string full_name(std::string begin, const std::vector<std::string>& names) {
@@ -156,7 +169,8 @@ std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
         std::string key = path;
         for (const char* outline : {".box", ".radius", ".size", ".points"})
             if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;
-        found.push_back(at(key, {.code = "bad-shape", .message = "`" + path + "` " + fault.text}));
+        found.push_back(
+            at(key, {.code = "bad-shape", .message = "`" + path + "` " + with_paths(fault.text, fault.part)}));
     }
     std::ranges::stable_sort(found, {}, &Diagnostic::line);
     return found;

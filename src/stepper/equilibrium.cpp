@@ -133,9 +133,10 @@ std::vector<Vec2> forces_on_corners(const Model& model, const State& state) {
 
 /// What may happen to interfaces on the way.
 enum class Interfaces {
-    intact,    // nothing loses cohesion, or the search ends
-    glued,     // what has cohesion holds, however strong the forces
-    softening  // cohesion falls where the forces exceed it, as long as the body is stable
+    intact,     // nothing loses cohesion, or the search ends
+    glued,      // what has cohesion holds, however strong the forces
+    softening,  // cohesion falls where the forces exceed it, as long as the body is stable
+    breaking    // also where it is not
 };
 
 /// The model without large rotations, in whose place forces on its corners correct those of small ones.
@@ -143,7 +144,7 @@ struct Still {
     Still(const Model& turned, MassMatrix mass, Interfaces interfaces)
         : model(turned),
           scheme(model, {.bulk = BulkScheme::implicit_theta,
-                         .cohesion = interfaces == Interfaces::softening ? CohesionScheme::implicit_beta
+                         .cohesion = interfaces >= Interfaces::softening ? CohesionScheme::implicit_beta
                                                                          : CohesionScheme::explicit_beta,
                          .theta = 1,
                          .mass = mass,
@@ -200,6 +201,7 @@ private:
     }
 
     std::string unheld(const State& state, double acceleration, bool steps_are_small) const;
+    std::string overloaded(const State& now, double h) const;
     double correct(const State& now);
     bool settle(Interfaces interfaces, State& now);
     bool find_still(Interfaces interfaces, State& now);
@@ -251,9 +253,21 @@ std::string EquilibriumSearch::unheld(const State& state, double acceleration, b
         return point.traction.x() > 0;
     }) || std::ranges::any_of(state.obstacles, [](const ObstacleState& o) { return !o.reaction.isZero(0); });
     const char* const bends = steps_are_small ? ", or it bends too far for steps that are solved" : "";
-    if (!meets) return std::string("nothing holds the body, it would move away") + bends;
-    return formatted("contact and friction do not hold the body, it would move away with %.3g m/s2%s", acceleration,
-                     bends);
+    return formatted("%s the body, it would move away with %.3g m/s2%s",
+                     meets ? "contact and friction do not hold" : "nothing holds", acceleration, bends);
+}
+
+/// What breaks loose in a step of h from `now` [s], however it softens there.
+std::string EquilibriumSearch::overloaded(const State& now, double h) const {
+    Still breaking(turned_, mass_, Interfaces::breaking);
+    breaking.model.corner_loads = still_->model.corner_loads;
+    State next;
+    next.temperature = now.temperature;
+    const bool taken = breaking.scheme.step(now, h, next).rejection == Rejection::none;
+    const Index c = taken ? inertia_of(breaking.model, next, h).fastest : 0;
+    const double acceleration = taken ? next.velocity[next.node_of_corner[c]].norm() / h : 0;
+    return "the preload is more than the interfaces hold" +
+           (acceleration > 0 ? formatted(", what breaks loose would move away with %.3g m/s2", acceleration) : "");
 }
 
 /// With small rotations, from `now` on.
@@ -272,8 +286,7 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
         const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;
         const Inertia inertia = rejected ? Inertia{} : inertia_of(model, next, h);
         const double load = rejected ? 0 : load_of(model, next), after = load > 0 ? inertia.force / load : 0;
-        if (report.rejection == Rejection::assumption_1)
-            no_equilibrium("the preload is more than the interfaces hold", report.where);
+        if (report.rejection == Rejection::assumption_1) no_equilibrium(overloaded(now, h), report.where);
         if (rejected || (after > jammed * part && !smallest)) {
             if ((rejected && smallest && once_more) || step == max_steps)
                 no_equilibrium("contact and friction do not settle", report.where);
@@ -292,9 +305,9 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
         if (stalled && part <= accepted_residual) break;
         const double largest = wait > 0 ? h : last_step * passage;
         if ((stalled && h >= largest) || step == max_steps)
-            no_equilibrium(interfaces == Interfaces::softening ? "the preload is more than the interfaces hold"
-                                                               : unheld(now, acceleration, wait > 0),
-                           model.mesh.corner(inertia.fastest));
+            no_equilibrium(
+                interfaces == Interfaces::softening ? overloaded(now, h) : unheld(now, acceleration, wait > 0),
+                model.mesh.corner(inertia.fastest));
         h = std::min(growth * h, largest);
         wait = std::max(0, wait - 1);
     }

@@ -2,6 +2,7 @@
 // leaves of the motion of pieces that nothing holds.
 #include "analysis/fragments.hpp"
 #include "properties/wild_body.hpp"
+#include "stepper/excavation.hpp"
 #include "support/obstacles.hpp"
 
 #include <doctest/doctest.h>
@@ -229,16 +230,53 @@ TEST_CASE("damping: pieces that collide exchange momentum alone and fly on with 
     Run run(input, {.damping = 1});
     const Momenta start(run);
     const double h = 0.4 * run.stepper.stable_step();
+    std::optional<double> met;
     for (int i = 0; i < 1000; ++i) {
         run.step(h);
         REQUIRE(run.last.rejection == Rejection::none);
+        if (run.last.approach > 0 && !met) met = run.last.approach_place.x();
     }
     const Momenta end(run);
+    REQUIRE(met);
+    CHECK(*met == doctest::Approx(1.01).epsilon(1e-4));  // of the moved body, as the place of a cutback
     CHECK(run.now.free_pieces.size() == 2);
     CHECK(run.mean_velocity([&](Index t) { return t >= run.model.mesh.n_triangles() / 2; }).x() > 0.04);
     CHECK((end.linear - start.linear).norm() < 1e-13);
     CHECK(end.angular == doctest::Approx(start.angular).epsilon(1e-5));
     CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
+}
+
+TEST_CASE("damping: an excavation beside a piece that flies leaves its momentum to the last bits") {
+    ModelInput input = two_blocks(1);
+    input.contact_of_pair.clear();
+    input.large_rotation = false;
+    input.supports = {{.on = {.boundary = "", .box = Box{{-0.1, -0.1}, {0.1, 1.1}}}, .law = 0, .glued = true}};
+    input.loads = {load(Load::Kind::acceleration, "", 1.0, -1.0)};
+    const Model whole = make_model(input);
+    const double h = 0.5 * MoreauJean(whole, {}).stable_step();
+    const SchemeOptions scheme{.damping = 0.2 / h};  // d = 0.1: a tenth of an impulse comes one step late
+    const auto momentum = [&](bool excavated) {
+        Model model = whole;
+        State now = initial_state(model), next = now;
+        std::optional<MoreauJean> stepper(std::in_place, model, scheme);
+        for (int i = 0; i < 60; ++i) {
+            if (excavated && i == 30) {
+                Excavated rest = excavate(model, now, std::array<Index, 1>{0});
+                stepper.reset();
+                model = std::move(rest.model), now = std::move(rest.state), next = now;
+                stepper.emplace(model, scheme);
+            }
+            REQUIRE(stepper->step(now, h, next).rejection == Rejection::none);
+            std::swap(now, next);
+        }
+        Vec2 sum = Vec2::Zero();
+        for (Index c = 0; c < model.mesh.n_corners(); ++c)
+            if (model.mesh.corner(c).x() > 1.5) sum += model.corner_mass[c] * now.velocity[now.node_of_corner[c]];
+        return sum;
+    };
+    const Vec2 whole_one = momentum(false), other = momentum(true);
+    CHECK(whole_one.x() > 50 * h);
+    CHECK((other - whole_one).norm() < 1e-13 * whole_one.norm());
 }
 
 TEST_CASE("damping: a piece that rests on an obstacle bears its weight and one that slides is braked by friction") {

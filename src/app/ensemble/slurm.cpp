@@ -26,7 +26,11 @@ Cost cost_of(const std::string& scenario, const EnsembleRun& run) {
     const Stopwatch watch;
     const Model model = model_of(read);
     const StepPlan plan = plan_of(read, model, read.scenario.time.end);
-    return estimate_cost(read.scenario, model, plan, watch.cpu(), 0.05);
+    const Cost cost = estimate_cost(read.scenario, model, plan, watch.cpu(), 0.05);
+    if (cost.given_up_after > 0)
+        throw UserError("unknown-cost", "run `" + run.name + "`: " + unknown_text(cost, plan.limits.largest),
+                        "jobs need a time limit: use a smaller time.step, or start the runs without --emit");
+    return cost;
 }
 
 /// A file of a directory as an option in a comment of the script: words end at blanks, a backslash takes the meaning of

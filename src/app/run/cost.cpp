@@ -1,6 +1,7 @@
 #include "app/run/cost.hpp"
 
 #include "app/run/adaptation.hpp"
+#include "base/display_unit.hpp"
 #include "base/stopwatch.hpp"
 #include "figures/figures.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -22,11 +23,18 @@ constexpr double of_figure = 0.035, of_figure_triangle = 5e-6;   // a figure; of
 constexpr double of_rebuilds = 1.4;                              // [-] of steps with refinements over those without
 constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of the tables
 
+constexpr double longest_measurement = 200;  // [-] in units of measure_for
+
+/// [s] processor time of the process at which a measured step is given up.
+thread_local double deadline = infinity;
+bool is_late() { return Stopwatch::seconds(CLOCK_PROCESS_CPUTIME_ID) > deadline; }
+
 /// [s] Processor time of a step at the start, after the first one: the minimum over some batches, since other load on
-/// the machine only adds.
+/// the machine only adds. Throws StepGivenUp.
 double measured_step(const Model& model, MoreauJean& stepper, double step, double at_least_for) {
     State now = initial_state(model), next = now;
     stepper.begin(now);
+    stepper.give_up_when(is_late);
     stepper.step(now, step, next);
     const Stopwatch all;
     double fastest = infinity;
@@ -122,7 +130,13 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     cost.n_steps =
         plan.limits.changes() ? largest : std::max(largest, std::ceil(scenario.time.end / plan.limits.cracking));
     MoreauJean stepper(model, scenario.time.scheme);
-    cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
+    deadline = Stopwatch::seconds(CLOCK_PROCESS_CPUTIME_ID) + longest_measurement * measure_for;
+    try {
+        cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
+    } catch (const StepGivenUp&) {
+        cost.given_up_after = longest_measurement * measure_for;
+        cost.first_step = NAN;
+    }
     cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
     double growth = 1, largest_growth = 1;  // of the number of triangles, at the end
     if (scenario.adapt.active()) {
@@ -153,6 +167,11 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     cost.least_memory = of_program + of_triangle * growth * drawn;
     cost.disk = cost.n_frames * (6e-3 + 85e-6 * 0.5 * (1 + growth) * drawn);
     return cost;
+}
+
+std::string unknown_text(const Cost& cost, double step) {
+    return "how long it takes is not known: the first step, of " + readable(step, "s") + ", was not solved in " +
+           readable(cost.given_up_after, "s") + " of one core";
 }
 
 }  // namespace knap

@@ -15,7 +15,8 @@ namespace knap {
 
 struct Cost {
     double model = 0, steps = 0, frames = 0, figures = 0, lines = 0;  // [s] processor time
-    double first_step = 0;                                            // [s] processor time of a step at the start
+    double first_step = 0;      // [s] processor time of a step at the start; NaN: given up, and so are steps and total
+    double given_up_after = 0;  // [s] processor time
     double mean_over_first = 1;
     double n_steps = 0;
     double n_frames = 0;
@@ -27,5 +28,8 @@ struct Cost {
 /// `model_seconds`: processor time of mesh and model; `measure_for` [s]: minimum processor time of the measured steps.
 Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, double model_seconds,
                    double measure_for);
+
+/// Why the time of steps of `step` [s] is not known, where it was given up.
+std::string unknown_text(const Cost& cost, double step);
 
 }  // namespace knap

@@ -63,10 +63,13 @@ public:
         }
         for (std::size_t i = 0; i < scenario_.crack_pressures.size(); ++i)
             judge(item("pressure", i), scenario_.crack_pressures[i].history, step, loads_mean);
-        for (std::size_t i = 0; i < scenario_.obstacles.size(); ++i)
+        for (std::size_t i = 0; i < scenario_.obstacles.size(); ++i) {
             for (const Drive& drive : scenario_.obstacles[i].drive)
                 judge(item("obstacle", i), drive.history, step,
                       drive.kind == Drive::Kind::displacement ? motions_pass : loads_mean);
+            for (const ObstacleForce& force : scenario_.obstacles[i].forces)
+                judge(item("obstacle", i), force.history, step, loads_mean);
+        }
         if (scenario_.heat) judge_heat(implicit, step);
         judge_corners();
         return std::move(found_);

@@ -77,9 +77,7 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
         add_terms(i);
         impulse_[i] = scale * Vec2(contacts_.all()[i].contact, contacts_.all()[i].tangential);
         before_[i] = rate(i, step.begin);
-        const Index at = contacts_.all()[i].vertex[0];
-        report.add_approach(contacts_.all()[i].gap, step.drift_time, before_[i].x(),
-                            model_.ground_at(at) ? model_.ground_at(at)->place : model_.mesh.corner(at));
+        report.add_approach(contacts_.all()[i].gap, step.drift_time, before_[i].x(), place_of(i, step.begin));
     }
     find_clusters();
 }

@@ -1,12 +1,19 @@
 // What a mesh says of a scenario before it runs: loads that contradict each other, jumps, what lies outside, what makes
 // a run endless.
 #include "app/program.hpp"
+#include "app/run/cost.hpp"
+#include "app/run/findings.hpp"
+#include "app/run/setup.hpp"
+#include "base/stopwatch.hpp"
 #include "output/history_csv.hpp"
+#include "scenario/read_scenario.hpp"
+
+#include <cmath>
 
 namespace findings_test {
 
 using namespace program;
-using knap::History;
+using namespace knap;
 
 namespace {
 
@@ -252,6 +259,45 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
 }
 
 // L^2/kappa_T = 2.82 s (kappa_T = 8.85e-6 m2/s, L = 5 mm), k/transfer = 0.31 mm, 2 kappa_T/l = 0.11 m/s of an edge l = 0.16 mm.
+TEST_CASE("mistakes of a map name both parts as the file does and each place once") {
+    const Folder folder("names_of_parts");
+    std::ofstream(folder.path / "map.toml")
+        << "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [1, 1]\n"
+           "[[domain.crack]]\npoints = [[0.2, 0.5], [0.5, 0.5], [0.8, 0.5]]\n"
+           "[[domain.crack]]\npoints = [[0.5, 0.501], [0.5, 0.8]]\n"
+           "[[domain.hole]]\ncentre = [0.2, 0.2]\nradius = 0.05\n[[domain.hole]]\ncentre = [0.2, 0.25]\nradius = 0.05\n"
+           "[mesh]\nsize = 0.1\n[material.a]\ndensity = 2500\nE = 1e10\nnu = 0.2\n[time]\nend = 1e-4\n";
+    const Answer holes = command("check " + folder.in_shell("map.toml"));
+    CAPTURE(holes.text);
+    CHECK(holes.has("`domain.hole[1]` crosses or touches `domain.hole[0]` near "));
+    const Answer cracks = command("check " + folder.in_shell("map.toml") + " -s domain.hole=[]");
+    CAPTURE(cracks.text);
+    CHECK(cracks.has("`domain.crack[1]` comes within 1 mm of `domain.crack[0]` at (0.5, 0.5) m without"));
+    CHECK(cracks.has("`domain.crack[0]` comes within 1 mm of `domain.crack[1]` at (0.5, 0.501) m without"));
+}
+
+TEST_CASE("a step that is not solved while it is measured is given up and said") {
+    const Folder folder("given_up");
+    std::ofstream(folder.path / "pulled.toml")
+        << "knap = 1\n[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.05]\n[mesh]\nsize = 0.005\n"
+           "[material.a]\ndensity = 2500\nE = 30e9\nnu = 0.2\n"
+           "[interface.default]\nsigma_c = 3e6\nG_c = 100\ngamma = 1\nfriction = 0.7\n"
+           "[[load]]\non = \"left\"\ndisplacement = [0, 0]\n"
+           "[[load]]\non = \"right\"\ndisplacement = [1e-3, 0]\nramp = \"1 day\"\n"
+           "[time]\nend = \"1 day\"\nbulk = \"implicit\"\nstep = \"1 day\"\n";
+    const ReadResult read = read_scenario(folder.path / "pulled.toml");
+    const Model model = model_of(read);
+    const StepPlan plan = plan_of(read, model, read.scenario.time.end);
+    const double start = Stopwatch::seconds(CLOCK_PROCESS_CPUTIME_ID);
+    const Cost cost = estimate_cost(read.scenario, model, plan, 0, 1e-3);
+    CHECK(Stopwatch::seconds(CLOCK_PROCESS_CPUTIME_ID) - start < 2);  // 0.2 and what one look at the time takes
+    CHECK(cost.given_up_after == doctest::Approx(0.2));
+    CHECK(std::isnan(cost.total()));
+    CHECK(cost.memory > 50);
+    CHECK(unknown_text(cost, 43200).find("the first step, of 12 h, was not solved in 200 ms of one core") !=
+          std::string::npos);
+}
+
 TEST_CASE("check judges the conduction of heat") {
     const std::string slab = "check alumina_quench -s mesh.size='0.3 mm' ", undamped = slab + "-s time.damping=0 ";
     const Answer good = command(slab);

@@ -196,13 +196,13 @@ TEST_CASE("obstacle edges: check refuses what overlaps at the start also between
 
 TEST_CASE("obstacle edges: check refuses free obstacles that come to what is held") {
     const Folder folder("held pairs");
-    check_refused(folder, held, "held-against-obstacle", "may meet a body that is held everywhere");
+    check_refused(folder, held, "held-against-obstacle", "may meet a body that is held everywhere, as at (0.5, 0.05) m: ");
     const auto slab = [](const std::string& side, const std::string& centre, const std::string& motion) {
         return rectangle("1, 0.05", "0.05") + rock + "[[load]]\non = \"" + side + "\"\ndisplacement = [0, 0]\n" +
                weight + obstacle("ball", disc(centre, "0.1"), "mass = 3\n" + motion) + "[time]\nend = 0.2\n";
     };
     check_refused(folder, slab("top", "0.5, 0.16", ""), "held-against-obstacle",
-                  "comes first to an edge whose ends are held");
+                  "comes first to an edge whose ends are held, at (0.5, 0.05) m: ");
     for (const std::string& lawful : {slab("bottom", "0.5, 0.16", ""),                // it gives way at its upper side
                                       slab("top", "0.5, 0.5", ""),                    // it does not arrive
                                       slab("top", "1.2, 0.1", "turns = false\n")}) {  // it falls past it

@@ -78,6 +78,14 @@ TEST_CASE("tables: explicit steps that miss a peak are named") {
     CAPTURE(named.text);
     CHECK(named.has("warning[unresolved-table]: `load[1]` has a peak"));
     CHECK(check(short_one, "displacement = [1e-9, 0]\n").has("this motion is not made"));
+    const std::string ball =
+        "traction = [0, 0]\n[[obstacle]]\nshape = \"disc\"\ncentre = [0.05, 0.2]\nradius = 0.05\nturns = false\n";
+    for (const char* motion : {"mass = 3\nforce = [0, 1]\n", "velocity = [0, 0.1]\n"}) {
+        const Answer of_obstacle = check(short_one, ball + motion);
+        CAPTURE(of_obstacle.text);
+        CHECK(of_obstacle.has("warning[unresolved-table]: `obstacle[0]` has a peak"));
+        CHECK_FALSE(check(long_one, ball + motion).has("unresolved-table"));
+    }
     CHECK_FALSE(check(long_one, "traction = [1, 0]\n").has("unresolved-table"));
 }
 
