@@ -1,5 +1,6 @@
 #include "analysis/probes.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "element/shape_functions.hpp"
@@ -277,7 +278,8 @@ std::string text_of(const ProbeSubject& subject) {
     const std::string at = subject.place.size() == 1
                                ? " at " + place_text(subject.place[0])
                                : " from " + place_text(subject.place[0]) + " to " + place_text(subject.place[1]);
-    return subject.kind + at + (subject.distance > 0 ? formatted(", %.3g m from its place", subject.distance) : "");
+    return subject.kind + at +
+           (subject.distance > 0 ? formatted(", %s from its place", readable(subject.distance, "m").c_str()) : "");
 }
 
 void Probes::after_step(const State& state) {

@@ -1,5 +1,6 @@
 #include "analysis/tip_integral.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "element/shape_functions.hpp"
@@ -72,13 +73,13 @@ void TipIntegral::place_tip(const Vec2& at, const std::string& probe) {
         }
     if (std::isinf(nearest)) fail(probe, "no pre-crack ends inside the body");
     if (nearest > radius_)
-        fail(probe, "the nearest tip is at " + at_place(tip_) + ", " + shortest(nearest) +
-                        " m from its place: farther than its radius");
+        fail(probe, "the nearest tip is at " + at_place(tip_) + ", " + readable(nearest, "m", 6) +
+                        " from its place: farther than its radius");
 }
 
 void TipIntegral::refuse(const std::string& probe, const std::string& what, const Vec2& where) const {
-    fail(probe, what + " at " + at_place(where) + " lies within its radius of " + shortest(radius_) +
-                    " m from the tip at " + at_place(tip_) + ": a smaller radius");
+    fail(probe, what + " at " + at_place(where) + " lies within its radius of " + readable(radius_, "m", 6) +
+                    " from the tip at " + at_place(tip_) + ": a smaller radius");
 }
 
 void TipIntegral::check_domain(const std::string& probe) const {
@@ -99,8 +100,8 @@ void TipIntegral::check_domain(const std::string& probe) const {
         }
     }
     if (radius_ < 4 * edges / n)
-        fail(probe, "its radius of " + shortest(radius_) + " m is less than four edges of " + shortest(edges / n) +
-                        " m: a larger radius or a finer mesh");
+        fail(probe, "its radius of " + readable(radius_, "m", 6) + " is less than four edges of " +
+                        readable(edges / n, "m", 6) + ": a larger radius or a finer mesh");
     for (const Index t : triangles_)
         if (mesh.region[t] != mesh.region[triangles_.front()]) refuse(probe, "another material", mesh.centroid(t));
 }

@@ -1,6 +1,7 @@
 // knap render and knap info: finished runs.
 #include "app/commands.hpp"
 #include "app/run/findings.hpp"
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
@@ -47,7 +48,8 @@ std::vector<std::size_t> frames_for(const FigureOptions& figure, const FinishedR
                                 time_text(times.back()));
         const std::size_t k = nearest_frame(times, time);
         if (std::abs(times[k] - time) > slack)
-            std::fprintf(stderr, "note: no frame at %.6g s; the nearest is at %.6g s\n", time, times[k]);
+            std::fprintf(stderr, "note: no frame at %s; the nearest is at %s\n", readable(time, "s", 6).c_str(),
+                         readable(times[k], "s", 6).c_str());
         if (std::ranges::find(frames, k) == frames.end()) frames.push_back(k);
     }
     return frames;

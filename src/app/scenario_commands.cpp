@@ -82,9 +82,10 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
         if (law.measured_G_c == 0) continue;
         as_measured = true;
         std::printf(
-            "  law %s: a crack under the least load that drives it costs %.4g J/m2 as measured; interfaces have G_c "
-            "%.4g J/m2, the surplus of this mesh is %.3f +- %.3f\n",
-            law.name.c_str(), law.measured_G_c, law.law.G_c, law.surplus.mean, law.surplus.deviation);
+            "  law %s: a crack under the least load that drives it costs %s as measured; interfaces have G_c %s, the "
+            "surplus of this mesh is %.3f +- %.3f\n",
+            law.name.c_str(), readable(law.measured_G_c, "J/m2", 4).c_str(), readable(law.law.G_c, "J/m2", 4).c_str(),
+            law.surplus.mean, law.surplus.deviation);
     }
     if (cracks_anywhere(scenario) && !as_measured)
         std::printf(
@@ -115,8 +116,8 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
                            : scheme.respect_assumption_1
                                ? "may not hold where cohesion decreases: such steps are repeated with a smaller size"
                                : "may not hold where cohesion decreases: one of several solutions is used";
-        std::printf("  %-12s Assumption 1 certainly holds for h <= %.3g s, margin %.2f; %s\n", r.material.c_str(),
-                    limit, limit / step, what);
+        std::printf("  %-12s Assumption 1 certainly holds for h <= %s, margin %.2f; %s\n", r.material.c_str(),
+                    readable(limit, "s").c_str(), limit / step, what);
     }
 }
 
@@ -127,8 +128,8 @@ void print_absorbing(const Model& model, const SchemeOptions& scheme) {
             const BoundaryEdge& edge = model.mesh.boundary_edges[e];
             length += model.mesh.side_vector(edge.triangle, edge.side).norm();
         }
-        std::printf("  boundary `%s` absorbs waves of normal incidence, on %.6g m; others return in part\n",
-                    on.boundary.c_str(), length);
+        std::printf("  boundary `%s` absorbs waves of normal incidence, on %s; others return in part\n",
+                    on.boundary.c_str(), readable(length, "m", 6).c_str());
     }
 }
 
@@ -170,20 +171,23 @@ void print_methods(const Scenario& scenario, const Model& model) {
 
 void print_run(const Scenario& scenario, const Model& model, const StepPlan& plan, const Cost& cost,
                bool long_measured) {
-    std::printf("run\n  stable step %.4g s, h = %.4g s (%.3g CFL), %lld steps, %.3g triangle-steps\n", plan.stable_step,
-                plan.limits.largest, plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
+    std::printf("run\n  stable step %s, h = %s (%.3g CFL), %lld steps, %.3g triangle-steps\n",
+                readable(plan.stable_step, "s", 4).c_str(), readable(plan.limits.largest, "s", 4).c_str(),
+                plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
                 static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
     if (plan.n_at_corners > 0)
         std::printf("  %lld of them end at corners of tables over time\n", static_cast<long long>(plan.n_at_corners));
     if (const SchemeChangeOptions& change = plan.limits.change; plan.limits.changes())
         std::printf(
-            "  these are implicit, down to %.4g s (%.3g CFL) where they fail; then explicit ones of %.4g s go on, at "
-            "least %.0f each time, until the body is quiet for %.3g s\n",
-            plan.limits.cracking, plan.limits.cracking / plan.stable_step, change.explicit_step,
-            std::ceil((plan.limits.cracking + change.quiet_for) / change.explicit_step), change.quiet_for);
+            "  these are implicit, down to %s (%.3g CFL) where they fail; then explicit ones of %s go on, at least "
+            "%.0f each time, until the body is quiet for %s\n",
+            readable(plan.limits.cracking, "s", 4).c_str(), plan.limits.cracking / plan.stable_step,
+            readable(change.explicit_step, "s", 4).c_str(),
+            std::ceil((plan.limits.cracking + change.quiet_for) / change.explicit_step),
+            readable(change.quiet_for, "s").c_str());
     else if (plan.limits.cracking < plan.limits.largest)
-        std::printf("  after the first loss of cohesion h = %.4g s (%.3g CFL): up to %.0f steps\n",
-                    plan.limits.cracking, plan.limits.cracking / plan.stable_step,
+        std::printf("  after the first loss of cohesion h = %s (%.3g CFL): up to %.0f steps\n",
+                    readable(plan.limits.cracking, "s", 4).c_str(), plan.limits.cracking / plan.stable_step,
                     std::ceil(scenario.time.end / plan.limits.cracking));
     const bool breaks_in_contact =
         !model.contact_of_pair.empty() &&
@@ -192,11 +196,13 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
         std::printf("  %s; a smaller time.step, or %s\n", unknown_text(cost, plan.limits.largest).c_str(),
                     long_measured ? "bulk = \"auto\"" : "--time, which waits ten times as long");
     } else {
-        std::printf(
-            "  about %.3g s of one core: mesh and model %.2g, steps %.2g, frames %.2g, figures %.2g, tables %.2g\n",
-            cost.total(), cost.model, cost.steps, cost.frames, cost.figures, cost.lines);
-        std::printf("  a step takes %.2g s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
-                    cost.first_step, long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first,
+        const auto time = [](double seconds) { return readable(seconds, "s", 2); };
+        std::printf("  about %s of one core: mesh and model %s, steps %s, frames %s, figures %s, tables %s\n",
+                    readable(cost.total(), "s").c_str(), time(cost.model).c_str(), time(cost.steps).c_str(),
+                    time(cost.frames).c_str(), time(cost.figures).c_str(), time(cost.lines).c_str());
+        std::printf("  a step takes %s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
+                    readable(cost.first_step, "s", 2).c_str(), long_measured ? "" : ", briefly; --time measures longer",
+                    cost.mean_over_first,
                     breaks_in_contact
                         ? "pieces that break and lie on each other may take 30 times as long: see the progress line"
                         : "within a factor of 2 there, more for a body that fragments");
@@ -204,10 +210,10 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
         std::printf(
-            "  adapt: about %.2g triangles after straight cracks of %.3g m, %.2g if they branch half-way, a uniform "
-            "mesh has %.2g: gain %.2g, within a factor of 2 in five scenarios; less where much of the body is near its "
+            "  adapt: about %.2g triangles after straight cracks of %s, %.2g if they branch half-way, a uniform mesh "
+            "has %.2g: gain %.2g, within a factor of 2 in five scenarios; less where much of the body is near its "
             "strength\n",
-            expected.at_end, expected.crack, expected.at_most, expected.uniform, expected.gain);
+            expected.at_end, readable(expected.crack, "m").c_str(), expected.at_most, expected.uniform, expected.gain);
     }
     const std::string from = scenario.adapt.active() ? formatted("%.0f to ", cost.least_memory) : "";
     std::printf("  %s%.0f MB of memory, %.0f MB of disk space for %.0f frames\n", from.c_str(), cost.memory, cost.disk,
@@ -255,8 +261,8 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);
     std::fputs(probes_text(model, scenario.probes).c_str(), stdout);
     for (const PlannedExcavation& one : excavations)
-        std::printf("  excavation[%zu]: %zu triangles vanish at %.6g s, their forces within %.6g s\n", one.number,
-                    one.triangles.size(), one.at, one.ramp);
+        std::printf("  excavation[%zu]: %zu triangles vanish at %s, their forces within %s\n", one.number,
+                    one.triangles.size(), readable(one.at, "s", 6).c_str(), readable(one.ramp, "s", 6).c_str());
     const Cost cost = estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05);
     print_run(scenario, model, plan, cost, time);
     std::ranges::move(findings_of_model(read, model, plan, &cost), std::back_inserter(found));
@@ -281,8 +287,8 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
     std::printf("%-28s %.4g\n", "stable step [s]",
                 std::ranges::min(stable_steps(model.mesh, model.materials, model.plane)));
     for (const Resolution& r : judge_resolution(read.scenario, model.mesh))
-        std::printf("%-28s %.1f (%s, %.3g m)\n", "edges per process zone", r.n_edges, r.material.c_str(),
-                    r.steep_zone());
+        std::printf("%-28s %.1f (%s, %s)\n", "edges per process zone", r.n_edges, r.material.c_str(),
+                    readable(r.steep_zone(), "m").c_str());
     if (report.n_paths > 0) {
         std::printf("%-28s %.4f, spread over directions %.4f; without the ends of the paths %.4f\n", "path excess",
                     report.mean_path_excess, report.path_excess_spread, report.far_path_excess);

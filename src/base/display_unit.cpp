@@ -2,6 +2,7 @@
 
 #include "base/formatted.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -20,18 +21,31 @@ DisplayUnit display_unit(double largest, const std::string& unit) {
     return {1 / value(), prefixes[i] + unit};
 }
 
+namespace {
+
+/// With so many digits, but "130" instead of "1.3e+02".
+std::string rounded(double value, int digits) {
+    const double size = std::abs(value);
+    if (!(size >= std::pow(10, digits) - 0.5 && size < 1e6)) return formatted("%.*g", digits, value);
+    const double last = std::pow(10, std::floor(std::log10(size)) + 1 - digits);
+    return formatted("%.0f", last * std::round(value / last));
+}
+
+}  // namespace
+
 std::string readable(double value, const std::string& unit, int digits) {
     struct Long {
         double size, from;  // [s]
         const char* name;
     };
     constexpr double hour = 3600, day = 24 * hour, year = 365.25 * day;
-    if (unit == "s" && std::isfinite(value))
-        for (const auto& [size, from, name] :
-             {Long{year, 2 * year, "year"}, {day, day, "day"}, {hour, 2 * hour, "h"}, {60, 1000, "min"}})
-            if (std::abs(value) >= from) return formatted("%.*g ", digits, value / size) + name;
-    const DisplayUnit shown = display_unit(std::abs(value), unit);
-    return formatted("%.*g", digits, value * shown.factor) + (unit.empty() ? "" : " " + shown.unit);
+    const double size = std::abs(value), of_seconds = std::pow(10, digits > 6 ? digits : std::min(digits, 4));
+    if (unit == "s" && size >= of_seconds && std::isfinite(size))
+        for (const auto& [length, from, name] :
+             {Long{year, 2 * year, "year"}, {day, day, "day"}, {hour, 2 * hour, "h"}, {60, 0, "min"}})
+            if (size >= from) return formatted("%.*g ", digits, value / length) + name;
+    const DisplayUnit shown = display_unit(size, unit);
+    return rounded(value * shown.factor, digits) + (unit.empty() ? "" : " " + shown.unit);
 }
 
 }  // namespace knap

@@ -14,7 +14,8 @@ struct DisplayUnit {
 /// prefix, as m2 or kg, and values too small for any stay as they are.
 DisplayUnit display_unit(double largest, const std::string& unit);
 
-/// "12.5 mm", "30 day": with its prefix and at most so many digits; times from 1000 s on in min, h, day or year.
+/// "12.5 mm", "30 day": with its prefix and at most so many digits; long times, which have
+/// more digits in seconds, in min, h, day or year, but exact ones (more than six digits) in seconds.
 std::string readable(double value, const std::string& unit, int digits = 3);
 
 }  // namespace knap

@@ -1,5 +1,6 @@
 #include "model/model.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/body_in_obstacles.hpp"
@@ -275,11 +276,12 @@ void check_obstacles(const Model& model) {
     const std::optional<StartOverlap> found = overlap_at_start(model);
     if (!found) return;
     const std::string& name = model.obstacles[found->obstacle].name;
-    throw ObstacleInBody(found->obstacle,
-                         "obstacle `" + name +
-                             formatted("` lies in the body at the start, by %.3g m at ", found->depth) +
-                             place_text(found->place),
-                         "move it out by as much");
+    throw ObstacleInBody(
+        found->obstacle,
+        "obstacle `" + name +
+            formatted("` lies in the body at the start, by %s at ", readable(found->depth, "m").c_str()) +
+            place_text(found->place),
+        "move it out by as much");
 }
 
 }  // namespace

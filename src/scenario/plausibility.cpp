@@ -1,6 +1,8 @@
 // Warnings of values that are possible, but likely mistakes: most are numbers with a forgotten unit.
 #include "scenario/reading.hpp"
 
+#include "base/display_unit.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -68,8 +70,8 @@ void check_strains(Reading& reading) {
             if (named.law.breakable() && named.law.sigma_c > stiffest)
                 reading.table("interface." + named.name)
                     .warning("implausible", "sigma_c",
-                             "= " + shortest(named.law.sigma_c) + " Pa is above the largest E, " + shortest(stiffest) +
-                                 " Pa",
+                             "= " + readable(named.law.sigma_c, "Pa", 6) + " is above the largest E, " +
+                                 readable(stiffest, "Pa", 6),
                              "strains are assumed small: a strength is a thousandth of E or less");
     for (std::size_t i = 0; i < scenario.loads.size(); ++i) {
         const Load& load = scenario.loads[i];
@@ -82,12 +84,12 @@ void check_strains(Reading& reading) {
         if (is_stress && softest >= min_modulus && size > 0.1 * softest)
             table.warning(
                 "implausible", "",
-                "puts a stress of " + shortest(size) + " Pa on a material of E = " + shortest(softest) + " Pa",
+                "puts a stress of " + readable(size, "Pa", 6) + " on a material of E = " + readable(softest, "Pa", 6),
                 "strains are assumed small: a stress is a hundredth of E or less");
         if (load.kind == Load::Kind::velocity && fastest > 0 && size > fastest)
             table.warning("implausible", "velocity",
-                          "= " + shortest(size) + " m/s is faster than waves in the body, " +
-                              shortest(std::round(fastest)) + " m/s",
+                          "= " + readable(size, "m/s", 6) + " is faster than waves in the body, " +
+                              readable(std::round(fastest), "m/s", 6),
                           "a number without a unit is in m/s");
     }
 }
@@ -125,19 +127,21 @@ void check_times(Reading& reading) {
         const double in_run = largest(history.range(0, end)), in_all = largest(history.value);
         if (history.time.front() >= end)
             table.warning("after-the-end", key,
-                          "begins at " + shortest(history.time.front()) + " s, and the run ends at " + shortest(end) +
-                              " s: its factor is " + shortest(history.value.front()) + " all the time",
+                          "begins at " + readable(history.time.front(), "s", 6) + ", and the run ends at " +
+                              readable(end, "s", 6) + ": its factor is " + shortest(history.value.front()) +
+                              " all the time",
                           "a number without a unit is in seconds");
         else if (in_run < negligible_factor * in_all)
             table.warning("after-the-end", key,
                           "has a factor of at most " + decimal(in_run, std::chars_format::general, 3) +
-                              " until the run ends at " + shortest(end) + " s: its largest one, " + shortest(in_all) +
-                              ", comes later",
+                              " until the run ends at " + readable(end, "s", 6) + ": its largest one, " +
+                              shortest(in_all) + ", comes later",
                           "a number without a unit is in seconds");
         else if (history.time.back() < 0)
             table.warning("before-the-start", key,
-                          "ends at " + shortest(history.time.back()) + " s, before the run starts: its factor is " +
-                              shortest(history.value.back()) + " all the time",
+                          "ends at " + readable(history.time.back(), "s", 6) +
+                              ", before the run starts: its factor is " + shortest(history.value.back()) +
+                              " all the time",
                           "times count from the start of the run");
     };
     for (std::size_t i = 0; i < scenario.loads.size(); ++i) check_history(item("load", i), scenario.loads[i].history);
@@ -160,14 +164,14 @@ void check_times(Reading& reading) {
         if (const double tau = named.law.relaxation_time; tau > end)
             reading.table("interface." + named.name)
                 .warning("after-the-end", "relaxation_time",
-                         "= " + shortest(tau) + " s is longer than the run, " + shortest(end) +
-                             " s: its points hardly soften, and open with nearly their whole strength",
+                         "= " + readable(tau, "s", 6) + " is longer than the run, " + readable(end, "s", 6) +
+                             ": its points hardly soften, and open with nearly their whole strength",
                          "a number without a unit is in seconds");
     for (const Table& quantity : reading.list("study.quantity"))
         if (const auto at = quantity.number("at"); at && *at > end)
-            quantity.warning(
-                "after-the-end", "at",
-                "is " + shortest(*at) + " s, and the run ends at " + shortest(end) + " s: there is no such value");
+            quantity.warning("after-the-end", "at",
+                             "is " + readable(*at, "s", 6) + ", and the run ends at " + readable(end, "s", 6) +
+                                 ": there is no such value");
 }
 
 }  // namespace

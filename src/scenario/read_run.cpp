@@ -1,5 +1,7 @@
 // [time], [output], [[probe]], [specimen], [[figure]], [limits] and [expect].
 #include "record/outputs.hpp"
+
+#include "base/display_unit.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>
@@ -242,8 +244,8 @@ void read_figure(const Table& table, std::set<std::string>& files) {
     for (const Node& time : table.items("at"))
         if (end > 0 && time.number > end)
             table.reading().findings.warning("never-drawn",
-                                             "`" + table.path("at") + "`: the run ends at " + shortest(end) +
-                                                 " s, before " + shortest(time.number) + " s",
+                                             "`" + table.path("at") + "`: the run ends at " + readable(end, "s", 6) +
+                                                 ", before " + readable(time.number, "s", 6),
                                              time);
     if (table.has("range") && !(figure.range[0] < figure.range[1]))
         table.error("out-of-range", "range", "does not ascend");

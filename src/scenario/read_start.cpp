@@ -1,4 +1,5 @@
 // time.start = "run:DIR@40us" or "run:FILE": the state of another run, from which this one starts.
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/whole_file.hpp"
@@ -18,7 +19,7 @@ constexpr std::size_t max_times = 12;  // in a message
 std::string times_text(const std::vector<StoredState>& states) {
     std::vector<std::string> times;
     for (const StoredState& state : states)
-        if (state.fault.empty()) times.push_back(formatted("%.6g s", state.moment.time));
+        if (state.fault.empty()) times.push_back(readable(state.moment.time, "s", 6));
     times.erase(std::unique(times.begin(), times.end()), times.end());
     const std::size_t n = times.size();
     times.resize(std::min(n, max_times));
@@ -44,8 +45,9 @@ std::optional<fs::path> find_state(const Table& time, const std::string& run, co
     for (const StoredState& state : states)
         if (!state.fault.empty()) {
             time.error("bad-state", "start",
-                       ": the run in `" + directory.string() + "` has no state at " + shortest(requested.value) +
-                           " s that can be used, and `" + state.file.string() + "` " + state.fault,
+                       ": the run in `" + directory.string() + "` has no state at " +
+                           readable(requested.value, "s", 6) + " that can be used, and `" + state.file.string() + "` " +
+                           state.fault,
                        "run the other scenario again with --force and this program");
             return std::nullopt;
         }
@@ -56,8 +58,8 @@ std::optional<fs::path> find_state(const Table& time, const std::string& run, co
         time.error("no-such-state", "start", ": the run in `" + directory.string() + "` has kept no state", cure);
     else
         time.error("no-such-state", "start",
-                   ": the run in `" + directory.string() + "` has no state at " + shortest(requested.value) +
-                       " s; it has those at " + times_text(states),
+                   ": the run in `" + directory.string() + "` has no state at " + readable(requested.value, "s", 6) +
+                       "; it has those at " + times_text(states),
                    cure);
     return std::nullopt;
 }
@@ -95,7 +97,7 @@ void check_states(const Table& output, double end) {
     std::ranges::sort(states);
     if (end > 0 && !states.empty() && states.back() > end)
         output.warning("never-reached", "states",
-                       ": the run ends at " + shortest(end) + " s, before " + shortest(states.back()) + " s");
+                       ": the run ends at " + readable(end, "s", 6) + ", before " + readable(states.back(), "s", 6));
 }
 
 }  // namespace knap

@@ -241,7 +241,7 @@ std::string units_markdown() {
         list.push_back("`" + std::string(prefix) + "` 1e" + std::to_string(exponent));
     return out + "\nPrefixes: " + joined(list) +
            ". Units are combined by `/`, `*`, `.` or a blank, with whole exponents behind them: `J/m2`, `kg/m^3`, "
-           "`N*s`, `mm/ms`, `m s-2`.\n";
+           "`N*s`, `mm/ms`, `m s-2`, `/s` or `1/s`, `1/day`.\n";
 }
 
 Dimension dimension_of(std::string_view unit) { return scale_of(unit).value_or(Scale{}).dimension; }

@@ -1,5 +1,6 @@
 #include "stepper/equilibrium.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "stepper/common/crack_forces.hpp"
@@ -188,9 +189,9 @@ public:
 
 private:
     [[noreturn]] void no_equilibrium(const std::string& reason, const Vec2& where) const {
-        throw SimulationError(
-            formatted("no equilibrium under the loads at t = %.6g s: %s, at ", time_, reason.c_str()) +
-            place_text(where));
+        throw SimulationError(formatted("no equilibrium under the loads at t = %s: %s, at ",
+                                        readable(time_, "s", 6).c_str(), reason.c_str()) +
+                              place_text(where));
     }
 
     Vec2 place_of_largest_displacement(const State& state) const {

@@ -1,5 +1,6 @@
 #include "stepper/moreau_jean.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
@@ -101,7 +102,7 @@ StepReport MoreauJean::advance(const State& begin, double h, State& end) {
     end.n_steps = begin.n_steps + 1;
     if (std::isfinite(report.kinetic + report.strain)) return report;
     throw SimulationError(
-        formatted("the motion is no longer finite at t = %.9g s (step %lld) at ", end.time,
+        formatted("the motion is no longer finite at t = %s (step %lld) at ", readable(end.time, "s", 9).c_str(),
                   static_cast<long long>(end.n_steps)) +
         place_text(place_of_largest_speed(model_, end)) +
         ": the step is probably too large, or a load or velocity absurd; try a smaller time.step, and "

@@ -31,7 +31,7 @@ TEST_CASE("check says what would happen") {
         "plateau=0.3, unloading=\"secant\", relaxation_time=\"1 us\", friction=0.6 }'";
     const Answer laws = command(law);
     CHECK_MESSAGE(laws.code == 0, laws.text);
-    for (const char* words : {"laws", "act on", "trapezoid 0.3", "unloading secant", "relaxation_time 1e-06 s"})
+    for (const char* words : {"laws", "act on", "trapezoid 0.3", "unloading secant", "relaxation_time 1 µs"})
         CHECK_MESSAGE(laws.has(words), words, laws.text);
     CHECK(std::regex_search(laws.text, std::regex("[0-9]+ of joints +")));
     const Answer frost = command("check thawing_joint");

@@ -61,6 +61,19 @@ TEST_CASE("ticks: prefixes") {
     CHECK(display_unit(0, "J").unit == "J");
     CHECK(display_unit(0.5, "").unit == "");
     CHECK(display_unit(1e-3, "m2").unit == "m2");  // not mm2, which are 1e-6 m2
+    CHECK(readable(6.3e-4, "m") == "630 µm");
+    CHECK(readable(-5.866e-5, "s", 4) == "-58.66 µs");
+    CHECK(readable(0, "s") == "0 s");
+    CHECK(readable(0.1349, "s", 2) == "130 ms");  // not 1.3e+02
+    CHECK(readable(2513, "m/s") == "2510 m/s");
+    CHECK(readable(999.6, "m/s") == "1000 m/s");
+    CHECK(readable(999, "s") == "999 s");
+    CHECK(readable(1000, "s") == "16.7 min");
+    CHECK(readable(1000, "s", 6) == "1000 s");
+    CHECK(readable(36000, "s", 6) == "10 h");
+    CHECK(readable(86400, "s") == "1 day");
+    CHECK(readable(1e8, "s") == "3.17 year");
+    CHECK(readable(123456.5, "s", 9) == "123456.5 s");  // as in the tables of a run
     CHECK(display_unit(1e-3, "kg m/s").unit == "kg m/s");
     CHECK(display_unit(3e6, "Pa m^0.5").unit == "MPa m^0.5");
     CHECK(display_unit(1e-20, "m").unit == "m");

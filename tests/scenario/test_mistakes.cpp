@@ -571,8 +571,8 @@ TEST_CASE("warnings: values that hardly anybody means with their place and what 
     CHECK(reports(warning_of(changed("3.08e6", "3.08")), "weaker than any gel"));
     CHECK(reports(warning_of(changed("G_c = 3", "delta_c = 1.5")), "did you mean \"1.5 um\"?"));
     CHECK(reports(warning_of(changed("G_c = 3", "G_c = 3\nfriction = 30")), "tan(30 deg) = 0.577"));
-    CHECK(reports(warning_of(changed("3.08e6", "\"33 GPa\"")), "above the largest E, 3.2e+10 Pa"));
-    CHECK(reports(warning_of(with(load + "pressure = \"4 GPa\"\n")), "a stress of 4e+09 Pa"));
+    CHECK(reports(warning_of(changed("3.08e6", "\"33 GPa\"")), "above the largest E, 32 GPa"));
+    CHECK(reports(warning_of(with(load + "pressure = \"4 GPa\"\n")), "a stress of 4 GPa"));
     CHECK(reports(warning_of(with(load + "velocity = [0, \"16 km/s\"]\n")), "faster than waves"));
     CHECK(warning_of(least, {"material.glass.E=32"}).file == "--set material.glass.E=32");
     const auto expands = [](const std::string& value) {
@@ -587,15 +587,15 @@ TEST_CASE("warnings: values that hardly anybody means with their place and what 
 }
 
 TEST_CASE("warnings: what begins after the end") {
-    CHECK(reports(warning_of(changed("G_c = 3", "G_c = 3\nrelaxation_time = 2")),
-                  "= 2 s is longer than the run, 8e-05 s"));
+    CHECK(
+        reports(warning_of(changed("G_c = 3", "G_c = 3\nrelaxation_time = 2")), "= 2 s is longer than the run, 80 µs"));
     const Diagnostic table = warning_of(with(load + "traction = [0, 1]\ntable = [[90, 0], [100, 1]]\n"));
     CHECK(table.code == "after-the-end");
     CHECK(table.line == 19);
-    CHECK(reports(table, "begins at 90 s, and the run ends at 8e-05 s: its factor is 0 all the time"));
+    CHECK(reports(table, "begins at 90 s, and the run ends at 80 µs: its factor is 0 all the time"));
     const Diagnostic seconds = warning_of(with(load + "traction = [0, 1]\ntable = [[0, 0], [100, 1]]\n"));
     CHECK(seconds.code == "after-the-end");
-    CHECK(reports(seconds, "has a factor of at most 8e-07 until the run ends at 8e-05 s"));
+    CHECK(reports(seconds, "has a factor of at most 8e-07 until the run ends at 80 µs"));
     CHECK(samples::read(with(load + "traction = [0, 1]\ntable = [[0, 0], [1e-3, 1]]\n")).warnings.empty());
     CHECK(reports(warning_of(with("[[study.quantity]]\nof = \"surface\"\nat = \"1 ms\"\n")), "there is no such value"));
 }

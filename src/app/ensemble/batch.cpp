@@ -5,6 +5,7 @@
 #include "app/run/report.hpp"
 #include "app/run/run_directory.hpp"
 #include "base/child_process.hpp"
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
@@ -98,7 +99,8 @@ std::string outcome(const fs::path& run, int ended, bool interrupted) {
         return WIFSIGNALED(ended) ? "killed by signal " + std::to_string(WTERMSIG(ended)) : "failed: " + result.reason;
     if (result.status != "done" && result.status != "interrupted") return result.trouble();
     char text[100];
-    std::snprintf(text, sizeof text, "%s, %.0f steps, %.3g s", result.status.c_str(), result.steps, result.cpu);
+    std::snprintf(text, sizeof text, "%s, %.0f steps, %s", result.status.c_str(), result.steps,
+                  readable(result.cpu, "s").c_str());
     return text;
 }
 

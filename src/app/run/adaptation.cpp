@@ -1,6 +1,7 @@
 #include "app/run/adaptation.hpp"
 
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "stepper/moreau_jean.hpp"
 
@@ -153,10 +154,10 @@ void Adaptation::allow(const Vec2& place, const State& now, Model& model) {
     if (!is_coarse || told_ || counts(model, now).coarse_breaks > 0) return;
     told_ = true;
     warning_ = formatted(
-        "warning[adapt]: at t = %.6g s the vertex at %s splits in triangles that are too large. They could "
-        "not be refined because they touch a crack or would need a smaller step. This is the first such vertex; "
+        "warning[adapt]: at t = %s the vertex at %s splits in triangles that are too large. They could not be refined "
+        "because they touch a crack or would need a smaller step. This is the first such vertex; "
         "adaptation.coarse_breaks in run.json is their number. [[mesh.refine]] makes a region fine from the start\n",
-        now.time, place_text(place).c_str());
+        readable(now.time, "s", 6).c_str(), place_text(place).c_str());
 }
 
 void Adaptation::after_step(Model& model) {
@@ -175,18 +176,18 @@ std::optional<RefinedMesh> Adaptation::look(Model& model, const State& now, cons
         n = n_triangles_of(future.area, options_.size);
         mesh_state_ = MeshState::is_fine;
         warning_ = formatted(
-            "warning[adapt]: at t = %.6g s more than half of the body must be refined, so all of it is refined now, "
-            "%.3g triangles; a uniform mesh (mesh.size = %.3g m, no [adapt]) is faster\n",
-            now.time, n, options_.size);
+            "warning[adapt]: at t = %s more than half of the body must be refined, so all of it is refined now, %.3g "
+            "triangles; a uniform mesh (mesh.size = %s, no [adapt]) is faster\n",
+            readable(now.time, "s", 6).c_str(), n, readable(options_.size, "m").c_str());
     }
     std::optional<RefinedMesh> refined;
     if (n > options_.limit) {
         mesh_state_ = MeshState::stays;
         warning_ = formatted(
-            "warning[adapt]: at t = %.6g s the mesh would have %.3g triangles, adapt.limit is %.3g: it stays as it is, "
-            "and interfaces break in coarse triangles; adaptation.coarse_breaks in run.json is the number of their "
+            "warning[adapt]: at t = %s the mesh would have %.3g triangles, adapt.limit is %.3g: it stays as it is, and "
+            "interfaces break in coarse triangles; adaptation.coarse_breaks in run.json is the number of their "
             "vertices\n",
-            now.time, n, options_.limit);
+            readable(now.time, "s", 6).c_str(), n, options_.limit);
         guard(model);
     } else {
         refined = refined_mesh(model, now, options_, requested, static_cast<std::uint64_t>(counts_.batches) + 1);

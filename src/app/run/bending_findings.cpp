@@ -1,6 +1,7 @@
 // Warnings about slender parts of first order with few edges across: constant strains cannot bend.
 #include "app/run/findings.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/union_find.hpp"
 #include "model/obstacle_gap.hpp"
@@ -177,14 +178,16 @@ std::vector<Diagnostic> findings_of_bending(const ReadResult& read, const Model&
     const auto part = ThinParts(model).thinnest();
     if (!part) return {};
     const std::string key = read.scenario.given ? "mesh.file" : "mesh.size";
-    return {read.at(key, {.severity = Diagnostic::Severity::warning,
-                          .code = "bending",
-                          .message = formatted(
-                              "a part of %.3g m by %.3g m at %s has %.1f edges across: triangles of first order are "
-                              "too stiff in bending (a beam with 1, 2, 4 or 8 edges across bends by 71, 35, 10 or "
-                              "3 %% too little)",
-                              part->length, part->thickness, place_text(part->place).c_str(), part->edges),
-                          .note = formatted("mesh.order = 2, or edges of %.2g m there", part->thickness / 8)})};
+    return {read.at(
+        key,
+        {.severity = Diagnostic::Severity::warning,
+         .code = "bending",
+         .message =
+             formatted("a part of %s by %s at %s has %.1f edges across: triangles of first order are too stiff in "
+                       "bending (a beam with 1, 2, 4 or 8 edges across bends by 71, 35, 10 or 3 %% too little)",
+                       readable(part->length, "m").c_str(), readable(part->thickness, "m").c_str(),
+                       place_text(part->place).c_str(), part->edges),
+         .note = formatted("mesh.order = 2, or edges of %s there", readable(part->thickness / 8, "m", 2).c_str())})};
 }
 
 }  // namespace knap

@@ -133,17 +133,17 @@ std::vector<Diagnostic> findings_of_impacts(const ReadResult& read, const Model&
                  covered = V * step / opening;
     const bool is_explicit = plan.limits.changes() || !read.scenario.time.scheme.takes_implicit_steps();
     if (!is_explicit || !(covered > hard_impact)) return {};
-    return {read.at(
-        "time",
-        {.severity = Diagnostic::Severity::warning,
-         .code = "hard-impact",
-         .message = formatted("bodies or obstacles meet at %.3g m/s, which in a step of %.3g s covers %.2g "
-                              "critical openings of %.3g m: while points open by more than half of one in a step, "
-                              "steps are smaller, down to about %.2g s, some %.2g times as many for that time",
-                              V, step, covered, opening, step / covered, covered),
-         .note = formatted("nothing, if this is meant; time.step_cracking = \"%.2g s\" keeps to such a step from "
-                           "the first loss of cohesion on",
-                           step / covered)})};
+    return {read.at("time", {.severity = Diagnostic::Severity::warning,
+                             .code = "hard-impact",
+                             .message = formatted(
+                                 "bodies or obstacles meet at %s, which in a step of %s covers %.2g critical openings "
+                                 "of %s: while points open by more than half of one in a step, steps are smaller, down "
+                                 "to about %s, some %.2g times as many for that time",
+                                 readable(V, "m/s").c_str(), readable(step, "s").c_str(), covered,
+                                 readable(opening, "m").c_str(), readable(step / covered, "s", 2).c_str(), covered),
+                             .note = formatted("nothing, if this is meant; time.step_cracking = \"%s\" keeps to such a "
+                                               "step from the first loss of cohesion on",
+                                               readable(step / covered, "s", 2).c_str())})};
 }
 
 /// A fluid may wait: at a joint that still holds, or at interfaces that may break where the body has no crack yet. That

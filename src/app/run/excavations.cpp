@@ -1,6 +1,7 @@
 #include "app/run/excavations.hpp"
 
 #include "analysis/probes.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/selections.hpp"
 #include "model/successor.hpp"
@@ -160,9 +161,10 @@ std::string Excavations::moved_warning(const Model& model, const State& now) con
     }
     if (largest <= 1) return "";
     return formatted(
-        "warning[excavated]: at t = %.6g s `%s` removes what was in its region at the start, which has moved by up to "
-        "%.3g m since, to %s; what is in the region now stays\n",
-        now.time, path_of(planned).c_str(), moved, place_text(place).c_str());
+        "warning[excavated]: at t = %s `%s` removes what was in its region at the start, which has moved by up to %s "
+        "since, to %s; what is in the region now stays\n",
+        readable(now.time, "s", 6).c_str(), path_of(planned).c_str(), readable(moved, "m").c_str(),
+        place_text(place).c_str());
 }
 
 /// [0/1] Per triangle: it vanishes next.
@@ -195,10 +197,10 @@ std::string Excavations::perform(const State& trial, const SchemeOptions& scheme
     done_.push_back(std::move(done));
     release_forces(done_.size() - 1, model);
     return formatted(
-        "excavation[%zu]: %zu triangles, %.6g m2, vanish at t = %.9g s, step %lld; the resultant of their "
-        "forces, (%.6g, %.6g) N, ends in %.6g s\n",
-        planned.number, planned.triangles.size(), area, now.time, static_cast<long long>(now.n_steps), total.x(),
-        total.y(), planned.ramp);
+        "excavation[%zu]: %zu triangles, %.6g m2, vanish at t = %s, step %lld; the resultant of their forces, (%.6g, "
+        "%.6g) N, ends in %s\n",
+        planned.number, planned.triangles.size(), area, readable(now.time, "s", 9).c_str(),
+        static_cast<long long>(now.n_steps), total.x(), total.y(), readable(planned.ramp, "s", 6).c_str());
 }
 
 void Excavations::release_forces(std::size_t number, Model& model) const {

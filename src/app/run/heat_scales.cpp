@@ -200,10 +200,10 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
             text += formatted("; k over transfer %s, %.1f edges", readable(s.convection, "m").c_str(),
                               s.convection / s.edge);
         text += formatted(
-            "\n  %-12s cracks that follow it over an edge run at %.2g m/s, here %.2g of c_R, the part of their energy "
-            "that they radiate; time_factor up to %.2g keeps it below %.2g%s\n",
-            "", s.crack_speed(), s.radiated(factor), std::max(1.0, s.largest_time_factor()), s.largest_speed(),
-            s.damped ? "" : ", since nothing damps these waves");
+            "\n  %-12s cracks that follow it over an edge run at %s, here %.2g of c_R, the part of their energy that "
+            "they radiate; time_factor up to %.2g keeps it below %.2g%s\n",
+            "", readable(s.crack_speed(), "m/s", 2).c_str(), s.radiated(factor), std::max(1.0, s.largest_time_factor()),
+            s.largest_speed(), s.damped ? "" : ", since nothing damps these waves");
         if (s.step > 0)
             text += formatted("  %-12s steps of backward Euler: %.3g in the time that heat takes through the body%s\n",
                               "", s.passage / (factor * s.step),

@@ -28,8 +28,8 @@ std::string beyond_linear(const NamedLaw& named) {
     std::string text;
     const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
     if (law.unloading == Unloading::secant) add("unloading secant");
-    if (law.relaxation_time > 0) add(formatted("relaxation_time %.4g s", law.relaxation_time));
-    if (law.incubation_time > 0) add(formatted("incubation_time %.4g s", law.incubation_time));
+    if (law.relaxation_time > 0) add(formatted("relaxation_time %s", readable(law.relaxation_time, "s", 4).c_str()));
+    if (law.incubation_time > 0) add(formatted("incubation_time %s", readable(law.incubation_time, "s", 4).c_str()));
     if (law.restitution > 0) add(formatted("restitution %.4g", law.restitution));
     if (law.of_temperature && !law.of_temperature->strength.empty())
         add("strength_table " + text_of(law.of_temperature->strength));

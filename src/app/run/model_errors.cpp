@@ -5,6 +5,7 @@
 #include "app/run/findings.hpp"
 #include "app/run/process.hpp"
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/union_find.hpp"
 #include "figures/animation.hpp"
@@ -152,9 +153,10 @@ void refuse_unheld_body(const ReadResult& read, const Model& model) {
         if (unheld.norm() > 1e-6 * balance.size)
             throw UserError({finding(
                 read, "time.start", "not-held",
-                formatted("`time.start` requests equilibrium, but nothing holds the body around %s: a force "
-                          "of (%.3g, %.3g) N and a moment of %.3g N m of the loads at t = 0 would move it away",
-                          place_text(balance.centre).c_str(), unheld.x(), unheld.y(), unheld.z() * balance.length),
+                formatted("`time.start` requests equilibrium, but nothing holds the body around %s: a force of (%.3g, "
+                          "%.3g) N and a moment of %s of the loads at t = 0 would move it away",
+                          place_text(balance.centre).c_str(), unheld.x(), unheld.y(),
+                          readable(unheld.z() * balance.length, "N m").c_str()),
                 "hold it (a load with displacement = [0, 0], a [[support]]), balance the loads, let them start with a "
                 "ramp, or use start = \"rest\"")});
     }

@@ -201,13 +201,14 @@ public:
         const auto check = [&](const std::string& path, const Jump& jump) {
             if (jump.size > 0)
                 add(path + ".displacement", "jump",
-                    formatted("`%s.displacement` jumps by %.3g m at t = %.3g s: in a step of %.3g s this is a velocity "
-                              "of %.3g m/s, %.2g times the wave speed",
-                              path.c_str(), jump.size, jump.time, step, jump.size / step, jump.size / step / wave),
-                    formatted(
-                        "ramp = \"%.2g s\" would move it at 1 m/s; or use a table that starts at 0; or time.start = "
-                        "\"equilibrium\" for a displacement that exists before t = 0",
-                        jump.size));
+                    formatted("`%s.displacement` jumps by %s at t = %s: in a step of %s this is a velocity of %s, %.2g "
+                              "times the wave speed",
+                              path.c_str(), readable(jump.size, "m").c_str(), readable(jump.time, "s").c_str(),
+                              readable(step, "s").c_str(), readable(jump.size / step, "m/s").c_str(),
+                              jump.size / step / wave),
+                    formatted("ramp = \"%s\" would move it at 1 m/s; or use a table that starts at 0; or time.start = "
+                              "\"equilibrium\" for a displacement that exists before t = 0",
+                              readable(jump.size, "s", 2).c_str()));
         };
         for (std::size_t i = 0; i < scenario_.loads.size(); ++i) {
             const Load& load = scenario_.loads[i];
@@ -301,12 +302,12 @@ public:
             if (named.size() > max_details) return;
             add(parts.empty() ? "mesh.size" : parts[0], "small-step",
                 formatted(
-                    "a triangle at %s has an edge of %s where the mesh size is %s; its stable "
-                    "step of %.3g s is %.3g times smaller than the %.3g s of that size, and all triangles use the "
-                    "smallest one. Next to it: %s",
+                    "a triangle at %s has an edge of %s where the mesh size is %s; its stable step of %s is %.3g times "
+                    "smaller than the %s of that size, and all triangles use the smallest one. Next to it: %s",
                     place_text(x).c_str(),
                     readable(std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}), "m").c_str(),
-                    readable(size(t), "m").c_str(), stable[t], usual / stable[t], usual, who.c_str()),
+                    readable(size(t), "m").c_str(), readable(stable[t], "s").c_str(), usual / stable[t],
+                    readable(usual, "s").c_str(), who.c_str()),
                 std::string(who.find(" and ") != who.npos || who.starts_with("two parts")
                                 ? "move one of them, let them meet, or remove the detail; "
                                 : "enlarge or remove it; ") +
@@ -324,8 +325,8 @@ public:
                                    : 0;
         if (seconds > longest)
             add("time.end", "too-long",
-                formatted("`time.end` = %.6g s is %.3g steps of %.3g s: about %.2g days of one core", end, n_steps,
-                          plan.limits.largest, seconds / 86400),
+                formatted("`time.end` = %s is %.3g steps of %s: about %s of one core", readable(end, "s", 6).c_str(),
+                          n_steps, readable(plan.limits.largest, "s").c_str(), readable(seconds, "s", 2).c_str()),
                 "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
                 "\"implicit\"");
         const double explicit_step = plan.limits.changes() ? plan.limits.change.explicit_step : plan.limits.largest;
@@ -339,9 +340,10 @@ public:
             const double n = every > 0 ? std::min(end / every, n_steps) : 0;
             if (n > max)
                 add(key, "too-many",
-                    formatted("`%s` = %.6g s in a run of %.6g s makes %.3g %s, some %.2g GB", key, every, end, n, what,
+                    formatted("`%s` = %s in a run of %s makes %.3g %s, some %.2g GB", key,
+                              readable(every, "s", 6).c_str(), readable(end, "s", 6).c_str(), n, what,
                               1e-9 * n * bytes),
-                    formatted("%s of %.1g s makes a thousand", key, end / 1000));
+                    formatted("%s of %s makes a thousand", key, readable(end / 1000, "s", 1).c_str()));
         };
         check("output.every", scenario_.output.fields ? scenario_.output.every : 0, max_frames, "frames",
               frame_bytes * triangles);

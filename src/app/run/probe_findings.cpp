@@ -2,6 +2,7 @@
 #include "analysis/nearest.hpp"
 #include "app/run/findings.hpp"
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 
 #include <algorithm>
@@ -35,7 +36,8 @@ public:
             const Interface& interface = model_.interfaces[near.interface];
             if (near.distance > interface.length)
                 warn("far",
-                     formatted("is %.3g m from the nearest interface that can open, a ", near.distance) +
+                     formatted("is %s from the nearest interface that can open, a ",
+                               readable(near.distance, "m").c_str()) +
                          kind_of(model_, interface) + ": it watches that one",
                      "move it to the interface that it is to watch");
         }
@@ -44,7 +46,7 @@ public:
         if (nearest.distance <= 0.1 * nearest.edge) return;  // on a curve that the mesh follows by straight edges
         const Box box = bounding_box(model_.mesh.vertices);
         warn("outside",
-             "lies outside the body, " + formatted("%.6g m", nearest.distance) + " from its boundary: the nearest " +
+             "lies outside the body, " + readable(nearest.distance, "m", 6) + " from its boundary: the nearest " +
                  (probe.watch == ProbeOptions::Watch::interface ? "interface" : "point of it") + " is used",
              "the body extends from " + place_text(box.low) + " to " + place_text(box.high));
     }

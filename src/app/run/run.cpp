@@ -11,6 +11,7 @@
 #include "app/run/run_text.hpp"
 #include "app/run/setup.hpp"
 #include "app/run/start_state.hpp"
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
@@ -141,9 +142,8 @@ void Run::resume(const std::string& text) {
     first_step_ = now_.n_steps;
     earlier_output_ = recorder_.time().cpu;
     const std::string report = warning + text +
-                               formatted("resumed: continues from the checkpoint at t = %.9g s, step %lld\n", now_.time,
-                                         static_cast<long long>(now_.n_steps)) +
-                               missing_text(missing_files());
+                               "resumed: continues from the checkpoint at t = " + readable(now_.time, "s", 9) +
+                               ", step " + std::to_string(now_.n_steps) + "\n" + missing_text(missing_files());
     std::fputs(report.c_str(), stderr);  // also with --quiet
     log_.add(report);
 }
@@ -153,8 +153,9 @@ void Run::start_from(StartState& other, const std::string& text) {
     other.reader.read_energies_and_cracks(recorder_);
     recorder_.set_back(other.time);
     const std::string report =
-        text + formatted("starts from `%s` at its t = %.9g s, step %lld; the time counts from 0 again\n",
-                         setup_.scenario.time.start_run.c_str(), other.time, static_cast<long long>(other.n_steps));
+        text + formatted("starts from `%s` at its t = %s, step %lld; the time counts from 0 again\n",
+                         setup_.scenario.time.start_run.c_str(), readable(other.time, "s", 9).c_str(),
+                         static_cast<long long>(other.n_steps));
     std::fputs(report.c_str(), stderr);
     log_.add(report);
     recorder_.begin(now_);
@@ -215,9 +216,8 @@ void Run::excavate() {
     for (StepReport trial = stepper_->step(now_, h, next_); trial.rejection != Rejection::none;
          trial = stepper_->step(now_, h, next_))
         if (h *= 0.5; h < setup_.plan.limits.smallest)
-            throw SimulationError(
-                formatted("no step from t = %.9g s, where a region is to vanish: see its place ", now_.time) +
-                place_text(trial.where));
+            throw SimulationError("no step from t = " + readable(now_.time, "s", 9) +
+                                  ", where a region is to vanish: see its place " + place_text(trial.where));
     ExcavationEnergies energies;
     report(excavations_.prepare(setup_.model, *stepper_, now_, next_, h));
     replace_model([&] { log_.add(excavations_.perform(next_, scheme(), setup_.model, now_, energies)); });

@@ -1,5 +1,6 @@
 #include "app/run/run_text.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
 #include "figures/ticks.hpp"
@@ -51,10 +52,10 @@ std::string solver_text(const RunRecord& record) {
     if (counts.linear_solves > 0 && record.steps > 0) {
         const auto n = static_cast<double>(record.steps), solves = static_cast<double>(counts.linear_solves);
         text += formatted(
-            "  solver  %.2f linear solves and %.2f factorisations per step, %.3g s of processor time per step, %.3g s "
-            "per solve\n",
-            solves / n, static_cast<double>(counts.factorisations) / n, record.spent.steps / n,
-            record.spent.steps / solves);
+            "  solver  %.2f linear solves and %.2f factorisations per step, %s of processor time per step, %s per "
+            "solve\n",
+            solves / n, static_cast<double>(counts.factorisations) / n, readable(record.spent.steps / n, "s").c_str(),
+            readable(record.spent.steps / solves, "s").c_str());
         if (counts.fan_fallbacks > 0)
             text += formatted("  Lemke   solved %lld steps on which this solver failed (Lemke fallback)\n",
                               Count(counts.fan_fallbacks));
@@ -72,23 +73,27 @@ std::string solver_text(const RunRecord& record) {
 }  // namespace
 
 std::string cutback_text(const Cutback& cut, const Vec2& where, double end) {
-    const std::string text = formatted("cutback: t = %.9g s, step %.4g s -> %.4g s at %s: %s\n", cut.time, cut.from,
-                                       cut.to, place_text(where).c_str(), reason_text(cut).c_str());
+    const std::string text = formatted("cutback: t = %s, step %s -> %s at %s: %s\n", readable(cut.time, "s", 9).c_str(),
+                                       readable(cut.from, "s", 4).c_str(), readable(cut.to, "s", 4).c_str(),
+                                       place_text(where).c_str(), reason_text(cut).c_str());
     if (!cut.changes_to_explicit) return text;
     const auto steps = [&](double until) { return std::ceil((std::min(until, end) - cut.time) / cut.to); };
     return text + formatted(
-                      "scheme: explicit from t = %.9g s, since %s; at least %.0f steps of %.4g s, %.4g if the "
-                      "body is not quiet before time.end\n",
-                      cut.time, describe(cut.reason).data(), steps(cut.explicit_until), cut.to, steps(end));
+                      "scheme: explicit from t = %s, since %s; at least %.0f steps of %s, %.4g if the body is not "
+                      "quiet before time.end\n",
+                      readable(cut.time, "s", 9).c_str(), describe(cut.reason).data(), steps(cut.explicit_until),
+                      readable(cut.to, "s", 4).c_str(), steps(end));
 }
 
-std::string quiet_text(double time) { return formatted("scheme: implicit from t = %.9g s, the body is quiet\n", time); }
+std::string quiet_text(double time) {
+    return formatted("scheme: implicit from t = %s, the body is quiet\n", readable(time, "s", 9).c_str());
+}
 
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
     std::string text = formatted(
-        "the run cannot continue from t = %.9g s at %s: %s, even in a step of %.4g s; the "
-        "smallest step allowed is %.4g s. ",
-        cut.time, place_text(where).c_str(), reason_text(cut).c_str(), cut.from, smallest);
+        "the run cannot continue from t = %s at %s: %s, even in a step of %s; the smallest step allowed is %s. ",
+        readable(cut.time, "s", 9).c_str(), place_text(where).c_str(), reason_text(cut).c_str(),
+        readable(cut.from, "s", 4).c_str(), readable(smallest, "s", 4).c_str());
     if (cut.reason == CutbackReason::contact_speed)
         return text + "Look at the units of velocities and loads, or use larger triangles where the faces meet.";
     if (cut.reason == CutbackReason::jammed)
@@ -108,7 +113,7 @@ std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {
               "time.theta = 0.7 where it is smaller; or half the friction of the interface there, where it wedges the "
               "body; or "
             : "";
-    return text + formatted("Try %stime.step_min = \"%.3g s\"", alternatives, 1e-3 * smallest);
+    return text + formatted("Try %stime.step_min = \"%s\"", alternatives, readable(1e-3 * smallest, "s").c_str());
 }
 
 std::string missing_text(const std::vector<std::string>& files) {
@@ -142,10 +147,10 @@ std::string violated_text(const Gates& gates, const State& now, const Vec2& fast
     const Gate* cause = nullptr;  // the gate that may explain the others
     for (const Gate& gate : gates) {
         if (gate.pass()) continue;
-        text +=
-            formatted("gate %s violated at t = %.9g s (step %lld): %s%s, limit %s: %s. ", gate.name.data(), now.time,
-                      Count(now.n_steps), value_text(gate.value, gate.unit, 4).c_str(), at_place(gate.place).c_str(),
-                      value_text(gate.limit, gate.unit, 4).c_str(), gate.meaning.data());
+        text += formatted("gate %s violated at t = %s (step %lld): %s%s, limit %s: %s. ", gate.name.data(),
+                          readable(now.time, "s", 9).c_str(), Count(now.n_steps),
+                          value_text(gate.value, gate.unit, 4).c_str(), at_place(gate.place).c_str(),
+                          value_text(gate.limit, gate.unit, 4).c_str(), gate.meaning.data());
         if (cause == nullptr || gate.name == "interface_residual") cause = &gate;
     }
     if (cause == nullptr) return text;
@@ -155,9 +160,9 @@ std::string violated_text(const Gates& gates, const State& now, const Vec2& fast
 
 std::string not_at_rest_text(double end) {
     return formatted(
-        "warning[not-at-rest]: the body is not at rest at time.end = %.6g s: a later time.end, a larger "
-        "time.rest_below, or time.damping\n",
-        end);
+        "warning[not-at-rest]: the body is not at rest at time.end = %s: a later time.end, a larger time.rest_below, "
+        "or time.damping\n",
+        readable(end, "s", 6).c_str());
 }
 
 std::string not_failed_text(const Scenario& scenario, const Summary& summary, Index n_breaks) {
@@ -174,9 +179,9 @@ std::string damping_text(const SchemeOptions& scheme, const Model& model, const 
         !now.free_pieces.empty() || std::ranges::any_of(model.obstacles, [](const Obstacle& o) { return o.is_free(); });
     if (!is_free || scheme.damping == 0 || scheme.damping_of == DampingOf::motion) return "";
     return formatted(
-        "damping: from t = %.9g s on nothing holds %zu pieces of the body; there, and of free obstacles, time.damping "
-        "acts on vibrations, not on flight, roll and slide (damping_of = \"motion\", as until 0.1: on both)\n",
-        time, now.free_pieces.size());
+        "damping: from t = %s on nothing holds %zu pieces of the body; there, and of free obstacles, time.damping acts "
+        "on vibrations, not on flight, roll and slide (damping_of = \"motion\", as until 0.1: on both)\n",
+        readable(time, "s", 9).c_str(), now.free_pieces.size());
 }
 
 std::string scheme_text(const TimeOptions& time, bool is_viscous) {
@@ -214,9 +219,10 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
     const OutputTime& output = record.output;
     const std::string steps =
         record.largest_step > record.smallest_step * (1 + 1e-6)
-            ? formatted("%lld steps of %.4g to %.4g s", Count(record.steps), record.smallest_step, record.largest_step)
-            : formatted("%lld steps of %.4g s", Count(record.steps),
-                        record.steps > 0 ? record.largest_step : record.step);
+            ? formatted("%lld steps of %s to %s", Count(record.steps), readable(record.smallest_step, "s", 4).c_str(),
+                        readable(record.largest_step, "s", 4).c_str())
+            : formatted("%lld steps of %s", Count(record.steps),
+                        readable(record.steps > 0 ? record.largest_step : record.step, "s", 4).c_str());
     std::string text =
         formatted("%s: %s at t = %s after %s; %d triangles, %d interfaces; %.1f s (%.1f s of processor time)\n",
                   record.name.c_str(), record.status.c_str(), time_text(record.time).c_str(), steps.c_str(),
@@ -229,8 +235,8 @@ std::string end_of_run(const RunRecord& record, const std::filesystem::path& dir
     text += formatted("steps %.2f s, frames %.2f s, figures %.2f s, other output %.2f s, remainder %.2f s\n",
                       steps_alone, output.frames, output.figures, tables, other);
     if (output.frames > 0)
-        text += formatted("  frames are written by a thread of their own, for which steps waited %.3g s\n",
-                          output.waited_for_frames);
+        text += formatted("  frames are written by a thread of their own, for which steps waited %s\n",
+                          readable(output.waited_for_frames, "s").c_str());
     if (record.ended == "rest")
         text +=
             "  ended before time.end: the body is at rest since t = " + time_text(record.summary["rest_time"]) + "\n";

@@ -2,6 +2,7 @@
 
 #include "app/run/continuation.hpp"
 #include "base/checksum.hpp"
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
@@ -172,9 +173,9 @@ std::string start_damage_text(const Model& model, const State& start) {
     }
     if (n == 0) return "";
     return formatted(
-               "warning[start-damage]: in the equilibrium at t = %.6g s the forces exceed the strength of %d "
-               "interface points, which have softened until it held: the cohesion beta falls to %.3g at ",
-               start.time, n, least) +
+               "warning[start-damage]: in the equilibrium at t = %s the forces exceed the strength of %d interface "
+               "points, which have softened until it held: the cohesion beta falls to %.3g at ",
+               readable(start.time, "s", 6).c_str(), n, least) +
            place_text(where) + "\n";
 }
 
@@ -187,9 +188,10 @@ std::string jumps_text(const ReadResult& read, const Model& model, const State& 
             path,
             {.severity = Diagnostic::Severity::warning,
              .code = "jump",
-             .message = formatted("`%s` begins with %.9g m, where the other run is at %.9g m: in the first step of "
-                                  "%.3g s this is a velocity of %.3g m/s",
-                                  path.c_str(), begins, is, step, jump / step),
+             .message = formatted(
+                 "`%s` begins with %s, where the other run is at %s: in the first step of %s this is a velocity of %s",
+                 path.c_str(), readable(begins, "m", 9).c_str(), readable(is, "m", 9).c_str(),
+                 readable(step, "s").c_str(), readable(jump / step, "m/s").c_str()),
              .note = "a table that begins there; or a velocity, which goes on from where the other run is"}));
         if (text.find(warning) == std::string::npos) text += warning;
     };

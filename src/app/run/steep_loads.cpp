@@ -2,6 +2,7 @@
 #include "app/run/findings.hpp"
 
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/selections.hpp"
 
@@ -127,14 +128,15 @@ private:
             .severity = Diagnostic::Severity::warning,
             .code = "steep-wave",
             .message = formatted(
-                "`%s` sends a wave whose stress changes by %.3g Pa at t = %.3g s within %.3g s, in which it passes %g "
-                "edges at %s: behind such a front the mesh overshoots by up to a third, and the smallest strength is "
-                "%.3g Pa",
-                path.c_str(), rise.size, rise.time, front, edges_of_front,
-                place_text(mesh_.corner(face.edge->triangle, face.edge->side)).c_str(), strength_),
-            .note = formatted("bulk_viscosity = [0.06, 1.2] in its material, a ramp longer than %.2g s, smaller edges "
-                              "(%.2g m there), or mesh.order = 2",
-                              front, face.length * mesh_.order)};
+                "`%s` sends a wave whose stress changes by %s at t = %s within %s, in which it passes %g edges at %s: "
+                "behind such a front the mesh overshoots by up to a third, and the smallest strength is %s",
+                path.c_str(), readable(rise.size, "Pa").c_str(), readable(rise.time, "s").c_str(),
+                readable(front, "s").c_str(), edges_of_front,
+                place_text(mesh_.corner(face.edge->triangle, face.edge->side)).c_str(),
+                readable(strength_, "Pa").c_str()),
+            .note = formatted("bulk_viscosity = [0.06, 1.2] in its material, a ramp longer than %s, smaller edges (%s "
+                              "there), or mesh.order = 2",
+                              readable(front, "s", 2).c_str(), readable(face.length * mesh_.order, "m", 2).c_str())};
     }
 
     const TimeOptions& time_;

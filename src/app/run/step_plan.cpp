@@ -2,6 +2,7 @@
 
 #include "analysis/energy_ledger.hpp"
 #include "analysis/rest_watch.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/time_tables.hpp"
@@ -16,7 +17,8 @@ namespace {
 void check_order(const char* key, double step, const char* larger_key, double larger) {
     if (step > larger)
         throw BadStep(key, "step-order",
-                      formatted("%s = %.3g s is larger than %s = %.3g s", key, step, larger_key, larger),
+                      formatted("%s = %s is larger than %s = %s", key, readable(step, "s").c_str(), larger_key,
+                                readable(larger, "s").c_str()),
                       "time.step_min <= time.step_cracking <= time.step <= time.end");
 }
 
@@ -33,8 +35,8 @@ std::int64_t count(const char* key, double end, double step, const char* cure) {
     const double n = std::ceil(end / step * (1 - 1e-12));
     if (n > max_steps)
         throw BadStep(key, "too-many-steps",
-                      formatted("time.end = %.3g s in steps of %.3g s would be %.2g steps; the maximum is %.0g", end,
-                                step, n, max_steps),
+                      formatted("time.end = %s in steps of %s would be %.2g steps; the maximum is %.0g",
+                                readable(end, "s").c_str(), readable(step, "s").c_str(), n, max_steps),
                       cure);
     return std::max<std::int64_t>(1, static_cast<std::int64_t>(n));
 }
@@ -58,10 +60,10 @@ double requested_step(const TimeOptions& time, double stable_step) {
     if (time.step.value == 0 && time.scheme.bulk == BulkScheme::automatic)
         step = std::max(step, smallest_implicit_multiple * stable_step);
     if (!implicit && step > stable_step)
-        throw BadStep(
-            "time.step", "unstable-step",
-            formatted("time.step = %.3g s exceeds the stable step of the explicit bulk, %.3g s", step, stable_step),
-            "use step = \"auto\", a smaller step, a coarser mesh, or bulk = \"implicit\"");
+        throw BadStep("time.step", "unstable-step",
+                      formatted("time.step = %s exceeds the stable step of the explicit bulk, %s",
+                                readable(step, "s").c_str(), readable(stable_step, "s").c_str()),
+                      "use step = \"auto\", a smaller step, a coarser mesh, or bulk = \"implicit\"");
     return step;
 }
 

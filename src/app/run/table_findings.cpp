@@ -3,6 +3,7 @@
 
 #include "app/run/heat_scales.hpp"
 #include "app/run/setup.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "heat/conduction.hpp"
 #include "mesh/polygon.hpp"
@@ -99,17 +100,18 @@ private:
         const auto peak = unresolved_peak(table, step, scenario_.time.end);
         if (!peak) return;
         warn(path,
-             formatted("`%s` has a peak of its factor, %.6g at t = %.6g s, between the ends of a step of %.3g s: %s",
-                       path.c_str(), peak->factor, peak->time, step, what),
+             formatted("`%s` has a peak of its factor, %.6g at t = %s, between the ends of a step of %s: %s",
+                       path.c_str(), peak->factor, readable(peak->time, "s", 6).c_str(), readable(step, "s").c_str(),
+                       what),
              "a smaller time.step; with the explicit bulk it follows from the mesh (mesh.size, time.safety)");
     }
 
     void judge_corners() {
         if (2 * plan_.n_at_corners <= plan_.n_steps) return;
         warn("time.step",
-             formatted("%lld of %lld steps end at corners of tables over time, which steps of %.3g s would pass over",
+             formatted("%lld of %lld steps end at corners of tables over time, which steps of %s would pass over",
                        static_cast<long long>(plan_.n_at_corners), static_cast<long long>(plan_.n_steps),
-                       plan_.limits.largest),
+                       readable(plan_.limits.largest, "s").c_str()),
              "tables with fewer points, if the run takes too long");
     }
 

@@ -244,8 +244,8 @@ TEST_CASE("adaptation: the forecast of triangles covers what runs needed") {
         REQUIRE(at != std::string::npos);
         double straight = 0, length = 0, branched = 0;
         REQUIRE(std::sscanf(answer.text.c_str() + at,
-                            "adapt: about %lf triangles after straight cracks of %lf m, %lf if they branch", &straight,
-                            &length, &branched) == 3);
+                            "adapt: about %lf triangles after straight cracks of %lf %*[cm], %lf if they branch",
+                            &straight, &length, &branched) == 3);
         CHECK(straight < 1.05 * triangles);
         CHECK(branched > triangles);
         CHECK(branched < 1.6 * straight);

@@ -157,7 +157,7 @@ at = ")" + at + "\"\n[time]\nend = \"60 ms\"\n[output]\nfields = false\n");
     const std::string log = warnings("50 ms");
     const std::size_t found = log.find(words);
     REQUIRE(found != std::string::npos);
-    CHECK(log.find("warning[excavated]: at t = 0.05") != std::string::npos);
+    CHECK(log.find("warning[excavated]: at t = 50") != std::string::npos);
     CHECK(log.find("moved by up to 3", found) < found + 120);
     CHECK(log.find(words, found + 1) == std::string::npos);
 }

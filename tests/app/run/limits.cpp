@@ -296,7 +296,7 @@ TEST_CASE("limits: an obstacle that begins a few nanometres in the body is besid
           1e-3);  // 9.81 m/s2 for 20 us, and waves; it is not thrown out, 5 nm in a step
     const Answer deep = run(folder, block("5 um"));
     CHECK(deep.code == 2);
-    CHECK(deep.has("lies in the body at the start, by 5e-06 m"));
+    CHECK(deep.has("lies in the body at the start, by 5 µm"));
 }
 
 TEST_CASE("limits: a crack that did not grow has no mean speed and one whose growth is in few lines has the same") {

@@ -173,13 +173,13 @@ TEST_CASE("obstacle edges: check refuses what overlaps at the start also between
     const auto disc_at = [](const std::string& centre, const std::string& radius) {
         return block("0, 0", "1, 0.3", "0.3", obstacle("disc", disc(centre, radius)), "0.1");
     };
-    check_refused(folder, disc_at("0.45, 0.348", "0.05"), "overlap", "by 0.002 m at (0.45, 0.3) m");
-    check_refused(folder, disc_at("0.4, 0.15", "0.05"), "overlap", "lies in the body at the start, by 0.2 m");
+    check_refused(folder, disc_at("0.45, 0.348", "0.05"), "overlap", "by 2 mm at (0.45, 0.3) m");
+    check_refused(folder, disc_at("0.4, 0.15", "0.05"), "overlap", "lies in the body at the start, by 200 mm");
     check_refused(folder, disc_at("0.4, 0.15", "3"), "overlap", "lies in the body");
     check_refused(
         folder,
         block("0, 0", "1, 0.3", "0.3", obstacle("spike", polygon("[0.4, 0.29], [0.5, 0.6], [0.3, 0.6]")), "0.1"),
-        "overlap", "by 0.01 m at (0.4, 0.29) m");
+        "overlap", "by 10 mm at (0.4, 0.29) m");
     write_scene(folder, disc_at("0.45, 0.35", "0.05"));  // it touches
     CHECK(command("check " + folder.in_shell("scene.toml")).code == 0);
     // a disc in a hole of its radius touches it at its nodes
@@ -191,12 +191,13 @@ TEST_CASE("obstacle edges: check refuses what overlaps at the start also between
     const Answer fits = command("check " + folder.in_shell("scene.toml"));
     CAPTURE(fits.text);
     CHECK(fits.code == 0);
-    check_refused(folder, pin("0.21"), "overlap", "lies in the body at the start, by 0.0");
+    check_refused(folder, pin("0.21"), "overlap", "lies in the body at the start, by ");
 }
 
 TEST_CASE("obstacle edges: check refuses free obstacles that come to what is held") {
     const Folder folder("held pairs");
-    check_refused(folder, held, "held-against-obstacle", "may meet a body that is held everywhere, as at (0.5, 0.05) m: ");
+    check_refused(folder, held, "held-against-obstacle",
+                  "may meet a body that is held everywhere, as at (0.5, 0.05) m: ");
     const auto slab = [](const std::string& side, const std::string& centre, const std::string& motion) {
         return rectangle("1, 0.05", "0.05") + rock + "[[load]]\non = \"" + side + "\"\ndisplacement = [0, 0]\n" +
                weight + obstacle("ball", disc(centre, "0.1"), "mass = 3\n" + motion) + "[time]\nend = 0.2\n";

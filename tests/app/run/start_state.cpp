@@ -184,7 +184,7 @@ TEST_CASE("a run does not start from what it cannot use") {
     CHECK(start(at + "10us").has("starts from the state"));
     CHECK(start(at + "10us", "-s 'mesh.size=1 mm'").has("`mesh.size` is 0.002 there, 0.001 here"));
     CHECK(start(at + "10us", "-s interface.default.G_c=4").has("`interface.default.G_c` is 3 there, 4 here"));
-    CHECK(start(at + "7us").has("has no state at 7e-06 s; it has those at 5e-06 s, 1e-05 s, 1.9"));
+    CHECK(start(at + "7us").has("has no state at 7 µs; it has those at 5 µs, 10 µs, 1"));
     CHECK(start(at + "soon").has("has no time after @"));
     CHECK(start("run:" + first.string()).has("there is no state"));
     CHECK(start("run:" + folder.path.string() + "@10us").has("holds no run"));
