@@ -62,7 +62,8 @@ std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
     std::uint32_t state = r.closed | (r.sticks << 1);
     if (r.closed && !r.sticks && at.friction_follows) state |= digit(r.friction_sign) << 2;
-    if (r.on_ramp) state |= (digit(r.end_sign) << 14) | (r.opens_on_ramp << 13) | (1u << 12);
+    state |= (r.lands << 16) | (r.opens_on_ramp << 13);
+    if (r.on_ramp) state |= (digit(r.end_sign) << 14) | (1u << 12);
     if (r.on_ramp) state |= digit(r.cohesion_sign) << 6;
     if (r.softens)
         state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6) | (static_cast<std::uint32_t>(r.piece) << 8);
@@ -75,16 +76,29 @@ double respond_to_cohesion(const PointLaw& law, const Multipliers& at, double w_
                            PointResponse& r) {
     const double h = law.step->h, kick = law.step->kick(), held = at.contact - law.strength * law.cohesion;
     r = {.cohesion_theta = c / law.strength};
-    if (law.contact.may_touch) r.contact = std::max(0.0, held + c - at.rho_N * (w_N - law.contact.rate));
-    r.closed = r.contact > 0;
-    find_tangential(law, at, w_T, r);
     double omega_N = w_N, omega_T = w_T;
-    if (r.closed) omega_N = law.contact.rate;
-    else if (law.contact.may_touch) omega_N -= (held + c) / at.rho_N;
+    // along N the sides are open, at rest where the opening is zero, overlapping, or stopped by the contact
+    if (!law.contact.may_touch) {
+        r.pull = law.u_N + kick * w_N > 0;
+    } else {
+        const double at_bound = held - at.rho_N * (w_N - law.contact.rate),  // q_N there
+            landing = -law.u_N / kick, open = w_N - (held + c) / at.rho_N, overlapping = w_N - held / at.rho_N;
+        const bool may_overlap = law.may_overlap();
+        r.contact = std::max(0.0, at_bound + (may_overlap ? 0 : c));
+        r.closed = r.contact > 0;
+        r.lands = may_overlap && !r.closed && open <= landing && overlapping >= landing;
+        omega_N = r.closed ? law.contact.rate : r.lands ? landing : open;
+        if (may_overlap && !r.lands && open <= landing) {
+            r.pull = 0;
+            if (!r.closed) omega_N = overlapping;
+        }
+        if (r.lands && c > 0) r.pull = (at.rho_N * (w_N - landing) - held) / c;
+    }
+    find_tangential(law, at, w_T, r);
     if (r.sticks) omega_T = r.kink;
     else if (!std::isinf(at.rho_T)) omega_T += (r.tangential - at.tangential) / at.rho_T;
     const bool has_no_slip = r.sticks && r.cohesion_sign == 0 && law.material->gamma * c > 0;
-    const double mean_N = law.u_N + kick * omega_N, mean_T = has_no_slip ? 0 : law.u_T + kick * omega_T,
+    const double mean_N = r.lands ? 0 : law.u_N + kick * omega_N, mean_T = has_no_slip ? 0 : law.u_T + kick * omega_T,
                  end_T = law.u_T + h * omega_T, s = law.material->equivalent_opening(mean_N, mean_T);
     const auto sign = [](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; };
     update_cohesion(law, law.u_N + h * omega_N, end_T, r);
@@ -107,10 +121,10 @@ Vec2 ramp_slope(const PointLaw& law, const PointResponse& r, Softening softening
     return slope;
 }
 
-/// [1/kg] -d omega/dc. `rubs`: mu sgn of friction that follows p = c + ...
+/// [1/kg] -d omega/dc. `rubs`: mu sgn of friction that follows p = pull c + ...
 Vec2 rates_of_cohesion(const PointLaw& law, const Multipliers& at, const PointResponse& r, double rubs) {
-    return {r.closed || !law.contact.may_touch ? 0 : 1 / at.rho_N,
-            r.sticks ? 0 : (law.material->gamma * r.cohesion_sign + rubs) / at.rho_T};
+    return {r.closed || !r.opens_on_ramp || !law.contact.may_touch ? 0 : 1 / at.rho_N,
+            r.sticks ? 0 : (law.material->gamma * r.cohesion_sign + r.pull * rubs) / at.rho_T};
 }
 
 double rubs(const PointLaw& law, const PointResponse& r) { return r.closed ? law.friction * r.friction_sign : 0; }
@@ -133,16 +147,17 @@ PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double
     return r;
 }
 
-/// omega = w + (q - q^)/rho where it is free, q = (p - c, -gamma c sgn - mu p sgn), dc = slope . d omega/kappa.
+/// omega = w + (q - q^)/rho where it is free, q = (p - pull c, -gamma c sgn - mu p sgn), dc = slope . d omega/kappa.
 Eigen::Matrix2d ramp_tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening,
                              double friction) {
     Vec2 slope = ramp_slope(law, r, softening);
     slope /= law.ramp + slope.dot(rates_of_cohesion(law, at, r, friction));
     if (r.closed) slope.x() = friction * at.rho_N / at.rho_T * slope.y();
-    if (r.sticks) slope = {r.closed ? 0 : slope.x(), 0};
-    const Vec2 along(1, r.sticks ? 0 : law.material->gamma * r.cohesion_sign + friction);
+    if (r.lands || (r.closed && r.sticks)) slope.x() = 0;
+    if (r.sticks) slope.y() = 0;
+    const Vec2 along(r.pull, r.sticks ? 0 : law.material->gamma * r.cohesion_sign + r.pull * friction);
     Eigen::Matrix2d D = along * slope.transpose();
-    if (r.closed) D.row(0) << at.rho_N, 0;
+    if (r.closed || r.lands) D.row(0) << at.rho_N, 0;
     if (r.closed && !r.sticks) D(1, 0) -= friction * at.rho_N;
     if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
     if (std::abs(D(0, 1) - D(1, 0)) <= 8 * rounding * std::abs(D(0, 1))) D(1, 0) = D(0, 1);

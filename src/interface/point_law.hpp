@@ -48,6 +48,8 @@ struct PointLaw {
 
     /// The kinks of the tangential law, when the law over the step is known.
     void set_staircase();
+    /// With a ramp: its sides may overlap in the middle of the step.
+    bool may_overlap() const { return u_N + step->kick() * contact.rate < -1e-12 * material->delta_c(); }
     double ramp_stiffness() const { return ramp > 0 ? strength * cohesion * step->kick() / ramp : 0; }  // [kg]
 };
 
@@ -69,13 +71,15 @@ struct PointResponse {
     double full_cohesion = 0, ramp_part = 1;      // [-]
     bool on_ramp = false, opens_on_ramp = false;  // ramp_part < 1; u_N > 0 in the middle of the step
     double end_sign = 0;                          // of the slip at the end of the step
-    int piece = 0;                                // of the softening branch, where it softens
-    std::uint32_t state = 0;                      // identifies the smooth piece of the law
+    double pull = 1;          // [-] part of the cohesion that acts along N: none where the ramp overlaps
+    bool lands = false;       // the ramp rests where the overlap begins, and pull is what it takes
+    int piece = 0;            // of the softening branch, where it softens
+    std::uint32_t state = 0;  // identifies the smooth piece of the law
     bool closed = false, sticks = false, softens = false, breaks = false, opens = false;
     double friction_sign = 0, cohesion_sign = 0;  // of the two tangential forces, negative; 0 where they are free
     double kink = 0;                              // [m/s] where it sticks
 
-    double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta; }  // [N s] q_N
+    double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta * pull; }  // [N s] q_N
     /// [N s] What the multiplier p^ becomes: p, with a ramp and the cohesion that is not borne.
     double held(const PointLaw& law) const {
         return law.ramp > 0 ? normal(law) + law.strength * law.cohesion : contact;

@@ -50,8 +50,8 @@ public:
         for (Vec2& P : end.impulse) P.setZero();
         const Eigen::VectorXd needed = -grouped(missing(end)) / impulse_;  // what the points have to give
         // unknowns >= 0 of a point: p; friction f+, f-, the rest of mu p; what of the tangential cohesion's 2 G is used from -G on, its
-        // rest
-        std::vector<std::array<int, 6>> place(model_.n_points());
+        // rest; what of the normal cohesion an overlap takes
+        std::vector<std::array<int, 7>> place(model_.n_points());
         std::vector<Eigen::Triplet<double>> entries;
         Eigen::VectorXd b = needed;
         int n = 0, n_rows = static_cast<int>(needed.size());
@@ -62,7 +62,8 @@ public:
         };
         const double near = 1e-9 * speed_;
         for (const FanPoint& point : model_.fan_points) {
-            auto& at = place[point.point] = {-1, -1, -1, -1, -1, -1};
+            auto& at = place[point.point];
+            at.fill(-1);
             if (unbreakable(point)) continue;
             const Passage passage = passage_of(point, end);
             const double sign_w = std::abs(passage.w_T) <= near ? 0 : std::copysign(1, passage.w_T);
@@ -75,7 +76,14 @@ public:
                     if (push[i] != 0) entries.emplace_back(static_cast<int>(i), n, push[i]);
                 return n++;
             };
-            b.head(needed.size()) += N * (passage.strength / impulse_);
+            const double pull = passage.strength / impulse_, o = passage.overlap.value_or(-infinity);
+            if (o < near * h_) b.head(needed.size()) += N * pull;
+            if (std::abs(o) < near * h_) {  // what the overlap takes of it
+                at[6] = add(N);
+                const int limit = add_row(pull);
+                entries.emplace_back(limit, at[6], 1.0);
+                entries.emplace_back(limit, n++, 1.0);
+            }
             if (passage.bound && passage.w_N - *passage.bound <= near) {
                 at[0] = add(N - mu * sign_w * T);
                 if (sign_w == 0 && mu > 0) {
@@ -114,7 +122,8 @@ public:
                                         ? 0
                                         : -std::copysign(passage.tangential_strength, passage.sign_u_T);
             end.contact[point.point] = p;
-            end.impulse[point.point] = {p - passage.strength, friction + cohesive};
+            const double unpulled = passage.overlap && *passage.overlap >= near * h_ ? passage.strength : value(6);
+            end.impulse[point.point] = {p - passage.strength + unpulled, friction + cohesive};
         }
     }
 
@@ -126,6 +135,7 @@ private:
         double reach, sign_u_T;         // [s] after which the slip decides the sign of the cohesion, [m] that slip
         double cohesion, end_cohesion;  // [-] before, and by the law
         double strength, tangential_strength;  // [N s] h S sigma_c beta_theta, times gamma
+        std::optional<double> overlap;         // [m] -u_N in the middle of the step, of a ramp that may overlap there
     };
 
     Passage passage_of(const FanPoint& point, const StepLcpEnd& end) const {
@@ -155,6 +165,8 @@ private:
         double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
         if (kappa > 0)
             beta *= std::min(1.0, law.equivalent_opening(u_N + made.reach * made.w_N, made.sign_u_T) / kappa);
+        if (kappa > 0 && (!made.bound || u_N + made.reach * *made.bound < -1e-12 * law.delta_c()))
+            made.overlap = -(u_N + made.reach * made.w_N);
         made.strength = made.cohesion > 0 ? h_ * point.area * law.sigma_c * beta : 0;
         made.tangential_strength = law.gamma * made.strength;
         return made;
@@ -274,7 +286,14 @@ private:
         const double unit = passage.cohesion > 0 ? std::max(1.0, h_ * speed_ / law.delta_c()) : 1;
         found.contact = std::max(found.contact, std::abs(contact));
         found.cohesion = std::max(found.cohesion, std::abs(end.cohesion[point.point] - passage.end_cohesion) / unit);
-        found.normal = std::max(found.normal, std::abs(P.x() - (p - passage.strength)) / impulse_);
+        const double pull = p - P.x(), full = passage.strength;  // no cohesion pulls an overlap
+        double off = std::abs(pull - full) / impulse_;
+        if (const std::optional<double>& o = passage.overlap; o && *o >= -1e-9 * speed_ * h_) {
+            const double between = std::max({-pull, pull - full, 0.0}) / impulse_;
+            off = std::min(*o >= 0 ? std::abs(pull) / impulse_ : off,
+                           std::max(between, std::abs(*o) / (passage.reach * speed_)));
+        }
+        found.normal = std::max(found.normal, off);
 
         // -P_T in G sgn(u_T+) + mu p sgn(w_T): distance of (w_T, P_T) from the graph
         const double G = passage.tangential_strength, F = law.friction * std::max(p, 0.0), held = -P.y(),

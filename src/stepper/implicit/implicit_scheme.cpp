@@ -340,7 +340,7 @@ void ImplicitScheme::account_points(StepReport& report) const {
         const PointLaw& law = point.law;
         const PointResponse& q = point.response;
         const Vec2 w = point.rate_at(x_.rate);
-        const double cohesive_N = law.strength * q.cohesion_theta, cohesive_T = q.friction_part - q.tangential;
+        const double cohesive_N = law.strength * q.cohesion_theta * q.pull, cohesive_T = q.friction_part - q.tangential;
         report.cohesive_work += (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
         const double u_N = law.u_N + step_.h * w.x(), u_T = law.u_T + step_.h * w.y();
         account_contact({.contact = q.contact,

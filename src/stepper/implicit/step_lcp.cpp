@@ -144,6 +144,7 @@ void StepLcp::lay_out() {
     tangent_ = group(tangential_ ? 2 * m : 0);
     offset_ = group(tangential_ ? m : 0);
     opening_ = group(landing_.size());
+    pull_ = group(step_.implicit_beta ? 0 : landing_.size());
     ramp_ = group(ramps_.size());
 }
 
@@ -194,7 +195,7 @@ void StepLcp::add_cohesion() {
         const PointLaw& law = points_[p].law;
         const double S = model_.fan_points[points_[p].sides.fan_point].area, strength = law.material->sigma_c;
         if (!step_.implicit_beta) {
-            known_impulse_[2 * p] = -h * S * strength * law.cohesion;
+            if (!lands(p)) known_impulse_[2 * p] = -h * S * strength * law.cohesion;
             continue;
         }
         known_impulse_[2 * p] = -h * strength * (1 - theta) * S * law.cohesion;
@@ -202,6 +203,15 @@ void StepLcp::add_cohesion() {
     for (int k = 0; k < static_cast<int>(landing_.size()); ++k) {
         const Index p = landing_[k];
         const PointLaw& law = points_[p].law;
+        if (law.ramp > 0) {  // the rest is in add_ramps
+            const int opening = opening_ + k, pull = pull_ + k;
+            coupling_.emplace_back(opening, pull, -1);
+            coupling_.emplace_back(pull, opening, 1);
+            rows_of_rate_.emplace_back(pull, 2 * p, -reach(law));
+            constant_[pull] = -law.u_N;
+            impulse_of_unknown_.emplace_back(2 * p, pull, -h * theta);
+            continue;
+        }
         const double S = model_.fan_points[points_[p].sides.fan_point].area,
                      stiffness = S * law.material->sigma_c / law.material->delta_c();  // [N/m]
         coupling_.emplace_back(opening_ + k, opening_ + k, stiffness);
@@ -225,11 +235,13 @@ void StepLcp::add_cohesion() {
     }
 }
 
+bool StepLcp::lands(Index point) const { return std::ranges::binary_search(landing_, point); }
+
 /// factor max(u_N, 0) in a row.
 void StepLcp::add_opening(int row, Index point, double factor) {
-    const auto landing = std::ranges::lower_bound(landing_, point);
-    if (landing != landing_.end() && *landing == point) {
-        coupling_.emplace_back(row, opening_ + static_cast<int>(landing - landing_.begin()), factor);
+    if (lands(point)) {
+        const auto landing = std::ranges::lower_bound(landing_, point) - landing_.begin();
+        coupling_.emplace_back(row, opening_ + static_cast<int>(landing), factor);
         return;
     }
     rows_of_rate_.emplace_back(row, 2 * point, factor * reach(points_[point].law));
@@ -246,7 +258,13 @@ void StepLcp::add_ramps() {
         coupling_.emplace_back(row, row, traction * law.ramp / S);
         constant_[row] = -traction * law.ramp;
         add_opening(row, p, traction);
-        impulse_of_unknown_.emplace_back(2 * p, row, step_.h * strength);
+        if (lands(p)) {
+            const int opening = opening_ + static_cast<int>(std::ranges::lower_bound(landing_, p) - landing_.begin());
+            constant_[opening] = traction * S;
+            coupling_.emplace_back(opening, row, -traction);
+        } else {
+            impulse_of_unknown_.emplace_back(2 * p, row, step_.h * strength);
+        }
         if (!tangential_) continue;
         coupling_.emplace_back(row, offset_ + ramps_[k], traction * law.material->gamma);
         coupling_.emplace_back(offset_ + ramps_[k], row, -traction * law.material->gamma);
@@ -300,10 +318,9 @@ StepLcpEnd StepLcp::end(const Eigen::VectorXd& z) const {
     end.contact.assign(model_.n_points(), 0);
     for (int k = 0; k < static_cast<int>(contacts_.size()); ++k) end.contact[contacts_[k]] = z[normal_ + k];
     end.held = end.contact;
-    for (int k = 0; k < static_cast<int>(ramps_.size()); ++k) {
-        const Index p = cohesive_[ramps_[k]];
-        end.held[p] += points_[p].law.strength * points_[p].law.cohesion / step_.theta * z[ramp_ + k] /
-                       model_.fan_points[points_[p].sides.fan_point].area;
+    for (const int ramp : ramps_) {
+        const Index p = cohesive_[ramp];
+        end.held[p] = end.impulse[p].x() + points_[p].law.strength * points_[p].law.cohesion / step_.theta;
     }
     for (const Layer& layer : layers_) end.cohesion[cohesive_[layer.cohesive]] = 0;
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {

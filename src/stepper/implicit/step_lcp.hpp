@@ -24,8 +24,12 @@
 //     S D                   sigma_c beta/theta (s_N + gamma chi - kappa (1 - D))  the part of beta that is not borne
 //     chi                   S gamma sigma_c beta (1 - D)/theta - r_T+ - r_T-      P_T = theta h (r_T+ - r_T-)
 //
-// so that P_N = p_N - h S sigma_c beta (1 - D) with 1 - D = min(s/kappa, 1). With implicit beta the force of the
-// ramp is the product of two unknowns, beta+ and 1 - D: such a step is no linear complementarity problem.
+//     o                     S sigma_c beta (1 - D)/theta - y     only where the sides may overlap there
+//     y                     o - u_N                              P_N = p_N - theta h y
+//
+// so that P_N = p_N - h S sigma_c beta (1 - D) with 1 - D = min(s/kappa, 1), and no cohesion pulls an overlap. With
+// implicit beta the force of the ramp is the product of two unknowns, beta+ and 1 - D: such a step is no linear
+// complementarity problem.
 //
 // Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
 // units of length, mass and time.
@@ -84,6 +88,7 @@ private:
     void lay_out();
     void add_layers(const PointLaw& law);
     double reach(const PointLaw& law) const;
+    bool lands(Index point) const;
     void add_opening(int row, Index point, double factor);
     void add_ramps();
     void add_cohesion();
@@ -114,7 +119,7 @@ private:
     std::vector<Layer> layers_;  // with implicit beta
     std::vector<int> ramps_;     // into cohesive_: points with secant unloading
     bool friction_ = false, tangential_ = false;
-    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, ramp_, size_ = 0;
+    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, pull_, ramp_, size_ = 0;
 
     Triplets rows_of_rate_, impulse_of_unknown_, coupling_;
     Eigen::VectorXd constant_;
