@@ -54,7 +54,8 @@ RestWatch::RestWatch(const Model& model, const RestOptions& options)
 
 void RestWatch::after_step(const EnergyRow& row) {
     largest_kinetic_ = std::max(largest_kinetic_, row.kinetic);
-    const double small = std::max(below_ * std::min(largest_kinetic_, row.strain), rest_rounding * row.strain);
+    const double strain = std::abs(row.strain),  // of a body that was only shifted it is rounding, of either sign
+        small = std::max(below_ * std::min(largest_kinetic_, strain), rest_rounding * strain);
     const bool quiet = row.time > settled_ && row.kinetic <= small;
     if (!quiet) since_ = std::numeric_limits<double>::quiet_NaN();
     else if (std::isnan(since_)) since_ = row.time;

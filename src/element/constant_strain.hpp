@@ -36,14 +36,15 @@ struct ConstantStrainBody {
     const double* threshold_of_fan;  // [Pa2]
 };
 
-/// Bulk viscosity of these triangles (bulk_viscosity.hpp).
+/// Artificial viscosity of these triangles (bulk_viscosity.hpp).
 struct ViscousTriangles {
     const double *linear, *quadratic;  // per triangle: [Pa s] rho h b1 c_d, [Pa s2] rho h^2 b2^2
     const double* largest_rate;        // per triangle: [1/s] of the quadratic term
+    const double* shear;               // per triangle: [Pa s] rho h b3 c_d
     const double* velocity;            // [m/s] of nodes, x and y in turns
     double last_step;                  // [s]
-    const double* before;              // [Pa] s per triangle
-    double* now;                       // [Pa]
+    const double* before;              // [Pa] s, q_xx, q_xy per triangle
+    double* now;                       // [Pa] likewise
     double work, unmoved;              // [J] sums, see ViscousStep
 };
 

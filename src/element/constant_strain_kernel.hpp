@@ -79,26 +79,6 @@ inline void mark_candidates(const ConstantStrainBody& body, std::int64_t triangl
     }
 }
 
-template <int lanes>
-struct ViscousStresses {
-    Numbers<lanes> now, before;
-};
-
-/// s at the rate of area d, kept for the next step.
-template <int lanes, class In>
-[[gnu::always_inline]] inline ViscousStresses<lanes> viscous_stress(std::int64_t t, int n, const In& in,
-                                                                    const Numbers<lanes>& d,
-                                                                    const ViscousTriangles& viscous) {
-    const auto of = [&](const double* field) __attribute__((always_inline)) {
-        return numbers<lanes>([&](int i) { return field[t + in(i)]; });
-    };
-    const Numbers<lanes> none{}, fast = of(viscous.largest_rate), any = d < none ? -d : none,
-                                 squeeze = any < fast ? any : fast;
-    const Numbers<lanes> s = (of(viscous.linear) + of(viscous.quadratic) * squeeze) * d, before = of(viscous.before);
-    for (int i = 0; i < n; ++i) viscous.now[t + i] = s[lane_of<lanes>(i)];
-    return {s, before};
-}
-
 /// `lanes` triangles from t on; in(i) is the i-th of them: where fewer are left, the last one fills the lanes.
 template <class In>
 struct Triangles {
@@ -110,6 +90,44 @@ struct Triangles {
 
     const ConstantStrainTriangle& operator()(int i) const { return body.triangles[t + in(i)]; }
 };
+
+/// mean = s, difference = q_xx = -q_yy, shear = q_xy; of rates: mean = d, difference = e_xx - e_yy, shear = 2 e_xy, so
+/// that the power of the stresses is s d + q_xx (e_xx - e_yy) + q_xy 2 e_xy.
+template <int lanes>
+struct ViscousParts {
+    Numbers<lanes> mean, difference, shear;
+
+    Numbers<lanes> dot(const ViscousParts& rate) const {
+        return mean * rate.mean + difference * rate.difference + shear * rate.shear;
+    }
+};
+template <int lanes>
+struct ViscousStresses {
+    ViscousParts<lanes> now, before;
+};
+
+/// The stresses at a rate of strain, kept for the next step.
+template <int lanes, class In>
+[[gnu::always_inline]] inline ViscousStresses<lanes> viscous_stress(const Triangles<In>& of,
+                                                                    const ViscousParts<lanes>& rate,
+                                                                    const ViscousTriangles& viscous) {
+    const auto at = [&](const double* field) __attribute__((always_inline)) {
+        return numbers<lanes>([&](int i) { return field[of.t + of.in(i)]; });
+    };
+    const auto before = [&](int k) __attribute__((always_inline)) {
+        return numbers<lanes>([&](int i) { return viscous.before[3 * (of.t + of.in(i)) + k]; });
+    };
+    const Numbers<lanes> none{}, d = rate.mean, fast = at(viscous.largest_rate), any = d < none ? -d : none,
+                                 squeeze = any < fast ? any : fast, shear = at(viscous.shear);
+    const ViscousParts<lanes> now{(at(viscous.linear) + at(viscous.quadratic) * squeeze) * d, shear * rate.difference,
+                                  shear * rate.shear};
+    for (int i = 0; i < of.n; ++i) {
+        double* kept = viscous.now + 3 * (of.t + i);
+        kept[0] = now.mean[lane_of<lanes>(i)], kept[1] = now.difference[lane_of<lanes>(i)];
+        kept[2] = now.shear[lane_of<lanes>(i)];
+    }
+    return {now, {before(0), before(1), before(2)}};
+}
 
 /// A field at corners 1 and 2 less that at corner 0.
 template <int lanes>
@@ -165,16 +183,20 @@ template <int lanes, StrainMeasure measure, bool is_viscous, class In>
     if constexpr (measure == StrainMeasure::small) {
         const auto xx = stage.xx, yy = stage.yy, xy = stage.xy;
         auto trace = lambda * (xx + yy);
+        Numbers<lanes> q_xx, q_xy;
         if constexpr (is_viscous) {
-            const auto rate = g1.x * c.x + g2.x * d.x + g1.y * c.y + g2.y * d.y;
-            const auto [s, before] = viscous_stress<lanes>(of.t, of.n, of.in, rate, *viscous);
-            trace += s;
-            const auto work = -0.5 * viscous->last_step * volume * (before + s) * rate,
-                       unmoved = -volume * s * (xx + yy);
+            const auto e_xx = g1.x * c.x + g2.x * d.x, e_yy = g1.y * c.y + g2.y * d.y;
+            const ViscousParts<lanes> rate{e_xx + e_yy, e_xx - e_yy, g1.y * c.x + g2.y * d.x + g1.x * c.y + g2.x * d.y},
+                strain{xx + yy, xx - yy, 2.0 * xy};
+            const auto [now, before] = viscous_stress<lanes>(of, rate, *viscous);
+            const auto work = -0.5 * viscous->last_step * volume * (before.dot(rate) + now.dot(rate)),
+                       unmoved = -volume * now.dot(strain);
             for (int i = 0; i < of.n; ++i)
                 viscous->work += work[lane_of<lanes>(i)], viscous->unmoved += unmoved[lane_of<lanes>(i)];
+            trace += now.mean, q_xx = now.difference, q_xy = now.shear;
         }
         stage.xx = trace + twice_shear * xx, stage.yy = trace + twice_shear * yy, stage.xy = twice_shear * xy;
+        if constexpr (is_viscous) stage.xx += q_xx, stage.yy -= q_xx, stage.xy += q_xy;
     } else {
         const auto H_xx = stage.xx, H_yx = stage.yx, H_xy = stage.xy, H_yy = stage.yy;
         const auto xx = H_xx + 0.5 * (H_xx * H_xx + H_yx * H_yx), yy = H_yy + 0.5 * (H_xy * H_xy + H_yy * H_yy),
@@ -191,9 +213,20 @@ template <int lanes, StrainMeasure measure, bool is_viscous, class In>
             // cof F : R, with F at the end of the last step, in its middle and at its start
             const auto at_end = F_yy * R_xx - H_yx * R_xy - H_xy * R_yx + F_xx * R_yy,
                        half = viscous->last_step * (R_xx * R_yy - R_xy * R_yx);
-            const auto [s, before] = viscous_stress<lanes>(of.t, of.n, of.in, at_end - half, *viscous);
-            P_xx += s * F_yy, P_yx -= s * H_xy, P_xy -= s * H_yx, P_yy += s * F_xx;
-            const auto work = -0.5 * viscous->last_step * volume * (before * (at_end - 2.0 * half) + s * at_end);
+            // rate of Green's strain, sym(F' R)
+            const auto difference = F_xx * R_xx + H_yx * R_yx - H_xy * R_xy - F_yy * R_yy,
+                       shear = F_xx * R_xy + H_xy * R_xx + H_yx * R_yy + F_yy * R_yx,
+                       half_difference =
+                           0.5 * viscous->last_step * (R_xx * R_xx + R_yx * R_yx - R_xy * R_xy - R_yy * R_yy),
+                       half_shear = viscous->last_step * (R_xx * R_xy + R_yx * R_yy);
+            const ViscousParts<lanes> end{at_end, difference, shear},
+                middle{at_end - half, difference - half_difference, shear - half_shear},
+                start{at_end - 2.0 * half, difference - 2.0 * half_difference, shear - 2.0 * half_shear};
+            const auto [now, before] = viscous_stress<lanes>(of, middle, *viscous);
+            const auto s = now.mean, q_xx = now.difference, q_xy = now.shear;
+            P_xx += s * F_yy + (q_xx * F_xx + q_xy * H_xy), P_yx += q_xx * H_yx + q_xy * F_yy - s * H_xy;
+            P_xy += q_xy * F_xx - q_xx * H_xy - s * H_yx, P_yy += s * F_xx + (q_xy * H_yx - q_xx * F_yy);
+            const auto work = -0.5 * viscous->last_step * volume * (before.dot(start) + now.dot(end));
             for (int i = 0; i < of.n; ++i) viscous->work += work[lane_of<lanes>(i)];
         }
         stage.xx = P_xx, stage.yx = P_yx, stage.xy = P_xy, stage.yy = P_yy;

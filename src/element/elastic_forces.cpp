@@ -75,6 +75,7 @@ double ConstantStrainTriangles::evaluate(Index first, Index last, const std::vec
     ViscousTriangles own{.linear = viscosity_.linear.data(),
                          .quadratic = viscosity_.quadratic.data(),
                          .largest_rate = viscosity_.largest_rate.data(),
+                         .shear = viscosity_.shear.data(),
                          .velocity = viscous->velocity.data()->data(),
                          .last_step = viscous->last_step,
                          .before = viscous->before,
@@ -118,20 +119,25 @@ void QuadraticTriangles::set_stress_criterion(const std::vector<double>& thresho
     }
 }
 
-/// s at the middle of the edge opposite to vertex k.
-double QuadraticTriangles::viscous_stress(Index t, Index k, const Index* node, const std::array<Vec2, 3>& g,
-                                          double strain, ViscousStep& viscous) const {
+/// (s, q_xx, q_xy) at the middle of the edge opposite to vertex k; `strain` is (xx + yy, xx - yy, 2 xy), of which they
+/// are conjugate.
+Eigen::Vector3d QuadraticTriangles::viscous_stress(Index t, Index k, const Index* node, const std::array<Vec2, 3>& g,
+                                                   const Eigen::Vector3d& strain, ViscousStep& viscous) const {
     const std::array<Vec2, 7> weight = middle_gradients(g, k);
-    double d = 0;
-    for (Index c = 0; c < 7; ++c) d += weight[c].dot(viscous.velocity[node[c]]);
-    const double s = (viscosity_.linear[t] +
-                      viscosity_.quadratic[t] * std::clamp(-d, 0.0, viscosity_.largest_rate[t])) *
-                     d,
-                 volume = triangles_[t].volume / 3;
-    viscous.now[3 * t + k] = s;
-    viscous.work -= 0.5 * viscous.last_step * volume * (viscous.before[3 * t + k] + s) * d;
-    viscous.unmoved -= volume * s * strain;
-    return s;
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();
+    for (Index c = 0; c < 7; ++c) {
+        const Vec2 &w = weight[c], &v = viscous.velocity[node[c]];
+        rate += Eigen::Vector3d(w.dot(v), w.x() * v.x() - w.y() * v.y(), w.y() * v.x() + w.x() * v.y());
+    }
+    const double squeeze = std::clamp(-rate[0], 0.0, viscosity_.largest_rate[t]), volume = triangles_[t].volume / 3;
+    const Eigen::Vector3d now{(viscosity_.linear[t] + viscosity_.quadratic[t] * squeeze) * rate[0],
+                              viscosity_.shear[t] * rate[1], viscosity_.shear[t] * rate[2]};
+    const std::ptrdiff_t place = viscous_components * (3 * t + k);
+    const Eigen::Map<const Eigen::Vector3d> before(viscous.before + place);
+    Eigen::Map<Eigen::Vector3d>(viscous.now + place) = now;
+    viscous.work -= 0.5 * viscous.last_step * volume * (before + now).dot(rate);
+    viscous.unmoved -= volume * now.dot(strain);
+    return now;
 }
 
 double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
@@ -159,9 +165,13 @@ double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<V
             const double xx = L_xx + d.x() * g[k].x(), yy = L_yy + d.y() * g[k].y();
             const double xy = 0.5 * (L_xy + L_yx + d.x() * g[k].y() + d.y() * g[k].x());
             double trace = elastic.lambda * (xx + yy);
-            if (viscous != nullptr) trace += viscous_stress(t, k, node, g, xx + yy, *viscous);
-            const double k_xx = trace + elastic.twice_shear * xx, k_yy = trace + elastic.twice_shear * yy,
-                         k_xy = elastic.twice_shear * xy;
+            double q_xx = 0, q_xy = 0;
+            if (viscous != nullptr) {
+                const Eigen::Vector3d s = viscous_stress(t, k, node, g, {xx + yy, xx - yy, 2 * xy}, *viscous);
+                trace += s[0], q_xx = s[1], q_xy = s[2];
+            }
+            const double k_xx = trace + elastic.twice_shear * xx + q_xx, k_yy = trace + elastic.twice_shear * yy - q_xx,
+                         k_xy = elastic.twice_shear * xy + q_xy;
             s_xx += k_xx, s_yy += k_yy, s_xy += k_xy;
             pull[k] = here.volume / 3 * Vec2(k_xx * g[k].x() + k_xy * g[k].y(), k_xy * g[k].x() + k_yy * g[k].y());
             sum += pull[k];

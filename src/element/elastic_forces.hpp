@@ -48,8 +48,8 @@ private:
         double R_xx, R_yy, R_xy;    // [N/m]
         Index material;
     };
-    double viscous_stress(Index t, Index k, const Index* node, const std::array<Vec2, 3>& g, double strain,
-                          ViscousStep& viscous) const;
+    Eigen::Vector3d viscous_stress(Index t, Index k, const Index* node, const std::array<Vec2, 3>& g,
+                                   const Eigen::Vector3d& strain, ViscousStep& viscous) const;
 
     std::vector<Triangle> triangles_;
     std::vector<LameConstants> stiffness_;  // per material
@@ -70,7 +70,7 @@ public:
 
     /// Of the triangles from `first` to before `last`: force [N] on their corners. Sets fan_is_candidate [0/1], per
     /// fan, where the stress criterion is exceeded; several threads may do so at once. Returns the elastic energy U
-    /// [J] with large rotations, else zero: there it is 1/2 u' K u. With `viscous` bulk viscosity acts too.
+    /// [J] with large rotations, else zero: there it is 1/2 u' K u. With `viscous` artificial viscosity acts too.
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
                     const std::vector<Index>& node_of_corner, Vec2* force, std::vector<std::uint8_t>& fan_is_candidate,
                     ViscousStep* viscous = nullptr) const {

@@ -6,6 +6,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 
@@ -72,14 +73,20 @@ double largest_eigenvalue_linear(const Mesh& mesh, Index t, const Elastic& mater
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
-/// Of the stiffness and a further lambda [Pa] of its linear stresses.
+/// [Pa] Lame constants.
+struct Further {
+    double lambda = 0, mu = 0;
+};
+
+/// Of the stiffness and further Lame constants of its linear stresses.
 ElementMatrix quadratic_stiffness(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double volume,
-                                  double further) {
+                                  const Further& further) {
     const double lambda = material.first_lame(plane), mu = material.shear_modulus();
     const auto g = shape_gradients(mesh, t);
     ElementMatrix K = ElementMatrix::Zero(14, 14);
     for (Index k = 0; k < 3; ++k)
-        add_stiffness(middle_gradients(g, k), volume / 3 * (lambda + further), volume / 3 * mu, K);
+        add_stiffness(middle_gradients(g, k), volume / 3 * (lambda + further.lambda), volume / 3 * (mu + further.mu),
+                      K);
     const Eigen::Matrix2d R = bubble_stiffness(g, volume, lambda, mu);
     for (Index i = 0; i < 7; ++i)
         for (Index j = 0; j < 7; ++j) K.block<2, 2>(2 * i, 2 * j) += bubble_weight[i] * bubble_weight[j] * R;
@@ -87,7 +94,7 @@ ElementMatrix quadratic_stiffness(const Mesh& mesh, Index t, const Elastic& mate
 }
 
 double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane,
-                                    double further = 0) {
+                                    const Further& further = {}) {
     ElementMatrix A = quadratic_stiffness(mesh, t, material, plane, mesh.area(t), further);
     const double mass = material.density * mesh.area(t);
     for (Index i = 0; i < A.rows(); ++i)
@@ -97,20 +104,23 @@ double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& ma
 }
 
 /// [s] With viscous forces C v at the velocity before, central differences are stable while M - h/2 C - h^2/4 K is
-/// positive, so for h = 2/omega of the stiffness K + 2/h C, which has 2 eta/h more of lambda. Its C is at most
-/// eta/(lambda + mu) K, so h/`undamped` = sqrt(1 + xi^2) - xi with xi = eta/(lambda + mu)/undamped is below the fixed
-/// point, and so are the iterates from there on.
+/// positive: for h = 2/omega of the stiffness K + 2/h C. The stress s I + q is (bulk - shear) d I + 2 shear sym grad v,
+/// which adds 2/h (bulk - shear) to lambda and 2/h shear to mu. As C is at most max(bulk/(lambda + mu), shear/mu) K,
+/// h/`undamped` = sqrt(1 + xi^2) - xi with xi of that factor over `undamped` is below the fixed point, and so are the
+/// iterates from there on.
 double viscous_step(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double undamped) {
-    const double eta = viscous_modulus(material, plane, viscous_length(mesh, t)),
-                 xi = eta / (material.first_lame(plane) + material.shear_modulus()) / undamped;
+    const auto [bulk, shear] = largest_viscosities(material, plane, viscous_length(mesh, t));
+    const double mu = material.shear_modulus(),
+                 xi = std::max(bulk / (material.first_lame(plane) + mu), shear / mu) / undamped;
     double h = undamped * (std::sqrt(1 + xi * xi) - xi);
     for (int i = 0; i < 4; ++i) {
-        const double further = 2 * eta / h;
+        const Further further{.lambda = 2 * (bulk - shear) / h, .mu = 2 * shear / h};
         if (mesh.order == 2) {
             h = 2 / std::sqrt(largest_eigenvalue_quadratic(mesh, t, material, plane, further));
         } else {
             Eigen::Matrix3d D = material.stiffness(plane);
-            D.topLeftCorner<2, 2>().array() += further;
+            D.topLeftCorner<2, 2>().array() += further.lambda;
+            D.diagonal() += further.mu * Eigen::Vector3d(2, 2, 1);
             h = 2 / std::sqrt(largest_eigenvalue_linear(mesh, t, material, D.llt().matrixL()));
         }
     }
@@ -121,7 +131,7 @@ double viscous_step(const Mesh& mesh, Index t, const Elastic& material, PlaneMod
 
 ElementMatrix stiffness_matrix(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double thickness) {
     const double volume = mesh.area(t) * thickness;
-    if (mesh.order == 2) return quadratic_stiffness(mesh, t, material, plane, volume, 0);
+    if (mesh.order == 2) return quadratic_stiffness(mesh, t, material, plane, volume, {});
     ElementMatrix K = ElementMatrix::Zero(6, 6);
     add_stiffness(shape_gradients(mesh, t), volume * material.first_lame(plane), volume * material.shear_modulus(), K);
     return K;
@@ -149,7 +159,7 @@ double StableStep::operator()(const Mesh& mesh, Index triangle) const {
     const double step =
         2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, materials_[m], factor_[m])
                                       : largest_eigenvalue_quadratic(mesh, triangle, materials_[m], plane_));
-    return materials_[m].has_bulk_viscosity() ? viscous_step(mesh, triangle, materials_[m], plane_, step) : step;
+    return materials_[m].has_viscosity() ? viscous_step(mesh, triangle, materials_[m], plane_, step) : step;
 }
 
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane) {

@@ -77,8 +77,8 @@ struct State {
     double elastic_energy = 0;  // [J] with large rotations: at the start of the last step
     double elastic_work = 0;    // [J] with large rotations: elastic forces times the displacements of the last step
     std::vector<double>
-        viscous_stress;  // [Pa] of bulk viscosity in the last step, per triangle (order 2: three); empty:
-                         // there was none
+        viscous_stress;  // [Pa] s, q_xx, q_xy of the last step (element/bulk_viscosity.hpp), per triangle (order 2:
+                         // three times); empty: there was none
     std::vector<std::uint8_t> retired;  // per point: 1 its sides meet as free faces from now on; 2 it still joins its
                                         // sides, which touch others apart; 3 likewise, and corners of its fan that are
                                         // no neighbours meet as free faces; empty where Model::contact_of_pair is

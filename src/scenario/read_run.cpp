@@ -53,9 +53,9 @@ void check_large_rotation(const Table& domain) {
     if (scenario.time.scheme.takes_implicit_steps()) error("needs the explicit bulk", "time.bulk = \"explicit\"");
 }
 
-/// Faces that rub while the body flutters slip where their mean force would hold them, so bulk viscosity is on there,
-/// unless something else that the file says does not go with it.
-void read_bulk_viscosity(Reading& reading) {
+/// Faces that rub while the body flutters slip where their mean force would hold them, so viscosity is on there, unless
+/// something else that the file says does not go with it.
+void read_viscosity(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const TimeOptions& time = scenario.time;
     const bool rubs = reading.table("contact").given() ||
@@ -64,23 +64,28 @@ void read_bulk_viscosity(Reading& reading) {
                cuts_order_2 = scenario.order == 2 && reading.values.has("excavation"),
                fixed_step =  // viscosity may make it unstable
                !time.scheme.takes_implicit_steps() && time.step.value > 0 && !time.step.of_stable_step;
-    const std::array<double, 2> otherwise =
-        rubs && !only_implicit && !cuts_order_2 && !fixed_step ? std::array{0.06, 1.2} : std::array{0., 0.};
+    const bool is_on = rubs && !only_implicit && !cuts_order_2 && !fixed_step;
+    const std::array<double, 2> otherwise = is_on ? std::array{0., 1.2} : std::array{0., 0.};
     std::size_t i = 0;
     for (const Table& table : reading.list("material")) {
-        std::array<double, 2>& value = scenario.materials[i++].elastic.bulk_viscosity;
-        if (!table.given("bulk_viscosity")) {
-            value = otherwise;
+        Elastic& material = scenario.materials[i++].elastic;
+        const bool is_given = table.given("bulk_viscosity");
+        if (!is_given) {
+            material.bulk_viscosity = otherwise;
             table.compute("bulk_viscosity",
                           Node::of_list({Node::of_number(otherwise[0]), Node::of_number(otherwise[1])}));
         }
-        if (value[0] == 0 && value[1] == 0) continue;
+        if (!table.given("shear_viscosity")) {
+            material.shear_viscosity = is_on && !is_given ? 0.1 : 0;
+            table.compute("shear_viscosity", Node::of_number(material.shear_viscosity));
+        }
+        if (!material.has_viscosity()) continue;
+        const char* key = material.shear_viscosity > 0 ? "shear_viscosity" : "bulk_viscosity";
         if (only_implicit)
-            table.error("exclusive-keys", "bulk_viscosity", "needs explicit steps: implicit ones have none",
+            table.error("exclusive-keys", key, "needs explicit steps: implicit ones have none",
                         "bulk = \"explicit\" or \"auto\", or theta > 0.5, which damps short waves too");
         if (cuts_order_2)
-            table.error("exclusive-keys", "bulk_viscosity",
-                        "does not go together with [[excavation]] and triangles of second order",
+            table.error("exclusive-keys", key, "does not go together with [[excavation]] and triangles of second order",
                         "mesh.order = 1, or remove one of them");
     }
 }
@@ -401,7 +406,7 @@ void read_expectation(const Table& table) {
 void read_run(Reading& reading) {
     Scenario& scenario = reading.scenario;
     read_time(reading.table("time"), scenario.time);
-    read_bulk_viscosity(reading);
+    read_viscosity(reading);
     if (scenario.large_rotation) check_large_rotation(reading.table("domain"));
     const Table output = reading.table("output");
     if (const double end = scenario.time.end; end > 0) {

@@ -201,7 +201,7 @@ struct Scenario {
         return {.rotation = large_rotation,
                 .damping = time.scheme.damping > 0,
                 .viscosity = std::ranges::any_of(
-                    materials, [](const NamedMaterial& named) { return named.elastic.has_bulk_viscosity(); }),
+                    materials, [](const NamedMaterial& named) { return named.elastic.has_viscosity(); }),
                 .radiation = !time.scheme.absorbing.empty(),
                 .excavation = !excavations.empty(),
                 .adaptation = adapt.active(),

@@ -61,7 +61,7 @@ public:
             if (model.ground_at(corner) == nullptr) given_[corner] += force;
         });
         for (std::size_t c = 0; c < contacts.size(); ++c) released_[c] = contacts[c];
-        if (!end.viscous_stress.empty()) add_bulk_viscosity();
+        if (!end.viscous_stress.empty()) add_viscosity();
     }
 
     std::vector<CornerLoad> loads() {
@@ -73,16 +73,28 @@ public:
     }
 
 private:
-    /// -s t dA/dx at the three corners of every triangle, s the viscous stress at the start of the trial step.
-    void add_bulk_viscosity() {
+    /// -V (s cof F + F q) grad l at the three corners of every triangle, s and q the viscous stresses at the start of
+    /// the trial step. V cof F grad l_k = 1/2 t turned_left of the deformed side opposite to corner k.
+    void add_viscosity() {
         for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
-            const auto place = [&](Index k) -> Vec2 {
-                const Vec2 u = begin_.displacement_of(3 * t + k % 3);
-                return model_.mesh.corner(t, k % 3) + (model_.large_rotation ? u : Vec2::Zero());
+            const double* stress = &end_.viscous_stress[viscous_components * t];
+            const auto undeformed_side = [&](Index k) -> Vec2 {
+                return model_.mesh.corner(t, (k + 2) % 3) - model_.mesh.corner(t, (k + 1) % 3);
             };
+            const auto side = [&](Index k) -> Vec2 {
+                const Vec2 change =
+                    begin_.displacement_of(3 * t + (k + 2) % 3) - begin_.displacement_of(3 * t + (k + 1) % 3);
+                return undeformed_side(k) + (model_.large_rotation ? change : Vec2::Zero());
+            };
+            const double area = model_.mesh.area(t);
+            const auto gradient = [&](Index k) -> Vec2 { return turned_left(undeformed_side(k)) / (2 * area); };
+            Eigen::Matrix2d F = Eigen::Matrix2d::Identity(), q;
+            q << stress[1], stress[2], stress[2], -stress[1];
+            if (model_.large_rotation)
+                for (Index k = 0; k < 3; ++k) F += begin_.displacement_of(3 * t + k) * gradient(k).transpose();
             for (Index k = 0; k < 3; ++k)
                 given_[3 * t + k] -=
-                    0.5 * model_.thickness * end_.viscous_stress[t] * turned_left(place(k + 2) - place(k + 1));
+                    model_.thickness * (0.5 * stress[0] * turned_left(side(k)) + area * (F * (q * gradient(k))));
         }
     }
     bool vanishes(Index corner) const { return vanishes_[model_.mesh.triangle_of(corner)]; }

@@ -30,14 +30,16 @@ struct Body {
         for (int f = 0; f < n_nodes; ++f) thresholds.push_back(f % 2 == 0 ? 0.1 : 100);
         for (int i = 0; i < 2 * n_nodes; ++i) displacement.push_back(random.uniform(-0.3, 0.3));
         for (int i = 0; i < 2 * n_nodes; ++i) velocity.push_back(random.uniform(-2, 2));
-        for (int t = 0; t < n; ++t) viscosity.push_back(random.uniform(0, 1)), before.push_back(random.uniform(-1, 1));
-        now.resize(n);
+        for (int t = 0; t < n; ++t) viscosity.push_back(random.uniform(0, 1));
+        for (int i = 0; i < 3 * n; ++i) before.push_back(random.uniform(-1, 1));
+        now.resize(3 * n);
     }
     using Result = std::pair<double, std::vector<double>>;
     Result forces(ConstantStrainForces kernel) {
         viscous = {.linear = viscosity.data(),
                    .quadratic = viscosity.data(),
                    .largest_rate = before.data(),
+                   .shear = viscosity.data(),
                    .velocity = velocity.data(),
                    .last_step = 0.1,
                    .before = before.data(),

@@ -17,7 +17,7 @@ TEST_CASE("files in src are short") {
     std::size_t n_files = 0, total = 0;
     for (const File& file : source_tree::files_below("src")) {
         if (!file.is_cpp()) continue;
-        CHECK_MESSAGE(file.lines.size() <= 450, file.path, " has ", file.lines.size(), " lines");
+        CHECK_MESSAGE(file.lines.size() <= 600, file.path, " has ", file.lines.size(), " lines");
         ++n_files;
         total += file.lines.size();
     }

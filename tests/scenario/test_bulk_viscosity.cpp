@@ -1,4 +1,4 @@
-// Where bulk viscosity is on by itself, and that this refuses no file.
+// Where viscosity is on by itself, and that this refuses no file.
 #include "samples.hpp"
 
 #include <doctest/doctest.h>
@@ -6,8 +6,8 @@
 using namespace knap;
 using samples::changed;
 
-TEST_CASE("scenario: bulk viscosity is the default where faces rub in explicit steps") {
-    constexpr std::array none{0., 0.}, usual{0.06, 1.2};
+TEST_CASE("scenario: viscosity is the default where faces rub in explicit steps") {
+    constexpr std::array none{0., 0., 0.}, usual{0., 1.2, 0.1};  // b1, b2, b3
     const std::string contact = changed("[mesh]", "rotation = \"large\"\n[contact]\n[mesh]"),
                       rough = samples::least +
                               "[[obstacle]]\nshape = \"half plane\"\nat = [0, -1]\nnormal = [0, 1]\n"
@@ -20,13 +20,19 @@ TEST_CASE("scenario: bulk viscosity is the default where faces rub in explicit s
     const struct {
         const char* what;
         std::string text;
-        std::array<double, 2> expected;
+        std::array<double, 3> expected;
     } cases[] = {
         {"nothing rubs", samples::least, none},
         {"contact", contact, usual},
         {"contact and an excavation", contact + excavation, usual},
         {"contact with none", changed("nu = 0.2\n", "nu = 0.2\nbulk_viscosity = [0, 0]\n", contact), none},
-        {"contact with another", changed("nu = 0.2\n", "nu = 0.2\nbulk_viscosity = [0.01, 0]\n", contact), {0.01, 0}},
+        {"contact with another",
+         changed("nu = 0.2\n", "nu = 0.2\nbulk_viscosity = [0.01, 0]\n", contact),
+         {0.01, 0, 0}},
+        {"contact with another of shear",
+         changed("nu = 0.2\n", "nu = 0.2\nshear_viscosity = 0.01\n", contact),
+         {0, 1.2, 0.01}},
+        {"shear alone", changed("nu = 0.2\n", "nu = 0.2\nshear_viscosity = 0.01\n", smooth), {0, 0, 0.01}},
         {"an obstacle with friction", rough, usual},
         {"an obstacle without friction", smooth, none},
         {"second order", changed("[mesh]", "[mesh]\norder = 2", rough), usual},
@@ -40,7 +46,9 @@ TEST_CASE("scenario: bulk viscosity is the default where faces rub in explicit s
     for (const auto& [what, text, expected] : cases) {
         CAPTURE(what);
         const Scenario scenario = samples::read(text).scenario;
-        CHECK(scenario.materials.at(0).elastic.bulk_viscosity == expected);
+        const Elastic& elastic = scenario.materials.at(0).elastic;
+        const auto& [b1, b2] = elastic.bulk_viscosity;
+        CHECK(std::array{b1, b2, elastic.shear_viscosity} == expected);
         CHECK(scenario.works().viscosity == (expected != none));
     }
 }

@@ -589,8 +589,9 @@ mark = ["50 K", 60]
 const std::string mapped_heat =
     samples::changed("nu = 0.2\n", "nu = 0.2\nexpansion = 8e-6\n[heat]\ntemperature = \"" KNAP_SOURCE_DIR
                                    "/tests/scenario/data/temperature.csv\"\n");
-const std::string turning = samples::changed("nu = 0.2\n", "nu = 0.2\nbulk_viscosity = [0.06, 1.2]\n",
-                                             samples::changed("[mesh]", "rotation = \"large\"\n[mesh]"));
+const std::string turning =
+    samples::changed("nu = 0.2\n", "nu = 0.2\nbulk_viscosity = [0.06, 1.2]\nshear_viscosity = 0.02\n",
+                     samples::changed("[mesh]", "rotation = \"large\"\n[mesh]"));
 
 struct Case {
     const std::string& text;
@@ -610,6 +611,7 @@ const Case cases[] = {
     {rectangle, "domain.model", "\"plane stress\""},
     {rectangle, "domain.thickness", "0.002"},
     {turning, "material.glass.bulk_viscosity", "[0.06, 1.2]"},
+    {turning, "material.glass.shear_viscosity", "0.02"},
     {turning, "domain.rotation", "\"large\""},
     {rectangle, "domain.hole[0].points", "[[0.001, 0.002], [0.003, 0.002], [0.003, 0.004]]"},
     {rectangle, "domain.hole[0].name", "\"window\""},

@@ -370,6 +370,9 @@ const Case cases[] = {
     {"bulk viscosity of the implicit bulk",
      with("bulk = \"implicit\"\n[material.soft]\ndensity = 1000\nE = 1e9\nnu = 0\nbulk_viscosity = [0.06, 0]\n"),
      "exclusive-keys", 21, 1, 14, "needs explicit steps"},
+    {"shear viscosity of the implicit bulk",
+     with("bulk = \"implicit\"\n[material.soft]\ndensity = 1000\nE = 1e9\nnu = 0\nshear_viscosity = 0.1\n"),
+     "exclusive-keys", 21, 1, 15, "needs explicit steps"},
     {"bulk viscosity and an excavation of second order",
      changed("[mesh]", "[mesh]\norder = 2",
              with("[[excavation]]\nat = 0\nbox = [0, 0, 0.01, 0.01]\n[material.soft]\ndensity = 1000\nE = 1e9\nnu = 0\n"

@@ -218,7 +218,7 @@ TEST_CASE("excavation: the first step of bonded fans is that of the whole body")
         for (const double damping : {0., 0.5}) {
             ModelInput input = plate(brittle);
             input.large_rotation = large;
-            if (damping > 0) input.materials[0].bulk_viscosity = {0.06, 1.2};
+            if (damping > 0) input.materials[0].bulk_viscosity = {0.06, 1.2}, input.materials[0].shear_viscosity = 0.1;
             for (std::size_t i = 0; i < input.mesh.interior_edges.size(); i += 17)
                 input.mesh.interior_edges[i].cracked = true;
             input.loads.push_back(load(Load::Kind::traction, "top", 0.0, 2e-3, {.time = {0, 0.3}, .value = {0, 1}}));

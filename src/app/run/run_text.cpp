@@ -193,14 +193,14 @@ std::string scheme_text(const TimeOptions& time, bool is_viscous) {
             "beta where it is not%s%s",
             scheme.theta, time.start_in_equilibrium ? ", from equilibrium" : "",
             scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "",
-            is_viscous ? "; bulk viscosity of explicit steps" : "");
+            is_viscous ? "; viscosity of explicit steps" : "");
     if (scheme.bulk == BulkScheme::implicit_theta)
         return formatted(
             "implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "
             "factorisations",
             scheme.theta, name_of(scheme.mass), time.start_in_equilibrium ? ", from equilibrium" : "", beta);
     return formatted("explicit lumped bulk, %s; one exact problem per vertex that may open%s%s", beta,
-                     scheme.damping > 0 ? "; mass-proportional damping" : "", is_viscous ? "; bulk viscosity" : "");
+                     scheme.damping > 0 ? "; mass-proportional damping" : "", is_viscous ? "; viscosity" : "");
 }
 
 std::string probes_text(const std::vector<ProbeSubject>& subjects) {

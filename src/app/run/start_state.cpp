@@ -47,7 +47,7 @@ bool is_free(const std::string& path) {
                                 "time.",   "name",   "title",     "heat.temperature", "heat.ramp", "heat.table"};
     constexpr std::array motions{"velocity", "displacement", "spin", "force", "ramp", "table"};
     if (path == "time.mass") return false;
-    if (path.starts_with("material.") && path.ends_with(".bulk_viscosity")) return true;  // of the scheme
+    if (path.starts_with("material.") && path.ends_with("_viscosity")) return true;  // of the scheme
     if (path.starts_with("obstacle[")) {
         const std::string key = path.substr(path.find("].") + 2);
         return std::ranges::any_of(motions, [&](const char* motion) { return key == motion; });

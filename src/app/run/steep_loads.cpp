@@ -74,7 +74,7 @@ private:
         const BoundaryEdge* edge = nullptr;
         double length = 0, passage = 0;  // [m] mean edge over the order, [s] of a wave through it
     };
-    /// The face of the load through which a wave takes longest, in a material without bulk viscosity.
+    /// The face of the load through which a wave takes longest, in a material without viscosity.
     Face slowest(const Load& load) const {
         Face slow;
         for (const std::size_t e : selected_edges(mesh_, load.on)) {
@@ -83,7 +83,7 @@ private:
             double length = 0;
             for (Index k = 0; k < 3; ++k) length += mesh_.side_vector(edge.triangle, k).norm() / 3 / mesh_.order;
             const double passage = length / material.dilatational_speed(model_.plane);
-            if (!material.has_bulk_viscosity() && passage > slow.passage) slow = {&edge, length, passage};
+            if (!material.has_viscosity() && passage > slow.passage) slow = {&edge, length, passage};
         }
         return slow;
     }

@@ -47,8 +47,8 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     } else {
         forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
     }
-    if (std::ranges::any_of(model.materials, &Elastic::has_bulk_viscosity))
-        no_viscous_stress_.assign((model.mesh.order == 1 ? 1 : 3) * model.mesh.n_triangles(), 0);
+    if (std::ranges::any_of(model.materials, &Elastic::has_viscosity))
+        no_viscous_stress_.assign(viscous_components * (model.mesh.order == 1 ? 1 : 3) * model.mesh.n_triangles(), 0);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());

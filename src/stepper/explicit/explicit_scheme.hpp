@@ -78,7 +78,7 @@ private:
     std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
     std::vector<Vec2> corner_impulse_;            // [N s] likewise
     std::vector<double> elastic_energy_;          // [J] per block, with large rotations
-    std::vector<double> no_viscous_stress_;       // zeros, of a state without; empty: no bulk viscosity
+    std::vector<double> no_viscous_stress_;       // zeros, of a state without; empty: no viscosity
     std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
     std::vector<std::uint8_t> splits_;            // per fan, in this step
     std::vector<ThreadWorkspace> workspaces_;     // one per thread

@@ -140,6 +140,45 @@ TEST_CASE("a body that is driven against its support ends the run and the reason
     check_stuck(run, {"contacts are driven against each other", "Look at the prescribed motions"}, folder.path / "run");
 }
 
+TEST_CASE("a body that is only shifted comes to rest in whole steps") {
+    const Folder folder("shifted");
+    std::ofstream(folder.path / "blocks.toml") << R"(knap = 1
+name = "blocks"
+[domain]
+shape = "rectangle"
+size = [0.04, 0.01]
+[[domain.crack]]
+points = [[0.02, 0], [0.02, 0.01]]
+[mesh]
+size = 0.002
+[material.a]
+density = 2500
+E = 30e9
+nu = 0.2
+[interface.default]
+breakable = false
+[[load]]
+on = { box = [-1, -1, 0.019999, 1] }
+displacement = [0, 0]
+[[load]]
+on = { box = [0.020001, -1, 1, 1] }
+displacement = [0.0002, 0]
+ramp = 600
+[time]
+end = 6000
+bulk = "implicit"
+step = 30
+theta = 1
+[output]
+fields = false
+)";
+    const Answer run = command("run " + folder.in_shell("blocks.toml") + " -q -j 1 -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    CHECK(run.code == 0);
+    CHECK(run.has("after 200 steps of 30 s"));
+    CHECK_FALSE(run.has("cutback"));
+}
+
 TEST_CASE("a step beyond Assumption 1 ends the run or is cut or is taken as the scenario says") {
     const Folder folder("assumption");
     write_point_masses(folder.path);
