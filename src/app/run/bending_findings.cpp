@@ -29,7 +29,7 @@ struct Face {
 
 class ThinParts {
 public:
-    ThinParts(const Model& model) : model_(model), mesh_(model.mesh) {
+    explicit ThinParts(const Model& model) : model_(model), mesh_(model.mesh) {
         neighbour_.assign(3 * mesh_.n_triangles(), -1);
         std::vector<std::pair<Index, Index>> at_surface;  // triangle, side
         for (std::size_t e = 0; e < mesh_.interior_edges.size(); ++e) {

@@ -4,6 +4,7 @@
 #include "app/run/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
+#include "model/selections.hpp"
 
 #include <algorithm>
 
