@@ -47,6 +47,11 @@ void FreePieces::find(const State& begin) {
         if (a != rigid_support && b != rigid_support) sets.join(a, b);
         else held[std::max(a, b)] = 1;
     }
+    for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {  // one node, whatever its points bear
+        if (begin.split_rank[f] >= 0) continue;
+        const auto corners = model_.corners(model_.fans[f]);
+        for (const Index corner : corners) sets.join(mesh.triangle_of(corners[0]), mesh.triangle_of(corner));
+    }
     for (Index c = 0; c < mesh.n_corners(); ++c)
         if (model_.motion_of(c) != nullptr) held[mesh.triangle_of(c)] = 1;
     for (const Dashpot& dashpot : dashpots_) held[mesh.triangle_of(dashpot.corner)] = 1;
