@@ -1,5 +1,6 @@
 #include "stepper/excavation.hpp"
 
+#include "element/shape_functions.hpp"
 #include "model/successor.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
@@ -73,30 +74,23 @@ public:
     }
 
 private:
-    /// -V (s cof F + F q) grad l at the three corners of every triangle, s and q the viscous stresses at the start of
-    /// the trial step. V cof F grad l_k = 1/2 t turned_left of the deformed side opposite to corner k.
+    /// -V (s cof F + F q) grad l_k at the three corners of every triangle, s and q the viscous stresses at the start of
+    /// the trial step.
     void add_viscosity() {
         for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
             const double* stress = &end_.viscous_stress[viscous_components * t];
-            const auto undeformed_side = [&](Index k) -> Vec2 {
-                return model_.mesh.corner(t, (k + 2) % 3) - model_.mesh.corner(t, (k + 1) % 3);
-            };
-            const auto side = [&](Index k) -> Vec2 {
-                const Vec2 change =
-                    begin_.displacement_of(3 * t + (k + 2) % 3) - begin_.displacement_of(3 * t + (k + 1) % 3);
-                return undeformed_side(k) + (model_.large_rotation ? change : Vec2::Zero());
-            };
-            const double area = model_.mesh.area(t);
-            const auto gradient = [&](Index k) -> Vec2 { return turned_left(undeformed_side(k)) / (2 * area); };
-            Eigen::Matrix2d F = Eigen::Matrix2d::Identity(), q;
-            q << stress[1], stress[2], stress[2], -stress[1];
+            const std::array<Vec2, 3> gradient = shape_gradients(model_.mesh, t);
+            Eigen::Matrix2d F = Eigen::Matrix2d::Identity(), cofactor, q;
             if (model_.large_rotation)
-                for (Index k = 0; k < 3; ++k) F += begin_.displacement_of(3 * t + k) * gradient(k).transpose();
-            for (Index k = 0; k < 3; ++k)
-                given_[3 * t + k] -=
-                    model_.thickness * (0.5 * stress[0] * turned_left(side(k)) + area * (F * (q * gradient(k))));
+                for (Index k = 0; k < 3; ++k) F += begin_.displacement_of(3 * t + k) * gradient[k].transpose();
+            cofactor << F(1, 1), -F(1, 0), -F(0, 1), F(0, 0);
+            q << stress[1], stress[2], stress[2], -stress[1];
+            const Eigen::Matrix2d P = stress[0] * cofactor + F * q;
+            const double volume = model_.mesh.area(t) * model_.thickness;
+            for (Index k = 0; k < 3; ++k) given_[3 * t + k] -= volume * P * gradient[k];
         }
     }
+
     bool vanishes(Index corner) const { return vanishes_[model_.mesh.triangle_of(corner)]; }
     /// Between a corner that stays and one that vanishes.
     bool is_cut(const FanPoint& point) const {

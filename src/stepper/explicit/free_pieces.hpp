@@ -16,7 +16,8 @@
 // so nothing is lost, and p follows J by the time d h (1e-6 of a step is usual); likewise L. A piece at rest bears its
 // weight and no more. With small rotations x is the place in the undeformed body, as in the elastic forces.
 //
-// A piece is a largest set of triangles that points with cohesion, or unbreakable ones, connect. It is held where such
+// A piece is a largest set of triangles that points with cohesion, unbreakable ones, or a vertex that is not split yet
+// connect. It is held where such
 // a point joins it to a support, where a component of its motion is prescribed, and where waves leave it through an
 // absorbing boundary (the ground goes on there). Contacts, with supports, obstacles or other pieces, hold nothing.
 #include "model/state.hpp"

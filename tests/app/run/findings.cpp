@@ -257,7 +257,6 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
     CHECK(full.has("a smaller number"));
 }
 
-// L^2/kappa_T = 2.82 s (kappa_T = 8.85e-6 m2/s, L = 5 mm), k/transfer = 0.31 mm, 2 kappa_T/l = 0.11 m/s of an edge l = 0.16 mm.
 TEST_CASE("mistakes of a map name both parts as the file does and each place once") {
     const Folder folder("names_of_parts");
     std::ofstream(folder.path / "map.toml")
@@ -298,6 +297,7 @@ TEST_CASE("a step that is not solved while it is measured is given up and said")
           std::string::npos);
 }
 
+// L^2/kappa_T = 2.82 s (kappa_T = 8.85e-6 m2/s, L = 5 mm), k/transfer = 0.31 mm, 2 kappa_T/l = 0.11 m/s of an edge l = 0.16 mm.
 TEST_CASE("check judges the conduction of heat") {
     const std::string slab = "check alumina_quench -s mesh.size='0.3 mm' ", undamped = slab + "-s time.damping=0 ";
     const Answer good = command(slab);
