@@ -39,7 +39,7 @@ std::string all(const std::vector<Diagnostic>& found) {
         if (i > 0 && shown.note == found[i - 1].note) shown.note.clear();
         text += format(shown);
     }
-    if (found.size() > max_shown) text += concatenated("... and ", found.size() - max_shown, " more\n");
+    if (found.size() > max_shown) text += concatenated("the other ", found.size() - max_shown, ", a line each:\n");
     for (std::size_t i = max_shown; i < std::min(found.size(), max_listed); ++i) {
         const std::string place = found[i].line > 0 ? concatenated(found[i].line, ": ") : "";
         text += printable(place + shortened(found[i].message) + "\n");

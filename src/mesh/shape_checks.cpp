@@ -290,15 +290,45 @@ double expected_triangles(double area, const MeshOptions& options) {
     return sum / area_of_unit_triangle;
 }
 
-/// Cracks with no part inside the body; the graph is that before anything was left out.
+/// Where a crack lies that has no part of its own in the body; the graph is that of all lines.
+struct PlaceOfLostCrack {
+    bool outside = false, on_border = false;
+    std::set<Index> along = {};  // other cracks
+
+    PlaceOfLostCrack(const PlanarGraph& graph, const Crack& crack, double tolerance) {
+        for (const Segment& side : sides_of(crack.points, false)) {
+            const Vec2 middle = 0.5 * (side.a + side.b);
+            const auto line = std::ranges::find_if(graph.segments, [&](const GraphSegment& s) {
+                const auto [a, b] = graph.line(s);
+                return s.region < 0 && distance_to_segment(a, b, middle) <= 2 * tolerance;
+            });
+            if (line == graph.segments.end()) outside = true;
+            else if (line->crack >= 0) along.insert(line->crack);
+            else on_border = true;
+        }
+    }
+    std::string text() const {
+        std::vector<std::string> places;
+        for (const Index i : along) places.push_back("along " + GraphSegment{.crack = i}.part_name());
+        if (on_border) places.push_back("along the border of the body");
+        if (outside) places.push_back("outside the body");
+        return joined(places);
+    }
+};
+
+/// Cracks with no part inside the body; the graph is that before anything was left out. Where cracks are snapped, only
+/// those outside: a line that was drawn twice is left out and counted, as a shorter piece is.
 void check_cracks(const Shape& shape, const PlanarGraph& graph, FaultList& faults) {
     std::vector<bool> inside(shape.cracks.size(), false);
     for (const GraphSegment& s : graph.segments)
         if (s.crack >= 0) inside[s.crack] = true;
-    for (Index i = 0; i < std::ssize(shape.cracks); ++i)
-        if (!inside[i])
-            faults.add(GraphSegment{.crack = i}.part_name(),
-                       "has no length inside the body (it lies outside, along the border or along another crack)");
+    for (Index i = 0; i < std::ssize(shape.cracks); ++i) {
+        if (inside[i]) continue;
+        const PlaceOfLostCrack place(graph, shape.cracks[i], shape.tolerance());
+        if (shape.snap > 0 && !place.outside) continue;
+        faults.add(GraphSegment{.crack = i}.part_name(), "has no length of its own inside the body: it lies ",
+                   place.text(), shape.snap > 0 ? "" : ": remove it, or let the shape have snap, which leaves it out");
+    }
 }
 
 /// Throws ShapeError where no graph can be made.

@@ -15,7 +15,11 @@ constexpr double smallest_angle = 1.05 * std::numbers::pi / 180;  // [rad] a lit
 class SnappedLines {
 public:
     SnappedLines(PlanarGraph& graph, const Shape& shape)
-        : nodes_(graph.nodes), segments_(graph.segments), box_(bounding_box(shape.outer.points)), snap_(shape.snap) {
+        : nodes_(graph.nodes),
+          segments_(graph.segments),
+          box_(bounding_box(shape.outer.points)),
+          n_cracks_(static_cast<Index>(shape.cracks.size())),
+          snap_(shape.snap) {
         std::set<std::pair<double, double>> corners;
         const auto add = [&](const Ring& ring) {
             for (const Vec2& x : ring.points) corners.emplace(x.x(), x.y());
@@ -26,13 +30,13 @@ public:
     }
 
     SnapCounts run() {
-        const std::set<Index> before = cracks();
         for (int round = 0; round < max_rounds; ++round) {
             const bool merged = merge(), folded = fold(), bent = bend(), crossed = cross_over();
             if (!merged && !folded && !bent && !crossed && !part()) break;
         }
         const std::set<Index> after = cracks();
-        std::ranges::set_difference(before, after, std::back_inserter(counts_.lost));
+        for (Index i = 0; i < n_cracks_; ++i)
+            if (!after.contains(i)) counts_.lost.push_back(i);
         return counts_;
     }
 
@@ -271,7 +275,8 @@ private:
     std::vector<GraphSegment>& segments_;
     std::vector<bool> is_corner_;  // of a ring
     Box box_;
-    double snap_;  // [m]
+    Index n_cracks_;  // of the shape
+    double snap_;     // [m]
     SnapCounts counts_;
 };
 

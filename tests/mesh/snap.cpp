@@ -80,6 +80,32 @@ TEST_CASE("snap: crossings side by side become one and a crack drawn twice is on
     CHECK(twice.counts.n_left_out == 1);  // 14 mm
 }
 
+TEST_CASE("snap: exact copies and cracks on the border are left out with snap and name their place without") {
+    const std::vector<std::vector<Vec2>> traces{{{1, 5}, {9, 5}}, {{9, 5}, {1, 5}}, {{3, 5}, {4, 5}}, {{0, 2}, {0, 3}}};
+    const Snapped kept(box(traces, 0.05));
+    CHECK(kept.counts.lost == std::vector<Index>{1, 2, 3});
+    CHECK(kept.length == relative(8, 1e-12));
+    check_shape(box(traces, 0.05));
+    const auto texts = [](const Shape& shape) {
+        std::vector<std::string> found;
+        try {
+            check_shape(shape);
+        } catch (const ShapeError& error) {
+            for (const ShapeFault& fault : error.faults) found.push_back(fault.part + ": " + fault.text);
+        }
+        return found;
+    };
+    const std::vector<std::string> named = texts(box(traces, 0));
+    REQUIRE(named.size() == 3);
+    CHECK(named[0].starts_with("cracks[1]: has no length of its own inside the body: it lies along cracks[0]: remove"));
+    CHECK(named[1].starts_with("cracks[2]: has no length of its own inside the body: it lies along cracks[0]: remove"));
+    CHECK(named[2].find("it lies along the border of the body: remove") != std::string::npos);
+    // one that lies outside is a mistake with snap, too
+    const std::vector<std::string> outside = texts(box({{{1, 5}, {9, 5}}, {{11, 1}, {12, 1}}}, 0.05));
+    REQUIRE(outside.size() == 1);
+    CHECK(outside[0] == "cracks[1]: has no length of its own inside the body: it lies outside the body");
+}
+
 TEST_CASE("snap: the outline stays where it is and takes the ends near it") {
     const Snapped rim(box({{{0.03, 4}, {5, 4}}, {{5, 7}, {9.97, 9.98}}, {{0.02, 6}, {0.03, 8}}}, 0.05));
     CHECK(rim.has({0, 4}));

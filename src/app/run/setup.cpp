@@ -213,7 +213,7 @@ std::string snap_text(const Body& body) {
                           readable(counts.length_left_out, "m").c_str());
     std::vector<std::string> lost;
     for (const Index crack : counts.lost) lost.push_back(item(body.path + ".crack", crack));
-    if (!lost.empty()) text += "; nothing is left of " + first_of(lost);
+    if (!lost.empty()) text += "; wholly left out or on other lines: " + first_of(lost);
     return text + "\n";
 }
 
