@@ -52,7 +52,8 @@ std::vector<Diagnostic> findings_of_hot_start(const ReadResult& read, const Mode
 /// Warnings: slender parts with few edges of first order across, which something can bend.
 std::vector<Diagnostic> findings_of_bending(const ReadResult& read, const Model& model);
 
-/// Warnings: tables over time that steps do not resolve, and tables over temperature that the run does not reach.
+/// Warnings: tables over time that steps do not resolve, tables over temperature that the run does not reach, fields of
+/// temperature that the mesh does not resolve.
 std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& model, const StepPlan& plan);
 
 /// Warnings: on these places, supports, fluids, impacts, tables, bending, steep loads and hot starts, the resolution of

@@ -1,4 +1,5 @@
-// Warnings about tables over time that steps do not resolve, and tables over temperature that the run does not reach.
+// Warnings about tables over time that steps do not resolve, tables over temperature that the run does not
+// reach, and fields of temperature that the mesh does not resolve.
 #include "app/run/findings.hpp"
 
 #include "app/run/heat_scales.hpp"
@@ -219,6 +220,45 @@ std::vector<Diagnostic> findings_of_grid(const ReadResult& read, const Mesh& mes
     return found;
 }
 
+/// A field of temperatures that bends within an edge: thermal strains are interpolated between the nodes.
+std::vector<Diagnostic> findings_of_resolution(const ReadResult& read, const Model& model) {
+    constexpr double allowed =
+        0.02;  // [-] of the range; the interpolation errs by a part that falls with the size squared
+    const Heat& heat = *read.scenario.heat;
+    const Mesh& mesh = model.mesh;
+    if (heat.field.is_uniform()) return {};
+    const double end = read.scenario.time.end, pieces = mesh.order;
+    double worst = 0, length = 0, at_time = 0;
+    Vec2 place;
+    for (const double t : heat.field.is_constant() ? std::vector{0.0} : std::vector{end / 2, end}) {
+        const auto T = [&](const Vec2& x) { return heat.field.value_at(x, t); };
+        std::vector<double> of_vertex;
+        for (const Vec2& x : mesh.vertices) of_vertex.push_back(T(x));
+        const auto [low, high] = std::ranges::minmax(of_vertex);
+        if (!(high > low)) continue;
+        for (Index n = 0; n < mesh.n_triangles(); ++n)
+            for (Index k = 0; k < 3; ++k) {
+                const auto [from, to] = mesh.side_vertices(n, k);
+                const Vec2 &a = mesh.vertices[from], piece = (mesh.vertices[to] - a) / pieces;
+                const double mean = 0.5 * (of_vertex[from] + (pieces > 1 ? T(a + piece) : of_vertex[to])),
+                             departure = std::abs(T(a + 0.5 * piece) - mean) / (high - low);
+                if (departure > worst)
+                    worst = departure, length = pieces * piece.norm(), place = a + 0.5 * piece, at_time = t;
+            }
+    }
+    if (worst <= allowed) return {};
+    return {read.at(
+        "heat.temperature",
+        {.severity = Diagnostic::Severity::warning,
+         .code = "heat",
+         .message = formatted("the temperature bends within an edge of %s at %s: it departs there by %.2g %% of its "
+                              "range from what is interpolated%s; thermal stresses and stress intensity factors err "
+                              "by a similar part",
+                              readable(length, "m").c_str(), place_text(place).c_str(), 100 * worst,
+                              at_time > 0 ? (", at " + readable(at_time, "s")).c_str() : ""),
+         .note = "a size of at most " + readable(length * std::sqrt(allowed / worst), "m", 2) + " there"})};
+}
+
 }  // namespace
 
 std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& model, const StepPlan& plan) {
@@ -226,6 +266,7 @@ std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& 
     if (!read.scenario.heat) return found;
     for (Diagnostic& other : TablesOverTemperature(read, model.mesh).found()) found.push_back(std::move(other));
     for (Diagnostic& other : findings_of_grid(read, model.mesh)) found.push_back(std::move(other));
+    for (Diagnostic& other : findings_of_resolution(read, model)) found.push_back(std::move(other));
     return found;
 }
 

@@ -129,4 +129,20 @@ TEST_CASE("tables: a grid of temperatures beside the body or after the run is a 
     CHECK_FALSE(check("0, 0, 0, 1\n0, 0, 300, 2\n").has("table-not-reached"));
 }
 
+TEST_CASE("tables: a temperature that bends within an edge is a warning with the size that resolves it") {
+    const Folder folder("bend_of_temperature");
+    const auto check = [&](const std::string& formula, const std::string& more = "") {
+        const Answer answer = of(folder, "check ", bar(strong + "[heat]\ntemperature = \"" + formula + "\"\n" + more));
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        return answer;
+    };
+    CHECK_FALSE(check("100*x + 20*y").has("bends within"));
+    CHECK_FALSE(check("3").has("bends within"));
+    // over h = 10 mm the parabola departs by h^2/4, 1/400 of its range
+    CHECK_FALSE(check("x*x").has("bends within"));
+    CHECK(check("exp(-x/0.003)").has("bends within an edge of"));
+    CHECK(check("exp(-x/0.003)*t").has("% of its range from what is interpolated, at 500 s"));
+}
+
 }  // namespace tables_test
