@@ -53,7 +53,7 @@ const std::string* nearest(std::string_view word, const std::vector<std::string>
         const auto [shorter, longer] = std::minmax({std::ssize(word), std::ssize(candidate)});
         if (longer - shorter >= limit) continue;
         const int distance = edit_distance(word, candidate);
-        if (distance >= limit || (distance > 0 && distance >= shorter)) continue;  // nothing alike
+        if (distance >= limit || 2 * distance > shorter) continue;  // more differs than is alike
         best = &candidate;
         limit = distance;
     }
