@@ -79,11 +79,13 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
     row_.strain = elastic_energy(model, start, force);
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
-    start_energy_ = largest_energy_ = supplied_ = row_.kinetic + row_.strain;
+    start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
     const StepReport surface = surface_of(model, start);
     row_.dissipated = surface.dissipated, row_.recoverable = surface.recoverable;
     row_.interface_elastic = surface.interface_elastic;
     start_surface_ = row_.surface();
+    largest_recoverable_ = row_.recoverable + row_.interface_elastic;
+    supplied_ = start_energy_ + largest_recoverable_;
 }
 
 void EnergyLedger::add(const State& end, const StepReport& report) {

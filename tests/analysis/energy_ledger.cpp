@@ -83,6 +83,21 @@ TEST_CASE("ledger: a preload is energy of the start and no work") {
     CHECK(std::abs(ledger.row().residual) <= 1e-15);
 }
 
+TEST_CASE("ledger: what interfaces stored before the start is energy that they may give") {
+    const Model model = make_model(point_masses(glue, true));
+    State start = initial_state(model);
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f)
+        if (start.split_rank[f] < 0 && model.fans[f].n_points > 0) split(model, f, start);
+    for (PointState& point : start.points) point.cohesion = 0.75;  // at s = delta_c/4
+    for (Vec2& u : start.displacement) u = {0, 0.25};
+    EnergyLedger ledger(model, start);
+    const double stored = ledger.row().recoverable;
+    REQUIRE(stored > 0);
+    CHECK(ledger.supplied() == ledger.row().kinetic + ledger.row().strain + stored);
+    ledger.add(start, {.kinetic = stored, .dissipated = ledger.row().dissipated, .cohesive_work = -stored});
+    CHECK(ledger.dissipation_scale() == stored);  // not what was dissipated, which is less
+}
+
 TEST_CASE("ledger: the energy damped by the scheme closes the balance") {
     const Model model = make_model(point_masses(glue, true));
     State now = initial_state(model);

@@ -52,7 +52,10 @@ State start_of(const Model& model, const WildBody& wild) {
 class Watch {
 public:
     Watch(const Model& model, const WildBody& wild, const State& start)
-        : model_(model), wild_(wild), ledger_(model, start, wild.body.scheme.mass) {
+        : model_(model),
+          wild_(wild),
+          ledger_(model, start, wild.body.scheme.mass),
+          stored_(ledger_.row().recoverable + ledger_.row().interface_elastic) {
         for (const FanPoint& point : model.fan_points)
             if (model.laws[point.law].breakable()) {
                 const double mass = model.corner_mass[point.after == rigid_support ? point.before : point.after],
@@ -132,12 +135,13 @@ private:
         at_most("fall of the dissipated energy", dissipated_ - row.dissipated, 1e-13 * row.dissipated);
         dissipated_ = row.dissipated;
         at_most("surface energy", row.surface(), energy_of_all_interfaces(model_) * (1 + 1e-12));
+        // what softened on the way to a start in equilibrium gives its recoverable energy when it closes;
         // sides that have gone into each other were drawn in by their cohesion, which they lose again on their way out; and central differences
         // begin with half a kick; what moves by itself stops within twice what it moves in a step, as below
         if (is_explicit(wild_)) deepest_ = std::max(deepest_, longest_ * fastest_);
         deepest_ = std::max(deepest_, report.penetration);
         at_most("energy given by interfaces", -row.cohesive_work,
-                1e-10 * ledger_.largest_energy() + 2 * strength_ * deepest_);
+                stored_ + 1e-10 * ledger_.largest_energy() + 2 * strength_ * deepest_);
     }
 
     /// What moves by itself stops within what it moves in a step; a given motion may push a body through its support.
@@ -170,6 +174,7 @@ private:
     const Model& model_;
     const WildBody& wild_;
     EnergyLedger ledger_;
+    double stored_;        // [J] recoverable energy at the start
     double strength_ = 0;  // [N] of all points
     double rounding_ = 0;  // [J/s2] a motion of less energy in a step of 1 s is rounding of the strengths
     double longest_ = 0, fastest_ = 0, deepest_ = 0, dissipated_ = 0;
