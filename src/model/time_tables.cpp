@@ -1,5 +1,7 @@
 #include "model/time_tables.hpp"
 
+#include <algorithm>
+
 namespace knap {
 
 double step_to_corner(const Model& model, double begin, double h) {
@@ -33,6 +35,19 @@ double step_to_corner(const Model& model, double begin, double h) {
                 look_at(exchange.history);
     }
     return end < begin + h ? end - begin : h;
+}
+
+Rise largest_rise(const TimeFunction& history, double first, double window, double end) {
+    Rise rise;
+    const auto value = [&](double t) { return t < 0 ? first : history(t); };
+    const auto look_at = [&](double t) {
+        if (t < 0 || t >= end) return;
+        rise.include(history(t) - value(t - window), std::max(0.0, t - window));
+        rise.include(history(t + window) - history(t), t);
+    };
+    rise.include(history(0) - first, 0);
+    std::ranges::for_each(history.time, look_at);
+    return rise;
 }
 
 }  // namespace knap

@@ -46,6 +46,9 @@ std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& 
 /// Warnings: loads that rise within the passage of a wave through a few edges, by much of the strength.
 std::vector<Diagnostic> findings_of_steep_loads(const ReadResult& read, const Model& model);
 
+/// Warnings: bodies that rest by friction under a load which rises faster than they vibrate.
+std::vector<Diagnostic> findings_of_resting_bodies(const ReadResult& read, const Model& model, const StepPlan& plan);
+
 /// Warnings: temperatures at t = 0 that strain a body which starts undeformed, by much of the strength.
 std::vector<Diagnostic> findings_of_hot_start(const ReadResult& read, const Model& model);
 
@@ -56,10 +59,10 @@ std::vector<Diagnostic> findings_of_bending(const ReadResult& read, const Model&
 /// temperature that the mesh does not resolve.
 std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& model, const StepPlan& plan);
 
-/// Warnings: on these places, supports, fluids, impacts, tables, bending, steep loads and hot starts, the resolution of
-/// the process zone, the conduction of heat, jumps of prescribed displacements, details that reduce the stable step,
-/// and implausible numbers of steps, frames, lines and pictures. Without `cost` it is estimated where a run may be
-/// long.
+/// Warnings: on these places, supports, fluids, impacts, tables, bending, steep loads, resting bodies and hot starts,
+/// the resolution of the process zone, the conduction of heat, jumps of prescribed displacements, details that reduce
+/// the stable step, and implausible numbers of steps, frames, lines and pictures. Without `cost` it is estimated where
+/// a run may be long.
 std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& model, const StepPlan& plan,
                                           const Cost* cost = nullptr);
 

@@ -417,7 +417,8 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     for (const auto& others :
          {findings_of_excavations(read, model), findings_of_supports(read, model), findings_of_fluids(read, model),
           findings_of_impacts(read, model, plan), findings_of_steep_loads(read, model),
-          findings_of_hot_start(read, model), findings_of_tables(read, model, plan), findings_of_bending(read, model)})
+          findings_of_hot_start(read, model), findings_of_resting_bodies(read, model, plan),
+          findings_of_tables(read, model, plan), findings_of_bending(read, model)})
         warnings.found.insert(warnings.found.end(), others.begin(), others.end());
     return std::move(warnings.found);
 }

@@ -5,6 +5,7 @@
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/selections.hpp"
+#include "model/time_tables.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,28 +18,7 @@ constexpr double edges_of_front = 5;
 /// below the strength where it rises by less.
 constexpr double much = 1. / 3;
 
-struct Rise {
-    double size = 0, time = 0;  // [-] or [1/s], [s]
-    void include(double other, double when) {
-        if (std::abs(other) > size) size = std::abs(other), time = when;
-    }
-};
-
-/// The largest change of a history within `passage` [s] before `end`; `first` is its value before t = 0.
-Rise rise_of(const TimeFunction& history, double first, double passage, double end) {
-    Rise rise;
-    const auto value = [&](double t) { return t < 0 ? first : history(t); };
-    const auto look_at = [&](double t) {
-        if (t < 0 || t >= end) return;
-        rise.include(history(t) - value(t - passage), std::max(0.0, t - passage));
-        rise.include(history(t + passage) - history(t), t);
-    };
-    rise.include(history(0) - first, 0);
-    std::ranges::for_each(history.time, look_at);
-    return rise;
-}
-
-/// Likewise of its slope [1/s].
+/// Like largest_rise, of the slope of a history [1/s].
 Rise rise_of_slope(const TimeFunction& history, double first, double passage, double end) {
     Rise rise;
     for (std::size_t i = 0; i < history.time.size(); ++i) {
@@ -96,7 +76,7 @@ private:
             const Vec2 traction = load.kind == Load::Kind::stress
                                       ? stress_times(load.stress, turned_left(along).normalized())
                                       : load.vector();
-            Rise rise = rise_of(load.history, is_at_rest_ ? 0 : load.history(0), window, end);
+            Rise rise = largest_rise(load.history, is_at_rest_ ? 0 : load.history(0), window, end);
             return rise.size *= traction.norm(), rise;
         }
         const Elastic& material = model_.materials[mesh_.region[face.edge->triangle]];
@@ -109,7 +89,7 @@ private:
             if (value == 0) continue;
             const bool slope = load.kind == Load::Kind::displacement;
             const double first = is_at_rest_ ? start[k] / value : slope ? 0 : load.history(0);
-            const Rise rise = (slope ? rise_of_slope : rise_of)(load.history, first, window, end);
+            const Rise rise = (slope ? rise_of_slope : largest_rise)(load.history, first, window, end);
             largest.include(material.density * material.dilatational_speed(model_.plane) * value * rise.size,
                             rise.time);
         }

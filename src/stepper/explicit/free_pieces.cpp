@@ -33,36 +33,44 @@ FreePieces::Sums& FreePieces::Sums::operator+=(const Sums& other) {
     return *this;
 }
 
-void FreePieces::find(const State& begin) {
-    const Mesh& mesh = model_.mesh;
-    const Index n = mesh.n_triangles(), n_points = model_.points_per_interface();
+PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<const Dashpot> dashpots) {
+    const Mesh& mesh = model.mesh;
+    const Index n = mesh.n_triangles(), n_points = model.points_per_interface();
     UnionFind sets(n);
     // [0/1] at first of the triangles that something holds, then of the lowest one of their piece
     std::vector<std::uint8_t> held(n, 0);
-    const std::vector<std::uint8_t> joins = joining_points(model_, begin);
-    for (std::size_t i = 0; i < model_.interfaces.size(); ++i) {
+    const std::vector<std::uint8_t> joins = joining_points(model, state);
+    for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
         if (std::ranges::none_of(std::span(joins).subspan(i * n_points, n_points), [](auto joined) { return joined; }))
             continue;
-        const auto [a, b] = model_.interfaces[i].triangle;
+        const auto [a, b] = model.interfaces[i].triangle;
         if (a != rigid_support && b != rigid_support) sets.join(a, b);
         else held[std::max(a, b)] = 1;
     }
-    for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {  // one node, whatever its points bear
-        if (begin.split_rank[f] >= 0) continue;
-        const auto corners = model_.corners(model_.fans[f]);
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {  // one node, whatever its points bear
+        if (state.split_rank[f] >= 0) continue;
+        const auto corners = model.corners(model.fans[f]);
         for (const Index corner : corners) sets.join(mesh.triangle_of(corners[0]), mesh.triangle_of(corner));
     }
     for (Index c = 0; c < mesh.n_corners(); ++c)
-        if (model_.motion_of(c) != nullptr) held[mesh.triangle_of(c)] = 1;
-    for (const Dashpot& dashpot : dashpots_) held[mesh.triangle_of(dashpot.corner)] = 1;
+        if (model.motion_of(c) != nullptr) held[mesh.triangle_of(c)] = 1;
+    for (const Dashpot& dashpot : dashpots) held[mesh.triangle_of(dashpot.corner)] = 1;
     for (Index t = 0; t < n; ++t)
-        if (held[t] || model_.has_vanished(t)) held[sets.find(t)] = 1;
+        if (held[t] || model.has_vanished(t)) held[sets.find(t)] = 1;
+    PiecesOfBody pieces{.first = std::vector<Index>(n), .held = std::vector<std::uint8_t>(n)};
+    for (Index t = 0; t < n; ++t) pieces.first[t] = sets.find(t), pieces.held[t] = held[pieces.first[t]];
+    return pieces;
+}
 
+void FreePieces::find(const State& begin) {
+    const Mesh& mesh = model_.mesh;
+    const Index n = mesh.n_triangles();
+    const PiecesOfBody triangles = pieces_of_body(model_, begin, dashpots_);
     pieces_.clear(), members_.clear(), blocks_.clear();
     std::vector<Index> piece_of(n, -1);  // the lowest triangle comes first
     for (Index t = 0; t < n; ++t) {
-        const Index first = sets.find(t);
-        if (held[first]) continue;
+        const Index first = triangles.first[t];
+        if (triangles.held[t]) continue;
         if (first == t) piece_of[t] = static_cast<Index>(pieces_.size()), pieces_.push_back({t, 0, 0});
         piece_of[t] = piece_of[first];
     }

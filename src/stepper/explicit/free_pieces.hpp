@@ -26,6 +26,13 @@
 
 namespace knap {
 
+/// Which triangles are of one piece.
+struct PiecesOfBody {
+    std::vector<Index> first;        // per triangle: the lowest one of its piece
+    std::vector<std::uint8_t> held;  // [0/1] per triangle: something holds its piece, or it has vanished
+};
+PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<const Dashpot> dashpots);
+
 class FreePieces {
 public:
     /// `dashpots` must outlive this.
