@@ -173,11 +173,11 @@ private:
     std::pair<std::size_t, double> main_load(const Forces& forces) const {
         double largest = 0, when = 0;  // [N], [s]
         Index load = 0;
-        for (const auto& [number, each] : forces) {
-            const TimeFunction& history = model_.histories[number];
+        for (const auto& force : forces) {
+            const TimeFunction& history = model_.histories[force.first];
             const auto look_at = [&](double t) {
-                const double size = std::abs(history(t)) * each.norm();
-                if (t >= 0 && t <= time_.end && size > 1.01 * largest) largest = size, when = t, load = number;
+                const double size = std::abs(history(t)) * force.second.norm();
+                if (t >= 0 && t <= time_.end && size > 1.01 * largest) largest = size, when = t, load = force.first;
             };
             look_at(0);
             std::ranges::for_each(history.time, look_at);
