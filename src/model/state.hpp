@@ -32,10 +32,10 @@ struct Incubation {
     }
 };
 
-/// A contact between a boundary vertex and a boundary edge that carried an impulse in the last step.
+/// A contact between a boundary vertex and a boundary edge in the last step.
 struct FaceContactState {
     Index vertex, edge;          // corners: the start of the boundary edge that leaves the vertex, that of the edge
-    double contact, tangential;  // [N s] impulses along the normal and along the edge, on the vertex
+    double contact, tangential;  // [N s] its force along the normal and along the edge, on the vertex, times the step
 
     template <class Archive>
     void serialize(Archive& archive) {

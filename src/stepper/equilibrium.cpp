@@ -3,6 +3,7 @@
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/union_find.hpp"
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
@@ -132,6 +133,49 @@ std::vector<Vec2> forces_on_corners(const Model& model, const State& state) {
     return force;
 }
 
+/// Why no step is solved.
+const char* unsolved(Rejection rejection) {
+    switch (rejection) {
+        case Rejection::jammed: return "contacts are driven against each other and jam";
+        case Rejection::contact_speed: return "what nothing holds moves too far before it meets something";
+        default: return "contact and friction do not settle";
+    }
+}
+
+/// How a piece that no points hold to others moved in a step: as a rigid body, or it changed its shape.
+struct Motion {
+    bool turns = false, bends = false;
+    double largest = 0;  // [m]
+};
+
+Motion motion_of(const Model& model, const State& before, const State& after, Index of_corner) {
+    const Mesh& mesh = model.mesh;
+    UnionFind pieces(mesh.n_triangles());
+    std::vector<Index> first_at(after.displacement.size(), -1);
+    for (Index c = 0; c < mesh.n_corners(); ++c) {
+        Index& first = first_at[after.node_of_corner[c]];
+        if (first < 0) first = mesh.triangle_of(c);
+        pieces.join(first, mesh.triangle_of(c));
+    }
+    const Index piece = pieces.find(mesh.triangle_of(of_corner));
+    const auto sum = [&](auto zero, const auto& of) {
+        for (Index c = 0; c < mesh.n_corners(); ++c)
+            if (pieces.find(mesh.triangle_of(c)) == piece) zero += model.corner_mass[c] * of(c);
+        return zero;
+    };
+    const auto move = [&](Index c) -> Vec2 { return after.displacement_of(c) - before.displacement_of(c); };
+    const double mass = sum(0., [](Index) { return 1.; });
+    const Vec2 centre = sum(Vec2(0, 0), [&](Index c) -> Vec2 { return mesh.corner(c); }) / mass,
+               mean = sum(Vec2(0, 0), move) / mass;
+    const auto arm = [&](Index c) -> Vec2 { return mesh.corner(c) - centre; };
+    const double turn = sum(0., [&](Index c) { return cross(arm(c), move(c)); }) /
+                        sum(0., [&](Index c) { return arm(c).squaredNorm(); });
+    const double whole = sum(0., [&](Index c) { return move(c).squaredNorm(); }),
+                 turned = sum(0., [&](Index c) { return turn * turn * arm(c).squaredNorm(); }),
+                 bent = sum(0., [&](Index c) { return (move(c) - mean - turn * turned_left(arm(c))).squaredNorm(); });
+    return {.turns = turned > 1e-2 * whole, .bends = bent > 1e-2 * whole, .largest = move(of_corner).norm()};
+}
+
 /// What may happen to interfaces on the way.
 enum class Interfaces {
     intact,     // nothing loses cohesion, or the search ends
@@ -201,7 +245,7 @@ private:
         return turned_.mesh.corner(farthest);
     }
 
-    std::string unheld(const State& state, double acceleration, bool steps_are_small) const;
+    std::string unheld(const State& before, const State& state, double acceleration, Index fastest) const;
     std::string overloaded(const State& now, double h) const;
     double correct(const State& now);
     bool settle(Interfaces interfaces, State& now);
@@ -248,14 +292,23 @@ double EquilibriumSearch::correct(const State& now) {
     return load > 0 ? change / load : 0;
 }
 
-/// Why a body moves away.
-std::string EquilibriumSearch::unheld(const State& state, double acceleration, bool steps_are_small) const {
-    const bool meets = !state.face_contacts.empty() || std::ranges::any_of(state.points, [](const PointState& point) {
-        return point.traction.x() > 0;
-    }) || std::ranges::any_of(state.obstacles, [](const ObstacleState& o) { return !o.reaction.isZero(0); });
-    const char* const bends = steps_are_small ? ", or it bends too far for steps that are solved" : "";
+/// Why a body moves away, from its last step.
+std::string EquilibriumSearch::unheld(const State& before, const State& state, double acceleration,
+                                      Index fastest) const {
+    const Motion motion = motion_of(turned_, before, state, fastest);
+    if (motion.bends)
+        return formatted(
+            "the body bends too far for steps that are solved: %.3g m in the last one; let the loads grow "
+            "with a ramp from start = \"rest\"",
+            motion.largest);
+    const bool meets = std::ranges::any_of(state.face_contacts, [](const auto& at) { return at.contact > 0; }) ||
+                       std::ranges::any_of(state.points, [](const auto& at) { return at.traction.x() > 0; }) ||
+                       std::ranges::any_of(state.obstacles, [](const auto& at) { return !at.reaction.isZero(0); });
     return formatted("%s the body, it would move away with %.3g m/s2%s",
-                     meets ? "contact and friction do not hold" : "nothing holds", acceleration, bends);
+                     meets ? "contact and friction do not hold" : "nothing holds", acceleration,
+                     !meets         ? ""
+                     : motion.turns ? " and turn"
+                                    : " without turning");
 }
 
 /// What breaks loose in a step of h from `now` [s], however it softens there.
@@ -290,7 +343,7 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
         if (report.rejection == Rejection::assumption_1) no_equilibrium(overloaded(now, h), report.where);
         if (rejected || (after > jammed * part && !smallest)) {
             if ((rejected && smallest && once_more) || step == max_steps)
-                no_equilibrium("contact and friction do not settle", report.where);
+                no_equilibrium(unsolved(report.rejection), report.where);
             // no size was solved: which ones are depends on where friction cycles, so others are tried from above
             if (rejected && smallest) once_more = true, h = last_step * passage;
             else h /= once_more ? std::sqrt(growth) : growth;
@@ -306,9 +359,9 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
         if (stalled && part <= accepted_residual) break;
         const double largest = wait > 0 ? h : last_step * passage;
         if ((stalled && h >= largest) || step == max_steps)
-            no_equilibrium(
-                interfaces == Interfaces::softening ? overloaded(now, h) : unheld(now, acceleration, wait > 0),
-                model.mesh.corner(inertia.fastest));
+            no_equilibrium(interfaces == Interfaces::softening ? overloaded(now, h)
+                                                               : unheld(next, now, acceleration, inertia.fastest),
+                           model.mesh.corner(inertia.fastest));
         h = std::min(growth * h, largest);
         wait = std::max(0, wait - 1);
     }

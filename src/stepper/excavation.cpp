@@ -19,7 +19,6 @@ double smaller(double a, double b) { return a * b > 0 ? std::copysign(std::min(s
 /// Calls visit(contact, corner, force) for the corners on which the contacts between free faces acted [N] in a step, as
 /// in contact/face_contacts.hpp.
 void visit_contact_forces(const Model& model, const State& begin, const State& end, const auto& visit) {
-    const double kick_time = 0.5 * (begin.last_step + end.last_step);
     const auto place = [&](Index c) -> Vec2 {
         const GroundVertex* ground = model.ground_at(c);
         return ground ? ground->place : Vec2(model.mesh.corner(c) + begin.displacement_of(c));
@@ -32,8 +31,8 @@ void visit_contact_forces(const Model& model, const State& begin, const State& e
         const double length = along.norm();
         const Vec2 t = along / length, n = outward(t);
         const double share = t.dot(away) / length, gap = n.dot(away);
-        const Vec2 force = (contact.contact * n + contact.tangential * t) / kick_time,
-                   couple = gap / length * contact.tangential / kick_time * n;
+        const Vec2 force = (contact.contact * n + contact.tangential * t) / end.last_step,
+                   couple = gap / length * contact.tangential / end.last_step * n;
         visit(contact, contact.vertex, force);
         visit(contact, a, Vec2(-(1 - share) * force - couple));
         visit(contact, b, Vec2(-share * force + couple));

@@ -1,15 +1,10 @@
-// Starts in equilibrium of bodies that contact, friction and glue hold: stacks, walls, blocks on slopes, just above their
-// limit and just below it.
-#include "base/error.hpp"
+// Starts in equilibrium of bodies that contact, friction and glue hold: stacks, walls, blocks on slopes, just above
+// their limit and just below it.
 #include "support/obstacles.hpp"
 #include "support/paths.hpp"
-#include "support/relative.hpp"
-#include "support/several_bodies.hpp"
-
-#include <doctest/doctest.h>
+#include "support/resting.hpp"
 
 #include <cmath>
-#include <string>
 
 namespace resting_bodies_test {
 
@@ -17,49 +12,6 @@ using namespace knap;
 using namespace knap::tests;
 
 namespace {
-
-constexpr double below = 1e-6;  // [m] of held planes under what lies on them
-
-Load everywhere(double x, double y) { return {.kind = Load::Kind::acceleration, .value = {x, y}}; }
-/// Holds what lies under y = -below/2.
-Load held() {
-    return {.kind = Load::Kind::displacement,
-            .on = {.boundary = "", .box = Box{{-100, -100}, {100, -0.5 * below}}},
-            .value = {0, 0}};
-}
-
-/// Of hard rock: its edges sink in by 1e-6 of their length.
-ModelInput hard(Bodies& bodies, double friction) {
-    ModelInput input = bodies.input({friction, 0});
-    for (Elastic& material : input.materials) material.E = 1e10;
-    return input;
-}
-
-struct Rest {
-    std::string refused;           // why, or nothing
-    double kinetic;                // over the strain energy, the largest in 300 explicit steps
-    Vec2 reaction = Vec2::Zero();  // [N] of what is held, after them
-};
-
-Rest rest_of(ModelInput input) {
-    Run run(std::move(input));
-    Rest rest{};
-    try {
-        run.stepper.start_in_equilibrium(run.now);
-    } catch (const SimulationError& error) {
-        rest.refused = error.what();
-        return rest;
-    }
-    run.ledger = EnergyLedger(run.model, run.now);
-    const double h = 0.8 * run.stepper.stable_step(), strain = run.ledger.row().strain;
-    for (int i = 0; i < 300; ++i) {
-        run.step(h);
-        rest.kinetic = std::max(rest.kinetic, run.ledger.row().kinetic / strain);
-    }
-    for (const Vec2& reaction : run.now.reaction) rest.reaction += reaction;
-    CHECK(run.ledger.largest_residual() <= 1e-11 * strain);
-    return rest;
-}
 
 /// Blocks of 1 x 0.5 m on a held plane, each `shift(i)` to the right of the one below.
 template <class Shift>
@@ -82,15 +34,6 @@ ModelInput block_on_slope(double slope, const CohesiveLaw& law = {}) {
     input.law_of_pair = {{0}};
     input.loads = {everywhere(10 * slope, -10)};
     return input;
-}
-
-void check_rests(const Rest& rest) {
-    CHECK_MESSAGE(rest.refused.empty(), rest.refused);
-    CHECK(rest.kinetic <= 1e-15);
-}
-
-void check_refused(const Rest& rest, const std::string& why) {
-    CHECK_MESSAGE(rest.refused.find(why) != std::string::npos, rest.refused);
 }
 
 }  // namespace

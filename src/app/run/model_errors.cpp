@@ -11,12 +11,13 @@
 #include "figures/animation.hpp"
 #include "mesh/polygon.hpp"
 #include "model/contradictions.hpp"
+#include "stepper/common/obstacle_contacts.hpp"
+#include "stepper/contact/face_contacts.hpp"
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace knap {
 namespace {
@@ -68,26 +69,65 @@ Diagnostic described(const ReadResult& read, const Contradiction& c) {
 
 // ---- bodies without support
 
-/// Bodies: triangles connected by interfaces, cracked or not, since contact may hold a cracked one. With contact
-/// between free faces also those whose boxes meet: whether they hold each other shows the search of the equilibrium.
-std::vector<Index> bodies_of(const Model& model) {
+/// Bodies: triangles connected by interfaces, cracked or not, since contact may hold a cracked one, and by free faces
+/// that touch: whether they hold each other shows the search of the equilibrium.
+struct BodiesAtStart {
+    std::vector<Index> of_triangle;        // the lowest triangle of the body
+    std::vector<std::uint8_t> is_carried;  // [0/1] at this triangle: it touches a support, the ground or an obstacle
+};
+
+BodiesAtStart bodies_of(const Model& model) {
+    constexpr double touching = 1e-3;  // [-] of an edge, as between free faces (stepper/contact)
     const Mesh& mesh = model.mesh;
+    const State start = initial_state(model);
     UnionFind bodies(mesh.triangles.size());
+    std::vector<Index> carried;  // triangles
     for (const InteriorEdge& edge : mesh.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
-    std::map<Index, Box> boxes;
-    for (Index t = 0; t < mesh.n_triangles() && !model.contact_of_pair.empty(); ++t) {
-        Box box = bounding_box({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)});
-        const Vec2 near = Vec2::Constant(1e-3 * box.diagonal());  // as far as FaceContacts reaches
-        box = {box.low - near, box.high + near};
-        const auto [found, is_new] = boxes.try_emplace(bodies.find(t), box);
-        if (!is_new) found->second = {found->second.low.cwiseMin(box.low), found->second.high.cwiseMax(box.high)};
+    for (const Interface& interface : model.interfaces)
+        if (interface.triangle[0] == rigid_support && interface.gap <= touching * interface.length)
+            carried.push_back(interface.triangle[1]);
+    if (!model.contact_of_pair.empty()) {
+        FaceContacts faces(model);
+        faces.find(start, 0);
+        for (const FaceContact& at : faces.all()) {
+            const Index vertex = at.vertex[1], edge = at.edge[0];
+            if (model.ground_at(vertex)) carried.push_back(mesh.triangle_of(edge));
+            else if (model.ground_at(edge)) carried.push_back(mesh.triangle_of(vertex));
+            else bodies.join(mesh.triangle_of(vertex), mesh.triangle_of(edge));
+        }
     }
-    for (auto a = boxes.begin(); a != boxes.end(); ++a)
-        for (auto b = std::next(a); b != boxes.end(); ++b)
-            if (a->second.meets(b->second)) bodies.join(a->first, b->first);
-    std::vector<Index> body(mesh.n_triangles());
-    for (Index t = 0; t < mesh.n_triangles(); ++t) body[t] = bodies.find(t);
-    return body;
+    ObstacleContacts obstacles(model);
+    obstacles.find(start, 0, std::vector<Vec3>(model.obstacles.size(), Vec3::Zero()), {});
+    for (const ObstacleContact& at : obstacles.all()) {
+        const Index t = mesh.triangle_of(at.corner);
+        const double size = bounding_box({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}).diagonal();
+        if (at.gap <= touching * size) carried.push_back(t);
+    }
+    BodiesAtStart found{.of_triangle = {}, .is_carried = std::vector<std::uint8_t>(mesh.triangles.size(), 0)};
+    for (Index t = 0; t < mesh.n_triangles(); ++t) found.of_triangle.push_back(bodies.find(t));
+    for (const Index t : carried) found.is_carried[bodies.find(t)] = 1;
+    return found;
+}
+
+/// [m] From a body to what is nearest to it: another body, an obstacle, a support; infinite where there is nothing.
+double clearance(const Model& model, const std::vector<Index>& body, Index which) {
+    const Mesh& mesh = model.mesh;
+    std::vector<Segment> own, others;
+    for (const BoundaryEdge& edge : mesh.boundary_edges) {
+        const auto ends = mesh.side_vertices(edge.triangle, edge.side);
+        (body[edge.triangle] == which ? own : others).push_back({mesh.vertices[ends[0]], mesh.vertices[ends[1]]});
+    }
+    double least = infinity;
+    for (const Segment& side : own) {
+        if (!model.contact_of_pair.empty())
+            for (const Segment& other : others) least = std::min(least, distance_between(side, other));
+        for (const Obstacle& obstacle : model.obstacles)
+            least = std::min(least, ObstacleSurface(obstacle.outline, obstacle.start).distance_to(side.a).gap);
+    }
+    for (const Interface& interface : model.interfaces)
+        if (interface.triangle[0] == rigid_support && body[interface.triangle[1]] == which)
+            least = std::min(least, interface.gap);
+    return least;
 }
 
 /// Loads on a body at t = 0 and the rigid motions that its supports prevent, in (x, y, rotation about `centre` times
@@ -139,27 +179,33 @@ Balance balance_of(const Model& model, const std::vector<Index>& body, Index whi
     return balance;
 }
 
-void refuse_unheld_body(const ReadResult& read, const Model& model) {
-    if (!read.scenario.time.start_in_equilibrium || !model.obstacles.empty()) return;  // obstacles may hold it
-    if (!model.contact_of_pair.empty() && !model.ground.vertices.empty()) return;      // so may the ground
-    const std::vector<Index> body = bodies_of(model);
-    std::vector<char> supported(body.size(), 0);
-    for (const Interface& interface : model.interfaces)
-        if (interface.triangle[0] == rigid_support) supported[body[interface.triangle[1]]] = 1;
+void refuse_unheld_bodies(const ReadResult& read, const Model& model) {
+    if (!read.scenario.time.start_in_equilibrium) return;
+    const auto [body, is_carried] = bodies_of(model);
+    std::string first, cure;
+    int n_unheld = 0;
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        if (body[t] != t || supported[t]) continue;
+        if (body[t] != t || is_carried[t]) continue;
         const Balance balance = balance_of(model, body, t);
         const Eigen::Vector3d unheld = balance.unheld();
-        if (unheld.norm() > 1e-6 * balance.size)
-            throw UserError({finding(
-                read, "time.start", "not-held",
-                formatted("`time.start` requests equilibrium, but nothing holds the body around %s: a force of (%.3g, "
-                          "%.3g) N and a moment of %s of the loads at t = 0 would move it away",
-                          place_text(balance.centre).c_str(), unheld.x(), unheld.y(),
-                          readable(unheld.z() * balance.length, "N m").c_str()),
-                "hold it (a load with displacement = [0, 0], a [[support]]), balance the loads, let them start with a "
-                "ramp, or use start = \"rest\"")});
+        if (unheld.norm() <= 1e-6 * balance.size || n_unheld++ > 0) continue;
+        const double gap = clearance(model, body, t);
+        const bool hovers = gap < balance.length;
+        first = formatted(
+            "`time.start` requests equilibrium, but nothing holds the body around %s%s: a force of (%.3g, "
+            "%.3g) N and a moment of %s of the loads at t = 0 would move it away",
+            place_text(balance.centre).c_str(),
+            hovers ? (", which hovers " + readable(gap, "m") + " from what is nearest").c_str() : "", unheld.x(),
+            unheld.y(),
+            readable(std::abs(unheld.z()) > 1e-9 * balance.size ? unheld.z() * balance.length : 0, "N m").c_str());
+        if (hovers) cure = "close the gap (faces touch within a thousandth of an edge), ";
     }
+    if (n_unheld > 1) first += formatted("; so it is with %d more", n_unheld - 1);
+    if (n_unheld > 0)
+        throw UserError(
+            {finding(read, "time.start", "not-held", first,
+                     cure + "hold it (a load with displacement = [0, 0], a [[support]]), balance the loads, "
+                            "let them start with a ramp, or use start = \"rest\"")});
 }
 
 /// Probes that find nothing, and tips that cannot be integrated.
@@ -255,7 +301,7 @@ std::vector<Diagnostic> check_model(const ReadResult& read, const Model& model) 
             throw UserError({read.at("specimen", error.diagnostics.front())});
         }
     refuse_probes(read, model);
-    refuse_unheld_body(read, model);
+    refuse_unheld_bodies(read, model);
     std::vector<Diagnostic> of_obstacles = findings_of_obstacles(read, model);
     for (const Diagnostic& found : of_obstacles)
         if (found.severity == Diagnostic::Severity::error) throw UserError({found});

@@ -8,7 +8,11 @@
 namespace knap {
 namespace {
 
-constexpr double touching = 1e-3;      // [-] of an edge: gaps and penetrations that count as rounding of the geometry
+constexpr double touching = 1e-3;  // [-] of an edge: gaps and penetrations that count as rounding of the geometry
+// [-] of an edge. Gaps that differ by less do not decide which of two contacts stays: their rounding would do it anew
+// in every step, and what rests would never have the same forces twice.
+constexpr double even_planes = 1e-9;   // of two planes
+constexpr double even_pairs = 1e-5;    // of duplicate pairs, whose edges turn a little
 constexpr double reach_in_steps = 4;   // distances covered in a step at the speeds of its start
 constexpr double deep_in_steps = 2;    // likewise, for a penetration without a history
 constexpr double beyond_end = 0.25;    // [-] of an edge
@@ -336,7 +340,8 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
     const Vec2 from_corner = at.x - 0.5 * (a.x + b.x), v = at.v - 0.5 * (a.v + b.v);
     const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
     const double rounding_1 = touching * sides_[first].length, rounding_2 = touching * sides_[second].length;
-    if (n_1.dot(n_2) > parallel || gap_1 < -rounding_1 || gap_2 < -rounding_2) return across.dot(from_corner) > 0;
+    const double tie = even_planes * across.norm() * std::min(sides_[first].length, sides_[second].length);
+    if (n_1.dot(n_2) > parallel || gap_1 < -rounding_1 || gap_2 < -rounding_2) return across.dot(from_corner) > tie;
     const auto slides_on = [&](const Vec2& n, double gap, double rate, double rounding) {
         return gap < rounding && h * rate > -std::max(cone * h * v.norm(), touching * rounding) && was_on_face(at, n);
     };
@@ -346,7 +351,7 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
     const double then_1 = gap_1 + h * rate_1, then_2 = gap_2 + h * rate_2;
     const bool both_rounding = std::max(then_1, then_2) < 0 && then_1 > -rounding_1 && then_2 > -rounding_2;
     if (both_rounding && std::abs(rate_2 - rate_1) > cone * v.norm()) return rate_2 > rate_1;
-    return across.dot(from_corner + h * v) > 0;
+    return across.dot(from_corner + h * v) > tie;
 }
 
 /// The vertex was in contact with an edge of nearly this normal in the step before.
@@ -429,17 +434,23 @@ void FaceContacts::prune_corners(Found& at) {
         if (j < 0) continue;
         for (Found& other : of_vertex(j)) {
             if (!at.kept || !other.kept || !ends_in(other.edge, at.vertex)) continue;
+            const double length = std::min(at.contact.length, other.contact.length);
+            const auto prefers = [&](double more, double even) {
+                const bool is_first = at.contact.vertex[1] < other.contact.vertex[1];
+                return more > even * length || (more >= -even * length && is_first);
+            };
             if (at.contact.normal.dot(other.contact.normal) < opposite) {
                 const double share = j == edge.piece_start ? at.contact.share : 1 - at.contact.share;
                 if (std::abs(share) > beside_end) continue;
-                Found &stays = at.contact.gap <= other.contact.gap ? at : other, &goes = &stays == &at ? other : at;
+                Found &stays = prefers(other.contact.gap - at.contact.gap, even_pairs) ? at : other,
+                      &goes = &stays == &at ? other : at;
                 goes.kept = false;
                 stays.contact.contact += goes.contact.contact;
                 stays.contact.tangential += goes.contact.tangential;
             } else {
                 const double less = at.overhang - other.overhang;
-                const Found& then = at.gap_at_end - other.gap_at_end >= less ? at : other;
-                const Found& now = at.contact.gap - other.contact.gap >= less ? at : other;
+                const Found& then = prefers(at.gap_at_end - other.gap_at_end - less, even_planes) ? at : other;
+                const Found& now = prefers(at.contact.gap - other.contact.gap - less, even_planes) ? at : other;
                 const Found& stays = then.contact.gap > -touching * then.contact.length ? then : now;
                 (&stays == &at ? other : at).kept = false;
             }

@@ -71,7 +71,7 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     }
     const auto n = static_cast<Index>(contacts_.all().size());
     impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
-    // a lasting force has the impulse of its step; a start in equilibrium has forces
+    // a force lasts; a start in equilibrium has forces
     const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);
     for (Index i = 0; i < n; ++i) {
         add_terms(i);
@@ -364,6 +364,7 @@ Vec2 VertexContacts::place_of(Index contact, const State& state) const {
 void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
     const auto contacts = contacts_.all();
     step.end.face_contacts.clear();
+    const double lasting = step.drift_time / step.kick_time;  // the first step kicks for half its size
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         const FaceContact& c = contacts[i];
         const Vec2 after = rate(i, step.end), mean = 0.5 * (before_[i] + after), P = impulse_[i];
@@ -377,7 +378,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
         report.contact_injection += positive_work(P, mean);
         report.add_depth((c.depth - step.drift_time * after.x()) / c.length,
                          place_of(static_cast<Index>(i), step.begin));
-        step.end.face_contacts.push_back({c.vertex[1], c.edge[0], P.x(), P.y()});
+        step.end.face_contacts.push_back({c.vertex[1], c.edge[0], lasting * P.x(), lasting * P.y()});
     }
     for (const Cluster& cluster : clusters())
         report.add_contact_residual(cluster.residual, place_of(cluster.contacts.front(), step.begin));

@@ -9,11 +9,13 @@
 
 namespace knap {
 
+constexpr Index at_obstacle = -1, between_faces = -2;  // ActivePoint::fan of contacts
+
 constexpr double ramp_share = 0.01;  // of its stiffness, so that 10 times it are the stiffness of usual springs
 
 struct ActivePoint {
     PointSides sides;
-    Index fan = -1;  // into Model::fans, points of a fan in succession; -1: contact with an obstacle
+    Index fan = at_obstacle;  // into Model::fans, points of a fan in succession; or a contact
     Vec2 normal;
     PointLaw law;
     Multipliers multipliers = {};

@@ -51,6 +51,17 @@ const std::vector<PointSides>& FacePoints::sides(const CornerPartition& nodes) {
     return sides_;
 }
 
+/// [m] Rounding of places and displacements: a smaller gap is none. Where blocks are held in many ways, friction that
+/// sticks and contacts that close such gaps would contradict each other.
+double FacePoints::touching_gap(const State& begin, const FaceContact& contact) const {
+    double gap = 0;
+    for (const Index corner : {contact.vertex[0], contact.edge[0], contact.edge[1]})
+        if (model_.ground_at(corner) == nullptr)
+            gap = std::max(
+                {gap, 1e-14 * model_.mesh.corner(corner).norm(), 1e-11 * begin.displacement_of(corner).norm()});
+    return gap;
+}
+
 ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const CornerPartition& nodes) const {
     const FaceContact& contact = faces_->all()[i];
     const State& begin = *step.begin;
@@ -58,16 +69,18 @@ ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const Corn
         return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : begin.velocity[begin.node_of_corner[corner]];
     };
     const double rate = contact.normal.dot(contact.jump(velocity));
-    ActivePoint made{.sides = sides_of(contact, nodes),
-                     .normal = -contact.normal,  // from the vertex to the edge
-                     .law = {.u_N = contact.gap,
-                             .u_T = 0,
-                             .strength = 0,
-                             .cohesion = 0,
-                             .material = &law_,
-                             .friction = law_between_faces(model_, contact).friction,
-                             .contact = contact_bound_theta(contact.gap, rate, 0, step.h, step.theta, 0),
-                             .step = &step}};
+    ActivePoint made{
+        .sides = sides_of(contact, nodes),
+        .fan = between_faces,
+        .normal = -contact.normal,  // from the vertex to the edge
+        .law = {.u_N = contact.gap,
+                .u_T = 0,
+                .strength = 0,
+                .cohesion = 0,
+                .material = &law_,
+                .friction = law_between_faces(model_, contact).friction,
+                .contact = contact_bound_theta(contact.gap, rate, 0, step.h, step.theta, touching_gap(begin, contact)),
+                .step = &step}};
     apply_prescribed(nodes, made);
     made.law.set_staircase();
     return made;
@@ -87,8 +100,8 @@ void FacePoints::store(std::span<const ActivePoint> points, double kick, State& 
     for (std::size_t i = 0; i < points.size(); ++i) {
         const FaceContact& contact = faces_->all()[i];
         // with N from the vertex to the edge, both components are the opposite on the vertex along n and t of the edge
-        if (const PointResponse& q = points[i].response; q.contact > 0)
-            end.face_contacts.push_back({contact.vertex[1], contact.edge[0], q.contact / kick, q.tangential / kick});
+        const PointResponse& q = points[i].response;
+        end.face_contacts.push_back({contact.vertex[1], contact.edge[0], q.contact / kick, q.tangential / kick});
     }
 }
 

@@ -18,6 +18,7 @@ public:
     bool find(const State& begin, double h, const std::vector<Vec2>& corner_rate);
     /// The same, after a step that led to these rates. True: faces met that were not found before.
     bool lacked(const State& begin, double h, const std::vector<Vec2>& corner_rate);
+    bool may_meet() const { return faces_.has_value(); }  // the model has contact between free faces
     std::size_t size() const { return faces_ ? faces_->all().size() : 0; }
 
     Vec2 force_before(std::size_t i) const { return {faces_->all()[i].contact, faces_->all()[i].tangential}; }  // [N]
@@ -27,10 +28,11 @@ public:
     const std::vector<PointSides>& sides(const CornerPartition& nodes);
     /// On the corners of the body: `impulse` [N s] on the edge, the opposite on the vertex.
     void add_impulse(std::size_t i, const Vec2& impulse, std::vector<Vec2>& of_corner) const;
-    /// Those that bear an impulse; State::face_contacts of a search has forces [N], since steps grow.
+    /// State::face_contacts of a search has forces [N], since steps grow.
     void store(std::span<const ActivePoint> points, double kick, State& end) const;
 
 private:
+    double touching_gap(const State& begin, const FaceContact& contact) const;
     PointSides sides_of(const FaceContact& contact, const CornerPartition& nodes) const;
 
     const Model& model_;

@@ -49,9 +49,10 @@ StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
         StepReport report;
         if (faces_.find(begin, h, face_rate_)) report = solve_step(begin, h, end);
         else report.rejection = Rejection::contact_speed;
-        if (faces_.size() == 0 || report.rejection != Rejection::none || round == max_face_rounds) return report;
+        if (!faces_.may_meet() || report.rejection != Rejection::none) return report;
         read_corner_rates(face_rate_);
         if (!faces_.lacked(begin, h, face_rate_)) return report;
+        if (round == max_face_rounds) return rejected(report, Rejection::contact_speed);
     }
 }
 

@@ -14,7 +14,8 @@ constexpr double max_deviation = 0.1;  // of a move from q times the previous on
 // Moves of a series, where q is as uncertain near 1 as a move may deviate; more where it deviates less. (Moves near
 // rounding that were multiplied by 1e5 made a random body depend on its units in the last digits.)
 constexpr double max_series = 20, max_sure_series = 1e3;
-constexpr double sure_part = 0.1;  // over the relative deviation
+constexpr double sure_part = 0.1;    // over the relative deviation
+constexpr double least_part = 1e-3;  // of the longest move of contacts between faces: less belongs to another series
 
 }  // namespace
 
@@ -36,6 +37,11 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
     };
     for (std::size_t first = 0, end; first < points.size(); first = end) {
         double longest = 0, strongest = 0, square = 0, product = 0, length = 0;  // of the previous move and this one
+        // Faces are one group, in which a few points may march; some of the others are always near their bounds.
+        const bool faces = points[first].fan == between_faces;
+        double least = 0;
+        for (std::size_t j = first; faces && j < points.size() && points[j].fan == between_faces; ++j)
+            least = std::max(least, least_part * move[j].cwiseAbs().maxCoeff());
         bool is_rigid = true;        // else ramps decide how redundant points share their forces
         double to_bound = infinity;  // moves until a contact, or a sticking point, is at its bound
         for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
@@ -49,6 +55,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             const PointLaw& law = point.law;
             const Multipliers& multipliers = point.multipliers;
             is_rigid = is_rigid && !point.response.on_ramp;
+            if (d.cwiseAbs().maxCoeff() < least) continue;
             if ((point.response.closed || law.ramp > 0) && d.x() < 0)
                 to_bound = std::min(to_bound, multipliers.contact / -d.x());
             if (!point.response.sticks || d.y() == 0) continue;
@@ -57,20 +64,24 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             const double left = bound - std::copysign(multipliers.tangential, multipliers.tangential * d.y());
             to_bound = std::min(to_bound, std::max(0.0, left) / std::abs(d.y()));
         }
-        if (longest <= min_move || points[first].fan < 0) continue;
+        if (longest <= min_move || points[first].fan == at_obstacle) continue;
         double series = 0;  // moves
         const double q = product / square, deviation2 = length - product * product / square;
         if (is_rigid && strongest <= no_force * longest) series = infinity;
         else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
             series = std::min(q / (1 - q), std::clamp(sure_part * std::sqrt(length / std::max(deviation2, 0.0)),
                                                       max_series, max_sure_series));
-        const double multiple = std::min(series, to_bound);
+        const bool projects = faces && series < infinity;
+        const double multiple = projects ? series : std::min(series, to_bound);
         const bool extrapolates = multiple > 0 && multiple < infinity;
         for (std::size_t j = first; j < end; ++j) {
             last_move_[j] = extrapolates ? Vec2::Zero() : move[j];
-            if (!extrapolates) continue;
-            points[j].multipliers.contact = std::max(0.0, points[j].multipliers.contact + multiple * move[j].x());
-            points[j].multipliers.tangential += multiple * move[j].y();
+            if (!extrapolates || (!projects && move[j].cwiseAbs().maxCoeff() < least)) continue;
+            Multipliers& at = points[j].multipliers;
+            at.contact = std::max(0.0, at.contact + multiple * move[j].x());
+            at.tangential += multiple * move[j].y();
+            const double bound = points[j].law.friction * at.contact;
+            if (projects) at.tangential = std::clamp(at.tangential, -bound, bound);
         }
     }
 }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <sstream>
 
 namespace run_preload_test {
 
@@ -23,6 +24,29 @@ std::string column(const Folder& folder, const std::string& load, const std::str
         << more;
     return "run " + folder.in_shell("column.toml") + " -q -j 1 -s 'load[0].traction=[\"0 MPa\", \"" + load +
            " MPa\"]' -o " + folder.in_shell("run");
+}
+
+/// Dry masonry on a rough half plane: `bodies` under gravity.
+std::string masonry(const Folder& folder, const std::string& bodies, const std::string& more = "") {
+    std::ofstream(folder.path / "masonry.toml")
+        << "knap = 1\n[domain]\nrotation = \"large\"\nthickness = \"1 m\"\n[mesh]\nsize = \"200 mm\"\n"
+           "[material.rock]\ndensity = \"2000 kg/m3\"\nE = \"20 GPa\"\nnu = 0.2\n[interface.default]\n"
+           "sigma_c = \"5 MPa\"\nG_c = \"50 J/m2\"\nfriction = 0.6\n[contact]\nfriction = 0.6\n[[obstacle]]\n"
+           "name = \"ground\"\nshape = \"half plane\"\nat = [0, 0]\nnormal = [0, 1]\nfriction = 0.6\n[[load]]\n"
+           "acceleration = [\"0 m/s2\", \"-10 m/s2\"]\n[time]\nend = \"1 ms\"\nstart = \"equilibrium\"\n[output]\n"
+           "fields = false\n"
+        << bodies << more;
+    return folder.in_shell("masonry.toml");
+}
+
+/// It does not move, and the ground bears its weight [N].
+void check_stands(const Folder& folder, const std::string& scene, double weight) {
+    std::ostringstream expected;
+    expected << " --force -q -j 1 -s 'expect={kinetic_energy={at_most=1e-15}, reaction_y={value=" << weight
+             << ", within=1e-4}}' -o ";
+    const Answer rests = command("run " + scene + expected.str() + folder.in_shell("run"));
+    CAPTURE(rests.text);
+    CHECK(rests.code == 0);
 }
 
 }  // namespace
@@ -69,6 +93,48 @@ TEST_CASE("a run from equilibrium that its interfaces or supports do not hold fa
     CHECK(check.code == 2);
     CHECK(check.has("error[not-held]"));
     CHECK(check.has("column.toml:"));
+}
+
+TEST_CASE("a wall of a pattern and a dry-stone wall of polygons start at rest with the weight on the ground") {
+    const Folder folder("masonry");
+    const std::string wall = masonry(folder,
+                                     "[[bodies]]\nname = \"wall\"\npattern = \"wall\"\ncolumns = 2\nrows = 2\n"
+                                     "block = [\"0.6 m\", \"0.3 m\"]\n");
+    check_stands(folder, wall, 2000 * 10 * 1.2 * 0.6);
+    const std::string stones = masonry(folder,
+                                       "[[bodies]]\nname = \"wall\"\npattern = \"voronoi\"\nmesh_size = \"150 mm\"\n"
+                                       "box = [\"0 m\", \"0 m\", \"2 m\", \"1 m\"]\nsize = \"0.4 m\"\n");
+    check_stands(folder, stones, 2000 * 10 * 2 * 1);
+}
+
+TEST_CASE("a wall whose joints are open in part carries blocks at rest") {
+    const Folder folder("joints");
+    std::string bodies = "[[body]]\nname = \"wall\"\nshape = \"rectangle\"\nsize = [\"2 m\", \"0.9 m\"]\n";
+    for (const char* joint : {"[[0, 0.3], [1.2, 0.3]]", "[[0.6, 0.6], [2, 0.6]]", "[[0.5, 0], [0.5, 0.3]]",
+                              "[[1, 0], [1, 0.3]]", "[[1.5, 0], [1.5, 0.3]]", "[[0.75, 0.3], [0.75, 0.6]]"})
+        bodies += std::string("[[body.crack]]\npoints = ") + joint + "\n";
+    for (int i = 0; i < 3; ++i)
+        bodies += "[[body]]\nname = \"block" + std::to_string(i) +
+                  "\"\nshape = \"rectangle\"\nsize = [\"0.6 m\", \"0.3 m\"]\norigin = [" +
+                  std::to_string(0.1 + 0.6 * i) + ", 0.9]\n";
+    check_stands(folder, masonry(folder, bodies), 2000 * 10 * (1.8 + 3 * 0.18));
+}
+
+TEST_CASE("what hovers over other bodies or an obstacle is an error of check that says how far") {
+    const Folder folder("hovers");
+    const std::string wall = masonry(folder,
+                                     "[[bodies]]\nname = \"wall\"\npattern = \"wall\"\ncolumns = 2\nrows = 3\n"
+                                     "block = [\"0.6 m\", \"0.3 m\"]\ngap = \"1 mm\"\n");
+    const Answer rows = command("check " + wall);
+    CAPTURE(rows.text);
+    CHECK(rows.code == 2);
+    CHECK(rows.has("error[not-held]"));
+    CHECK(rows.has("which hovers 1 mm from what is nearest: a force of (0, "));
+    CHECK(rows.has("so it is with 4 more"));  // three blocks of the second row and two of the third
+    const Answer whole = command("check " + wall + " -s 'bodies[0].gap=\"0 m\"' -s 'bodies[0].origin=[0, 0.002]'");
+    CHECK(whole.code == 2);
+    CHECK(whole.has("around (0.6, 0.452) m, which hovers 2 mm from what is nearest"));
+    CHECK(command("check " + wall + " -s 'bodies[0].gap=\"0 m\"'").code == 0);
 }
 
 }  // namespace run_preload_test
