@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <span>
 
 namespace knap {
@@ -68,8 +69,9 @@ void stop(State& state) {
 }
 
 struct Inertia {
-    double force = 0;   // [N] carried by inertia, sum over all corners
-    Index fastest = 0;  // corner
+    double force = 0;               // [N] carried by inertia, sum over all corners and free obstacles
+    Index fastest = 0;              // corner
+    std::optional<Index> obstacle;  // that carries more than the body
 };
 
 Inertia inertia_of(const Model& model, const State& state, double h) {
@@ -83,10 +85,15 @@ Inertia inertia_of(const Model& model, const State& state, double h) {
         inertia.force += model.corner_mass[c] * velocity.norm() / h;
         if (velocity.norm() > largest) largest = velocity.norm(), inertia.fastest = c;
     }
-    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+    double most = inertia.force;
+    for (Index o = 0; o < static_cast<Index>(model.obstacles.size()); ++o) {
+        double force = 0;
         for (int k = 0; k < 2; ++k)
             if (model.obstacles[o].is_free(k))
-                inertia.force += model.obstacles[o].mass * std::abs(state.obstacles[o].velocity[k]) / h;
+                force += model.obstacles[o].mass * std::abs(state.obstacles[o].velocity[k]) / h;
+        inertia.force += force;
+        if (force > most) most = force, inertia.obstacle = o;
+    }
     return inertia;
 }
 
@@ -354,11 +361,19 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
         const bool stalled = after > stays * part;
         part = after;
         std::swap(now, next);
-        const double acceleration = now.velocity[now.node_of_corner[inertia.fastest]].norm() / h;
+        const ObstacleState* const obstacle = inertia.obstacle ? &now.obstacles[*inertia.obstacle] : nullptr;
+        const double acceleration =
+            (obstacle ? Vec2(obstacle->velocity.head<2>()) : now.velocity[now.node_of_corner[inertia.fastest]]).norm() /
+            h;
         stop(now);
         if (stalled && part <= accepted_residual) break;
         const double largest = wait > 0 ? h : last_step * passage;
-        if ((stalled && h >= largest) || step == max_steps)
+        const bool ends = (stalled && h >= largest) || step == max_steps;
+        if (ends && obstacle)
+            no_equilibrium(formatted("nothing holds the free obstacle `%s`, it would move away with %.3g m/s2",
+                                     model.obstacles[*inertia.obstacle].name.c_str(), acceleration),
+                           model.obstacles[*inertia.obstacle].start.position);
+        if (ends)
             no_equilibrium(interfaces == Interfaces::softening ? overloaded(now, h)
                                                                : unheld(next, now, acceleration, inertia.fastest),
                            model.mesh.corner(inertia.fastest));

@@ -135,6 +135,13 @@ TEST_CASE("what hovers over other bodies or an obstacle is an error of check tha
     CHECK(whole.code == 2);
     CHECK(whole.has("around (0.6, 0.452) m, which hovers 2 mm from what is nearest"));
     CHECK(command("check " + wall + " -s 'bodies[0].gap=\"0 m\"'").code == 0);
+    std::ofstream(folder.path / "masonry.toml", std::ios::app)
+        << "[[obstacle]]\nname = \"stone\"\nshape = \"disc\"\ncentre = [0.6, 1.3]\nradius = \"0.1 m\"\ndensity = "
+           "\"2000 "
+           "kg/m3\"\nvelocity = [\"free\", \"free\"]\n";
+    const Answer stone = command("run " + wall + " -q --force -s 'bodies[0].gap=\"0 m\"' -o " + folder.in_shell("run"));
+    CAPTURE(stone.text);
+    CHECK(stone.has("nothing holds the free obstacle `stone`, it would move away with 10 m/s2, at (0.6, 1.3) m"));
 }
 
 }  // namespace run_preload_test
