@@ -4,6 +4,7 @@
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/excavation.hpp"
+#include "stepper/scheme_change.hpp"
 
 #include <climits>
 #include <cmath>
@@ -157,6 +158,18 @@ void EnergyLedger::adapt(const Renumbering& numbers, const LeapfrogEnergies& ene
     }
 }
 
+/// The frames in which openings are measured may have turned.
+void EnergyLedger::assume(const Model& model, const State& now) {
+    std::vector<Vec2> force;
+    const double strain =
+        has_end_velocities(now) ? elastic_energy(model, now, force) : leapfrog_energies(model, now).strain;
+    row_.assumptions += strain - row_.strain;
+    row_.strain = strain;
+    const double recoverable = surface_of(model, now).recoverable;
+    start_surface_ += recoverable - row_.recoverable;
+    row_.recoverable = recoverable;
+}
+
 void EnergyLedger::renew(const Model& model, double weakest_point) {
     smallest_mass_ = std::min(smallest_mass_, std::ranges::min(model.corner_mass));
     weakest_point_ = std::min(weakest_point_, weakest_point);
@@ -295,6 +308,15 @@ std::span<const EnergyTerm> energy_terms() {
                                 .label = "lost in refinements",
                                 .colour = green,
                                 .dash = 1}),
+        number<&R::assumptions>("assumptions", "J",
+                                "change of the elastic energy where the run went on from another one with large "
+                                "instead of small rotations, or without heat; in such runs",
+                                {.with = &W::new_assumptions,
+                                 .work = 1,
+                                 .drawn = -1,
+                                 .label = "lost by other assumptions",
+                                 .colour = sky,
+                                 .dash = 1}),
         number<&R::thermal_work>("thermal_work", "J", "work of thermal strains that change so far; with heat",
                                  {.with = &W::heat, .step = &S::thermal_work, .work = 1}),
         number<&R::law_change>("law_change", "J",

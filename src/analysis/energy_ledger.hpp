@@ -3,13 +3,15 @@
 //
 //     residual        kinetic + strain - (both at the start) - works: zero to rounding, the energy identity of the
 //                     discrete scheme. Works: external - cohesive + friction + impact + step change + rotation +
-//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation - excavated energy
-//                     - scheme dissipation
+//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation + assumptions -
+//                     excavated energy - scheme dissipation
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
 //                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
 //                     are small, or a strained body turns rigidly
 //     adaptation      change of the energy by refinements of the mesh
+//     assumptions     change of the elastic energy of the same displacements, where a run goes on from another one with
+//                     large instead of small rotations, or without heat
 //     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s); with secant
 //                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
 //     thermal work    of thermal strains e that change, -int sigma : de (src/heat/README.md has the stresses); the
@@ -59,6 +61,7 @@ struct EnergyRow {
     double rotation_work = 0, damping_work = 0, bulk_viscosity_work = 0, radiated_work = 0, excavation_work = 0;
     double excavated_energy = 0, excavated_recoverable = 0;  // that left with excavated regions
     double adaptation = 0;                                   // of refinements of the mesh: change of the energy
+    double assumptions = 0;                                  // of a run that goes on with others: likewise
     double scheme_dissipation = 0;                           // by theta > 1/2
     double thermal_work = 0;                                 // of thermal strains that change
     double law_change = 0;                                   // of strengths that follow the temperature
@@ -75,14 +78,14 @@ struct EnergyRow {
 struct RareWorks {
     bool rotation = false, damping = false, viscosity = false, radiation = false, excavation = false,
          adaptation = false, secant = false, heat = false, conduction = false, law_change = false, delay = false,
-         incubation = false, cohesive_friction = false;
+         incubation = false, cohesive_friction = false, new_assumptions = false;
 
     static constexpr auto all() {
         using R = RareWorks;
-        return std::array{&R::rotation,         &R::damping,    &R::viscosity, &R::radiation,
-                          &R::excavation,       &R::adaptation, &R::secant,    &R::heat,
-                          &R::conduction,       &R::law_change, &R::delay,     &R::incubation,
-                          &R::cohesive_friction};
+        return std::array{&R::rotation,          &R::damping,        &R::viscosity, &R::radiation,
+                          &R::excavation,        &R::adaptation,     &R::secant,    &R::heat,
+                          &R::conduction,        &R::law_change,     &R::delay,     &R::incubation,
+                          &R::cohesive_friction, &R::new_assumptions};
     }
     void include(const RareWorks& other) {
         for (const auto work : all()) this->*work = this->*work || other.*work;
@@ -148,6 +151,8 @@ public:
 
     /// The mesh was refined.
     void adapt(const Renumbering& numbers, const LeapfrogEnergies& energies);
+    /// The run goes on from another one with other assumptions.
+    void assume(const Model& model, const State& now);
     /// The model has become its successor.
     void renew(const Model& model, double weakest_point);
 

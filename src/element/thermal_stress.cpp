@@ -9,8 +9,8 @@
 namespace knap {
 
 ThermalStress::ThermalStress(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
-                             double thickness)
-    : mesh_(mesh), order_(mesh.order) {
+                             double thickness, bool large_rotation)
+    : mesh_(mesh), order_(mesh.order), large_rotation_(large_rotation) {
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Elastic& material = materials[mesh.region[t]];
         const Vec2 origin = mesh.corner(t, 0);
@@ -71,6 +71,7 @@ double ThermalStress::product_of(Index t, const std::vector<Vec2>& displacement,
         trace[m] += weight.dot(displacement[node_of_corner[n_corners() * t + c]] - origin);
     });
     double sum = 0;
+    if (large_rotation_) trace[0] += 0.5 * gradient(t, displacement, node_of_corner).squaredNorm();  // of E
     for (Index m = 0; m < n_strains(); ++m)
         sum += (trace[m] - 2 * strain[n_strains() * t + m]) * other[n_strains() * t + m];
     return 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains() * sum;
@@ -81,6 +82,27 @@ double ThermalStress::product(Index first, Index last, const std::vector<Vec2>& 
                               std::span<const double> other) const {
     double sum = 0;
     for (Index t = first; t < last; ++t) sum += product_of(t, displacement, node_of_corner, strain, other);
+    return sum;
+}
+
+Eigen::Matrix2d ThermalStress::gradient(Index t, const std::vector<Vec2>& displacement,
+                                        const std::vector<Index>& node_of_corner) const {
+    const auto g = shape_gradients(mesh_, t);
+    Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
+    for (Index k = 0; k < 3; ++k) H += displacement[node_of_corner[3 * t + k]] * g[k].transpose();
+    return H;
+}
+
+/// -int eps : D e + 1/2 int e : D e
+double ThermalStress::energy(Index first, Index last, const std::vector<Vec2>& displacement,
+                             const std::vector<Index>& node_of_corner, std::span<const double> strain) const {
+    double sum = 0;
+    for (Index t = first; t < last; ++t) {
+        sum -= product_of(t, displacement, node_of_corner, strain, strain);
+        for (Index m = 0; m < n_strains(); ++m)
+            sum -= 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains() * strain[n_strains() * t + m] *
+                   strain[n_strains() * t + m];
+    }
     return sum;
 }
 
@@ -109,12 +131,17 @@ double ThermalStress::evaluate(Index first, Index last, const std::vector<Vec2>&
             continue;
         }
         const double pressure = here.half_pressure * strain[t];
-        const Vec2 f1 = force[1] - pressure * turned_left(here.edge2),
-                   f2 = force[2] + pressure * turned_left(here.edge1);
+        Vec2 p1 = -pressure * turned_left(here.edge2), p2 = pressure * turned_left(here.edge1);
+        if (large_rotation_) {  // F turns them
+            const Eigen::Matrix2d H = gradient(t, displacement, node_of_corner);
+            p1 += H * p1, p2 += H * p2;
+            sum += product_of(t, displacement, node_of_corner, strain, other);
+        }
+        const Vec2 f1 = force[1] + p1, f2 = force[2] + p2;
         force[0] = -(f1 + f2);
         force[1] = f1;
         force[2] = f2;
-        sum -= (f1.dot(here.edge1) + f2.dot(here.edge2)) * other[t];
+        if (!large_rotation_) sum -= (f1.dot(here.edge1) + f2.dot(here.edge2)) * other[t];
         const double norm2 = f1.squaredNorm() * here.edge1.squaredNorm() + 2 * f1.dot(f2) * here.edge1.dot(here.edge2) +
                              f2.squaredNorm() * here.edge2.squaredNorm();
         if (norm2 > here.threshold) {

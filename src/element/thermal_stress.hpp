@@ -3,6 +3,8 @@
 // pressure p = 2 (lambda + mu) e. They add the forces  V p grad l_k  to those of ElasticForces (order 2: the mean of
 // that over the middles of the edges, with middle_gradients), and these forces are constant while the temperature is.
 //
+// With large rotations (of order 1): S = D (E - e I), forces V p F grad l_k, which turn with the body.
+//
 // Strains are given as in Temperatures: one per triangle, or three at the middles of its edges for order 2.
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
@@ -15,14 +17,15 @@ namespace knap {
 
 class ThermalStress {
 public:
-    ThermalStress(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness);
+    ThermalStress(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness,
+                  bool large_rotation = false);
     /// As in ElasticForces, which must not have one of its own: there only D eps is known.
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
 
-    /// Adds `factor` times the forces [N] of a strain to those on all corners.
+    /// Adds `factor` times the forces [N] of a strain to those on all corners; of small rotations.
     void add_forces(std::span<const double> strain, double factor, std::vector<Vec2>& force) const;
 
-    /// [J] Integral of sigma : other I, with the stress sigma at `displacement` and `strain`, over the triangles from
+    /// [J] Integral of sigma : other I, with the stress sigma (large rotations: S) at `displacement` and `strain`, over the triangles from
     /// `first` to before `last`.
     double product(Index first, Index last, const std::vector<Vec2>& displacement,
                    const std::vector<Index>& node_of_corner, std::span<const double> strain,
@@ -31,6 +34,10 @@ public:
                    std::span<const double> strain, std::span<const double> other) const {
         return product(0, n_triangles(), displacement, node_of_corner, strain, other);
     }
+
+    /// [J] What the strain adds to the elastic energy: the integral of 1/2 (eps - e) : D (eps - e) - 1/2 eps : D eps.
+    double energy(Index first, Index last, const std::vector<Vec2>& displacement,
+                  const std::vector<Index>& node_of_corner, std::span<const double> strain) const;
 
     /// The same forces for the triangles from `first` to before `last`, added to the elastic ones [N] on their
     /// corners, and the stress criterion of the sum (as ElasticForces::evaluate). Returns the product with `other`.
@@ -53,8 +60,13 @@ private:
     double product_of(Index triangle, const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
                       std::span<const double> strain, std::span<const double> other) const;
 
+    /// Gradient of the displacement.
+    Eigen::Matrix2d gradient(Index triangle, const std::vector<Vec2>& displacement,
+                             const std::vector<Index>& node_of_corner) const;
+
     const Mesh& mesh_;
     Index order_;
+    bool large_rotation_;
     std::vector<Triangle> triangles_;
     std::vector<double> threshold_of_fan_;  // [Pa2]
     std::vector<Index> fan_of_corner_;

@@ -5,9 +5,11 @@
 #include "element/shape_functions.hpp"
 #include "element/triangle_matrices.hpp"
 #include "heat/corner_pairs.hpp"
+#include "mesh/polygon.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 #include <span>
 
 namespace knap {
@@ -56,20 +58,22 @@ Conduction::Conduction(const Model& model) : model_(model), exchanges_(model) {
     of_gaps_.resize(mesh.n_corners());
 }
 
+/// [W/(m2 K)] Between two corners on the sides of an edge of this length [m].
+double Conduction::closed_conductance(Index a, Index b, double length) const {
+    if (const double given = model_.heat->closed_conductance; given >= 0) return given;
+    return closed_conductivities * std::min(thermal_of(a).conductivity, thermal_of(b).conductivity) / length;
+}
+
 double Conduction::conductance_of(const FanPoint& point, double u_N) const {
     const Heat& heat = *model_.heat;
-    double closed = heat.closed_conductance;
-    if (closed < 0) {
-        closed = closed_conductivities *
-                 std::min(thermal_of(point.before).conductivity, thermal_of(point.after).conductivity) /
-                 model_.interfaces[model_.interface_of(point.point)].length;
-    }
+    const double closed =
+        closed_conductance(point.before, point.after, model_.interfaces[model_.interface_of(point.point)].length);
     if (u_N <= 0) return point.area * closed;
     if (closed == 0 || heat.gap_conductivity == 0) return 0;
     return point.area / (u_N / heat.gap_conductivity + 1 / closed);
 }
 
-/// Between the corners of split fans, at the openings of `begin`; not across supports, nor between faces that moved on.
+/// Between the corners of split fans, at the openings of `begin`; not across supports.
 void Conduction::find_gaps(const State& begin) {
     gaps_.clear();
     std::ranges::fill(of_gaps_, 0.0);
@@ -79,10 +83,46 @@ void Conduction::find_gaps(const State& begin) {
             const FanPoint& point = points[i];
             if (point.on_support() || begin.has_retired(point.point)) continue;
             if (is_intact(begin, static_cast<Index>(rank), i)) continue;  // one node
-            const double conductance = conductance_of(point, begin.opening_of(point, {}).x());
+            const double conductance =
+                conductance_of(point, begin.opening_of(point, point_frame(model_, begin, point)).x());
             gaps_.push_back({point.before, point.after, conductance});
             of_gaps_[point.before] += conductance, of_gaps_[point.after] += conductance;
         }
+    }
+    find_pressed_faces(begin);
+}
+
+/// Free faces that press on each other, where they cover each other: edges that meet at a contact, turned against each
+/// other, each pair once. What flows over the common length is spread on the ends of both edges.
+void Conduction::find_pressed_faces(const State& begin) {
+    const Mesh& mesh = model_.mesh;
+    const auto end_of = [](Index h) { return h % 3 == 2 ? h - 2 : h + 1; };
+    const auto start_of = [](Index h) { return h % 3 == 0 ? h + 2 : h - 1; };
+    const auto place = [&](Index corner) -> Vec2 { return mesh.corner(corner) + begin.displacement_of(corner); };
+    std::set<std::pair<Index, Index>> pairs;
+    for (const FaceContactState& at : begin.face_contacts) {
+        const std::array corners{at.vertex, at.edge, at.entering};
+        if (std::ranges::any_of(corners, [&](Index c) { return model_.ground_at(c) != nullptr; })) continue;
+        for (const Index face : {at.vertex, start_of(at.entering)}) pairs.insert(std::minmax(face, at.edge));
+    }
+    for (const auto& [one, other] : pairs) {
+        const std::array<Index, 4> corner{one, end_of(one), other, end_of(other)};
+        const Vec2 a = place(corner[0]), along = place(corner[1]) - a;
+        const double length = along.norm();
+        if (!(along.dot(place(corner[3]) - place(corner[2])) < 0)) continue;
+        const auto part_of = [&](Index c) { return along.dot(place(c) - a) / (length * length); };
+        const double from = std::max(0.0, part_of(corner[3])), to = std::min(1.0, part_of(corner[2]));
+        if (!(from < to)) continue;
+        const double middle = 0.5 * (from + to),
+                     there = nearest_parameter(place(corner[2]), place(corner[3]), a + middle * along),
+                     whole = (to - from) * length * model_.thickness * closed_conductance(one, other, length);
+        const std::array<double, 4> share{1 - middle, middle, 1 - there, there};
+        for (const int i : {0, 1})
+            for (const int j : {2, 3}) {
+                const double conductance = share[i] * share[j] * whole;
+                gaps_.push_back({corner[i], corner[j], conductance});
+                of_gaps_[corner[i]] += conductance, of_gaps_[corner[j]] += conductance;
+            }
     }
 }
 

@@ -6,6 +6,7 @@
 //
 //     C_i dT_i/dt = sum_j w_ij (T_j - T_i)                                       w_ij = -k A t grad l_i . grad l_j
 //                 + sum_points S h(u_N) (T_other - T_i)                          h = 1/(max(u_N, 0)/k_f + 1/h_0)
+//                 + sum of free faces that press on each other, S h_0 (T_other - T_i)
 //                 + sum_edges L t/2 (q + a (T_outside - T_i)) + V Q/3            Q: source
 //
 // What one corner gives another one gets, so that the sum of C T changes by what comes through the boundary and from
@@ -48,7 +49,9 @@ private:
     void find_gaps(const State& begin);
     void follow_conductivity(const std::vector<double>& T);
     const std::vector<double>& present() const { return conductivity_varies_ ? present_ : conductance_; }
+    double closed_conductance(Index a, Index b, double length) const;
     double conductance_of(const FanPoint& point, double u_N) const;
+    void find_pressed_faces(const State& begin);
     bool is_intact(const State& begin, Index rank, std::size_t point) const;
     /// Heat [W] into every corner at these temperatures, and its sum over boundaries and sources.
     double add_heat(const std::vector<double>& T, std::vector<double>& into) const;

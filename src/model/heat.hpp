@@ -19,14 +19,15 @@ struct TemperatureField {
     Expression value;
     TimeFunction history;
     std::shared_ptr<const GridTable> grid;  // in the place of the formula
+    bool frozen = false;                    // in the place of both: those of the state at the start stay
 
     double value_at(const Vec2& place, double t) const {
         return grid ? (*grid)(place.x(), place.y(), t) : value(place.x(), place.y(), t);
     }
     bool is_constant() const {
-        return history.time.empty() && !(grid ? grid->depends_on_time() : value.depends_on_time());
+        return frozen || (history.time.empty() && !(grid ? grid->depends_on_time() : value.depends_on_time()));
     }
-    bool is_uniform() const { return !grid && !value.depends_on_place(); }
+    bool is_uniform() const { return frozen || (!grid && !value.depends_on_place()); }
 };
 
 /// Heat through a boundary, or into a region.

@@ -314,8 +314,6 @@ Model make_model(ModelInput input) {
     model.contact_of_pair = std::move(input.contact_of_pair);
     model.ground = make_ground(model);
     model.heat = std::move(input.heat);
-    if (model.heat && model.large_rotation)
-        throw UserError("heat-rotation", "thermal strain needs small rotations", "rotation = \"small\" in [domain]");
     for (const CohesiveLaw& law : input.laws) model.laws_follow_temperature |= model.heat && law.of_temperature;
     weigh_obstacles(input.loads, model);
     check_obstacles(model);

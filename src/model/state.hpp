@@ -35,11 +35,12 @@ struct Incubation {
 /// A contact between a boundary vertex and a boundary edge in the last step.
 struct FaceContactState {
     Index vertex, edge;          // corners: the start of the boundary edge that leaves the vertex, that of the edge
+    Index entering;              // the end of the boundary edge that enters the vertex
     double contact, tangential;  // [N s] its force along the normal and along the edge, on the vertex, times the step
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(vertex, edge, contact, tangential);
+        archive(vertex, edge, entering, contact, tangential);
     }
 };
 

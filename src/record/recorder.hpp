@@ -62,6 +62,9 @@ public:
     /// first.
     void begin(const State& start);
     /// The clock of these is set back by `time` [s].
+    /// A run goes on from another one: with the step that ended its leapfrog, with other assumptions.
+    void close_leapfrog(const State& now, const StepReport& closing) { ledger_.add(now, closing); }
+    void assume(const State& now) { ledger_.assume(model_, now); }
     void set_back(double time) { cracks_.set_back(time), ledger_.set_clock(ledger_.row().time - time); }
 
     /// Writes the tables with all lines so far and opens them for the next lines. The constructor does this for a new

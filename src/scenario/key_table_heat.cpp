@@ -47,13 +47,14 @@ void add_keys_of_heat(KeyTable& t) {
     t.table("heat", "temperatures, which strain the body (thermal stress). All count from one zero: in C where one of "
         "them has that unit (\"20 C\"), which figures and tables then have, too; in K otherwise. Plain numbers, "
         "formulas and files follow, nothing is converted, and C and K together are an error. The motion does not heat "
-        "the body. With small rotations only");
+        "the body. With [contact] heat crosses free faces where they press on each other");
     t.number("reference", "K", "temperature without thermal strain").otherwise("0").to(&Heat::reference);
     t.text("temperature", "the temperature as \"400 C\", or as a formula of x, y [m] and t [s], as "
         "\"20 + 300*exp(-x/0.01)\", with + - * / ^ ( ) pi sin cos tan tanh exp log sqrt abs erf erfc min max; or a "
         "file \"NAME.csv\" with lines `x, y, temperature` or `x, y, t, temperature` in any order, one for each place "
         "of a grid, linear between them and constant outside; prescribed, with conduction that of the start; a "
-        "factor over time, by at most one of ramp, table, csv, multiplies its difference to the reference").required();
+        "factor over time, by at most one of ramp, table, csv, multiplies its difference to the reference. \"frozen\": "
+        "that of the run from which this one starts, which stays").required();
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
     t.flag("conduction", "temperatures follow from conduction; without it they are prescribed")
         .otherwise("false").to(&Heat::conduction);

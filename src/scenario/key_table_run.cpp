@@ -70,7 +70,8 @@ void add_keys_of_run(KeyTable& t) {
     t.word("start", {"rest", "equilibrium", "run:*"}, "initial state: undeformed; in static equilibrium with the loads "
         "at t = 0, held by supports, contact, friction and cohesion; or \"run:DIR@40us\": the state of the run in DIR, "
         "relative to the scenario file, at that time (of output.states, or of a checkpoint), with its damage and its "
-        "energy balance. The body must be the same, loads, time, outputs and driven motions may be others; the time "
+        "energy balance. Rotations may be large instead of small, [contact] may be added, [heat] left out or frozen; "
+        "else the body must be the same. Loads, time, outputs and driven motions may be others; the time "
         "counts from 0 again")
         .otherwise("rest").to(&TimeOptions::start_in_equilibrium, {false, true, false});
     t.word("assumption_1", {"respect", "ignore"}, "steps of the implicit cohesion that may have several solutions "

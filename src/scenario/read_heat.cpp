@@ -188,6 +188,10 @@ void read_field(const Table& table, TemperatureField& field) {
         return;
     }
     const std::string text = table.text("temperature");
+    if (text == "frozen") {  // what is there before the state at the start is read does not matter
+        field.frozen = true, field.value = Expression("0");
+        return;
+    }
     if (text.ends_with(".csv")) {
         field.grid = read_grid(table);
         return;
@@ -206,6 +210,18 @@ const char* table_example(std::string_view key) {
            : key == "pressure_table" ? "[[-5, 5e6], [0, 0]]"
            : key == "friction_table" ? "[[-2, 0.6], [-0.5, 0.4]]"
                                      : "[[-10, 1], [-1, 0.3], [0, 0.001]]";
+}
+
+/// Keys beside temperatures that stay.
+void refuse_with_frozen(Reading& reading) {
+    const Table table = reading.table("heat");
+    for (const char* key : {"conduction", "ramp", "table", "csv"})
+        if (table.given(key))
+            table.error("exclusive-keys", key, "has no meaning where temperatures are frozen",
+                        "a temperature, or temperature = \"frozen\" alone");
+    if (!reading.table("time").text("start").starts_with("run:"))
+        table.error("exclusive-keys", "temperature", "= \"frozen\" needs temperatures of another run",
+                    "time.start = \"run:DIR@TIME\" of a run with [heat]");
 }
 
 }  // namespace
@@ -255,11 +271,14 @@ void read_heat(Reading& reading) {
         !presses)
         table.warning("no-expansion", "", "strains nothing: no material has an expansion",
                       "expansion in [material.NAME]");
-    if (reading.table("domain").text("rotation") == "large")
-        table.error("exclusive-keys", "", "needs small rotations", "rotation = \"small\" in [domain]");
     if (reading.values.has("excavation"))
         table.error("exclusive-keys", "", "does not go together with [[excavation]]",
                     "cracked interfaces or a region of small E in its place");
+    if (heat.field.frozen) {
+        refuse_with_frozen(reading);
+        reading.scenario.heat = std::move(heat);
+        return;
+    }
     const std::vector<Body>& bodies = reading.scenario.bodies;
     for (const Body& body : bodies)
         if (body.shape.outer.points.empty()) return;  // reported

@@ -152,6 +152,7 @@ void Run::start_from(StartState& other, const std::string& text) {
     control_.start_from(other.control, now_);
     other.reader.read_energies_and_cracks(recorder_);
     recorder_.set_back(other.time);
+    other.complete(recorder_);
     const std::string report =
         text + formatted("starts from `%s` at its t = %s, step %lld; the time counts from 0 again\n",
                          setup_.scenario.time.start_run.c_str(), readable(other.time, "s", 9).c_str(),
@@ -423,7 +424,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
         }
         Run run({scenario, model, plan, options, directory, origin}, stepper, std::move(excavations),
                 std::move(adaptation), place, record, clock, other ? &*other : nullptr);
-        if (other) run.start_from(*other, jumps_text(read, model, other->now, plan.limits.largest));
+        if (other) run.start_from(*other, jumps_text(read, model, *other, plan.limits.largest));
         if (place.resumes()) run.resume(continuation.text);
         run.step_to_end();
         run.finish();

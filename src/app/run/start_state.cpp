@@ -7,6 +7,7 @@
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
 #include "scenario/keys.hpp"
+#include "stepper/common/elastic_energy.hpp"
 
 #include <algorithm>
 #include <array>
@@ -16,7 +17,8 @@
 namespace knap {
 namespace {
 
-constexpr double negligible_jump = 1e-6;  // [-] of the displacement
+constexpr const char* large = "\"large\"";  // of domain.rotation
+constexpr double negligible_jump = 1e-6;    // [-] of the displacement
 
 using Lines = std::map<std::string, std::string>;
 
@@ -28,6 +30,7 @@ void add_lines(const Node& node, const std::string& path, Lines& lines) {
         lines[path] = toml_text(node);
         return;
     }
+    if (node.children.empty()) lines[path] = "given";
     for (std::size_t i = 0; i < node.children.size(); ++i)
         add_lines(node.children[i], is_list ? item(path, i) : joined_path(path, node.children[i].name), lines);
 }
@@ -42,9 +45,10 @@ Lines lines_of(const std::string& scenario) {
 
 /// A key that may differ between a run and the one from which it starts.
 bool is_free(const std::string& path) {
-    constexpr std::array tables{"load[",   "probe[", "specimen.", "figure[",          "output.",   "limits.",
-                                "expect.", "study.", "sweep.",    "absorb[",          "pressure[", "heat.exchange[",
-                                "time.",   "name",   "title",     "heat.temperature", "heat.ramp", "heat.table"};
+    constexpr std::array tables{
+        "load[",  "probe[",           "specimen.", "figure[",    "output.",         "limits.",    "expect.",
+        "study.", "sweep.",           "absorb[",   "pressure[",  "heat.exchange[",  "time.",      "name",
+        "title",  "heat.temperature", "heat.ramp", "heat.table", "heat.conduction", "heat.every", "heat.time_factor"};
     constexpr std::array motions{"velocity", "displacement", "spin", "force", "ramp", "table"};
     if (path == "time.mass") return false;
     if (path.starts_with("material.") && path.ends_with("_viscosity")) return true;  // of the scheme
@@ -61,15 +65,49 @@ const std::string& or_nothing(const Lines& lines, const std::string& key) {
     return found == lines.end() ? nothing : found->second;
 }
 
+/// Whether a path is that of a table, or of a key in it.
+bool is_in(const std::string& path, std::string_view table) {
+    return path.starts_with(table) && (path.size() == table.size() || path[table.size()] == '.');
+}
+bool has_table(const Lines& lines, std::string_view table) {
+    const auto next = lines.lower_bound(std::string(table));
+    return next != lines.end() && is_in(next->first, table);
+}
+
+/// A key of a material or law that only heat asks for.
+bool is_thermal(const std::string& path) {
+    constexpr std::array keys{".expansion",     ".expansion_table",     ".conductivity", ".conductivity_table",
+                              ".heat_capacity", ".heat_capacity_table", ".latent_heat",  ".freezing_range"};
+    return path.starts_with("material.") &&
+           std::ranges::any_of(keys, [&](const char* key) { return path.ends_with(key); });
+}
+
+/// What a run assumes that the one from which it starts did not: it goes on with them from the same state.
+struct NewAssumptions {
+    bool rotation, contact;  // they are large; free faces meet
+    bool no_heat;            // thermal strains vanish
+
+    NewAssumptions(const Lines& there, const Lines& here)
+        : rotation(or_nothing(here, "domain.rotation") == large),
+          contact(!has_table(there, "contact") && has_table(here, "contact")),
+          no_heat(has_table(there, "heat") && !has_table(here, "heat")) {}
+
+    bool concern(const std::string& key) const {
+        return (rotation && key == "domain.rotation") || (contact && is_in(key, "contact")) ||
+               (no_heat && (is_in(key, "heat") || is_thermal(key)));
+    }
+};
+
 /// "`mesh.size` is 0.002 there, 0.001 here"; empty where the bodies are the same.
 std::string difference(const Lines& there, const Lines& here) {
+    const NewAssumptions assumed(there, here);
     Lines all = there;
     all.insert(here.begin(), here.end());
     std::string text;
     int n = 0;
     for (const auto& [key, value] : all) {
         const std::string &was = or_nothing(there, key), &is = or_nothing(here, key);
-        if (is_free(key) || was == is || ++n > 1) continue;
+        if (is_free(key) || assumed.concern(key) || was == is || ++n > 1) continue;
         text = "`" + key + "` is " + was + " there, " + is + " here";
     }
     return n > 1 ? text + ", and " + std::to_string(n - 1) + " more" : text;
@@ -112,12 +150,19 @@ RunOrigin origin_of(const ReadResult& read) {
     if (const std::string text = difference(there, here); !text.empty())
         throw refusal(read, text,
                       "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, "
-                      "probes, limits and expectations may be others");
-    const std::string implicit = "\"implicit\"";
-    if (or_nothing(here, "time.bulk") == implicit && or_nothing(there, "time.bulk") != implicit)
-        throw refusal(read, "its bulk is explicit, and its velocities belong to the middle of a step",
-                      "time.bulk = \"auto\" or \"explicit\", which may start from every run");
+                      "probes, limits and expectations may be others, and rotations large, [contact] added, [heat] "
+                      "left out; not the reverse, since what has turned would be strained, and what rests on free "
+                      "faces would fall through them");
+    const auto follows_temperature = [](const auto& line) {
+        return line.first.ends_with("strength_table") || line.first.ends_with("friction_table") ||
+               line.first.ends_with("pressure_table");
+    };
+    if (NewAssumptions(there, here).no_heat && std::ranges::any_of(there, follows_temperature))
+        throw refusal(read, "its laws follow the temperature, which this run does not have",
+                      "[heat] with temperature = \"frozen\"");
     origin.works.include(other.works);
+    if (there.at("domain.rotation") != here.at("domain.rotation") || NewAssumptions(there, here).no_heat)
+        origin.works.new_assumptions = true;
     return origin;
 }
 
@@ -133,8 +178,57 @@ StartState::StartState(const std::string& file, const Scenario& scenario, Model&
     excavations.repeat(model);
     adaptation.repeat(model);
     now.reaction.assign(model.prescribed.size(), Vec2::Zero());  // of other loads
-    if (!scenario.time.scheme.takes_implicit_steps() && has_end_velocities(now)) begin_leapfrog(now);
+    if (!model.contact_of_pair.empty()) now.retired.resize(model.n_points(), 0);
+    if (!model.heat) drop_heat(model);
     fit_laws(model, now);
+    begin_bulk(scenario, model);
+    const Lines there = lines_of(reader.origin().scenario);
+    assumes_anew_ = scenario.large_rotation != (or_nothing(there, "domain.rotation") == large) ||
+                    (!scenario.heat && has_table(there, "heat"));
+    if (assumes_anew_ && model.large_rotation) {
+        const LeapfrogEnergies energies = leapfrog_energies(model, now);
+        now.elastic_energy = energies.elastic, now.elastic_work = energies.work;
+    }
+}
+
+void StartState::drop_heat(const Model& model) {
+    if (!now.temperature) return;
+    lost_stress.emplace();
+    const std::vector<double>& strain = now.temperature->strain;
+    const auto per_triangle = static_cast<Index>(strain.size()) / model.mesh.n_triangles();
+    for (std::size_t i = 0; i < strain.size(); ++i) {
+        const Index t = static_cast<Index>(i) / per_triangle;
+        const Elastic& material = model.materials[model.mesh.region[t]];
+        const double prevented =
+            2 * (material.first_lame(model.plane) + material.shear_modulus()) * std::abs(strain[i]);
+        if (prevented > lost_stress->largest) *lost_stress = {prevented, model.mesh.centroid(t)};
+    }
+    now.temperature = now.temperature_before = nullptr;
+}
+
+/// Velocities at the end of a step, or in its middle.
+void StartState::begin_bulk(const Scenario& scenario, const Model& model) {
+    const SchemeOptions& scheme = scenario.time.scheme;
+    if (!scheme.takes_implicit_steps()) {
+        if (has_end_velocities(now)) begin_leapfrog(now);
+        return;
+    }
+    if (scheme.takes_explicit_steps() || has_end_velocities(now) || now.last_step == 0) return;
+    SchemeOptions leapfrog = scheme;
+    leapfrog.bulk = BulkScheme::explicit_lumped, leapfrog.cohesion = CohesionScheme::explicit_beta;
+    State closed = now;
+    closing_ = MoreauJean(model, leapfrog).close_leapfrog(now, closed);
+    if (closing_->rejection != Rejection::none)
+        throw SimulationError("the last explicit step of `" + scenario.time.start_run +
+                              "` cannot be closed, as implicit steps need it; start from a moment at which it moves "
+                              "less, or with time.bulk = \"auto\"");
+    closed.time = now.time, closed.n_steps = now.n_steps;
+    now = std::move(closed);
+}
+
+void StartState::complete(Recorder& recorder) const {
+    if (closing_) recorder.close_leapfrog(now, *closing_);
+    if (assumes_anew_) recorder.assume(now);
 }
 
 /// The state at t = 0. A body that its interfaces cannot hold in equilibrium has failed before its first step.
@@ -179,8 +273,18 @@ std::string start_damage_text(const Model& model, const State& start) {
            place_text(where) + "\n";
 }
 
-std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step) {
+std::string jumps_text(const ReadResult& read, const Model& model, const StartState& other, double step) {
+    const State& start = other.now;
     std::string text;
+    if (other.lost_stress && other.lost_stress->largest > 0)
+        text +=
+            format(read.at("time.start", {.severity = Diagnostic::Severity::warning,
+                                          .code = "jump",
+                                          .message = formatted("without heat the thermal strains of the other run "
+                                                               "vanish, and with them up to %s at %s",
+                                                               readable(other.lost_stress->largest, "Pa", 3).c_str(),
+                                                               place_text(other.lost_stress->place).c_str()),
+                                          .note = "[heat] with temperature = \"frozen\" keeps them"}));
     const auto warn = [&](const std::string& path, double is, double begins) {
         const double jump = std::abs(begins - is);
         if (jump <= negligible_jump * (std::abs(is) + std::abs(begins))) return;
@@ -208,7 +312,7 @@ std::string jumps_text(const ReadResult& read, const Model& model, const State& 
             if (const Drive& drive = model.obstacles[o].drive[k]; drive.kind == Drive::Kind::displacement)
                 warn(item("obstacle", o) + ".displacement", start.obstacles[o].moved[k],
                      drive.value * drive.history(0));
-    if (!start.temperature || model.heat->conduction) return text;
+    if (!start.temperature || model.heat->conduction || model.heat->field.frozen) return text;
     const SharedTemperatures begins = field_at(model, start.time);
     double jump = 0;
     for (std::size_t c = 0; c < begins->of_corner.size(); ++c)

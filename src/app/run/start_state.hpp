@@ -7,8 +7,12 @@
 //     begins anew   the time, at 0; tables, frames, probes, gauges, limits, counts of steps
 //     must agree    the body: every key that is no load, time, output or motion of an obstacle
 //
-// After implicit steps an explicit run may start: both have the energies 1/2 v'Mv + 1/2 u'Ku of one moment. The
-// velocities of the explicit bulk belong to the middle of a step, so an implicit run does not start from them.
+//     may be new    rotations large, contact between free faces, no heat, temperatures frozen: the energies of the same
+//                   state change by what the balance calls assumptions
+//
+// After implicit steps an explicit run may start: both have the energies 1/2 v'Mv + 1/2 u'Ku of one moment. Velocities
+// of the explicit bulk belong to the middle of a step: before implicit steps a last explicit one of nearly no length
+// brings them to its end (stepper/scheme_change.hpp).
 #include "app/run/checkpoint.hpp"
 #include "scenario/read_scenario.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -25,12 +29,26 @@ struct StartState {
     StartState(const std::string& file, const Scenario& scenario, Model& model, Excavations& excavations,
                Adaptation& adaptation);
 
+    /// What the balance of the other run needs in addition, after reader.read_energies_and_cracks.
+    void complete(Recorder& recorder) const;
+
     MemoryReader reader;  // its energies and cracks are next
     State now;
     StepControl control;        // of the other run
     double time = 0;            // [s] of the other run
     std::int64_t n_steps = 0;   // of the other run
     std::int64_t set_back = 0;  // steps
+    struct LostStress {
+        double largest = 0;  // [Pa] of prevented thermal strains
+        Vec2 place = Vec2::Zero();
+    };
+    std::optional<LostStress> lost_stress;  // where this run has no heat
+
+private:
+    void drop_heat(const Model& model);
+    void begin_bulk(const Scenario& scenario, const Model& model);
+    std::optional<StepReport> closing_;  // of the leapfrog, before implicit steps
+    bool assumes_anew_ = false;
 };
 
 /// The state at t = 0 of a run that starts from no other one. A body that its interfaces cannot hold in equilibrium has
@@ -41,7 +59,7 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
 std::string start_damage_text(const Model& model, const State& start);
 
 /// A warning for each prescribed displacement, and for the prescribed temperature, that does not begin where the other
-/// run was; `step` [s] is the first one.
-std::string jumps_text(const ReadResult& read, const Model& model, const State& start, double step);
+/// run was, and for thermal stresses that vanish; `step` [s] is the first one.
+std::string jumps_text(const ReadResult& read, const Model& model, const StartState& other, double step);
 
 }  // namespace knap

@@ -264,6 +264,7 @@ std::vector<Diagnostic> findings_of_resolution(const ReadResult& read, const Mod
 std::vector<Diagnostic> findings_of_tables(const ReadResult& read, const Model& model, const StepPlan& plan) {
     std::vector<Diagnostic> found = TablesOverTime(read, model, plan).found();
     if (!read.scenario.heat) return found;
+    if (read.scenario.heat->field.frozen) return found;
     for (Diagnostic& other : TablesOverTemperature(read, model.mesh).found()) found.push_back(std::move(other));
     for (Diagnostic& other : findings_of_grid(read, model.mesh)) found.push_back(std::move(other));
     for (Diagnostic& other : findings_of_resolution(read, model)) found.push_back(std::move(other));

@@ -42,7 +42,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
         contacts_.emplace(model, solver_, corner_impulse_);
     }
     if (model.heat) {
-        thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness);
+        thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
         thermal_->set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
     } else {
         forces_.set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
@@ -225,7 +225,7 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
             forces_.evaluate(block.first, block.last, step.begin.displacement, step.begin.node_of_corner,
                              work.force.data(), fan_is_candidate_, is_viscous ? &viscous : nullptr);
         if (is_viscous) account_viscosity(viscous, report);
-        if (thermal_) add_thermal_forces(block, step, work.force.data(), report);
+        if (thermal_) elastic_energy_[b] += add_thermal_forces(block, step, work.force.data(), report);
         Vec2* kept = &corner_force_[model_.mesh.corners_per_triangle() * block.first];
         for (const MeshBlock::Corner c : block.kept) kept[c] = work.force[c];
         for (Index i = block.first_load; i < block.last_load; ++i) {
@@ -256,18 +256,28 @@ void ExplicitScheme::account_viscosity(const ViscousStep& viscous, StepReport& r
 /// With the stress sigma_n, the strain e_n and the strains before and after the step, the energy of the leapfrog is
 ///
 ///     E = 1/2 v' M v + 1/2 int sigma_n : (eps_n+1 - e_n+1),     W_th = -1/2 int sigma_n : (e_n+1 - e_n-1)
-void ExplicitScheme::add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force,
-                                        StepReport& report) {
+///
+/// with large rotations 1/2 v' M v + U_n - 1/2 f_n . (u_n+1 - u_n) - 1/2 int S_n : (e_n+1 - e_n), and the trapezoid of
+/// the rotation work has the term 1/2 int (S_n-1 + S_n) : (e_n - e_n-1). Returns what the strains add to U_n [J].
+double ExplicitScheme::add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force,
+                                          StepReport& report) {
     const State& begin = step.begin;
     const auto &now = begin.temperature, &after = step.end.temperature,
                &before = begin.last_step == 0 ? now : begin.temperature_before;
     const double of_end = thermal_->evaluate(block.first, block.last, begin.displacement, begin.node_of_corner,
                                              now->strain, after->strain, force, fan_is_candidate_);
-    report.strain -= 0.5 * of_end;
-    if (before == after) return;
-    const double of_begin = thermal_->product(block.first, block.last, begin.displacement, begin.node_of_corner,
-                                              now->strain, before->strain);
-    report.thermal_work -= 0.5 * (of_end - of_begin);
+    const auto product = [&](const SharedTemperatures& other) {
+        return thermal_->product(block.first, block.last, begin.displacement, begin.node_of_corner, now->strain,
+                                 other->strain);
+    };
+    if (before != after) report.thermal_work -= 0.5 * (of_end - product(before));
+    if (!model_.large_rotation) {
+        report.strain -= 0.5 * of_end;
+        return 0;
+    }
+    if (now != after) report.strain -= 0.5 * (of_end - product(now));
+    if (before != now) report.rotation_work += 0.5 * (product(now) - product(before));
+    return thermal_->energy(block.first, block.last, begin.displacement, begin.node_of_corner, now->strain);
 }
 
 /// A fan near an obstacle is solved as a split one, in which the fan solver finds what sticks.

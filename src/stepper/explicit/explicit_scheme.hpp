@@ -32,7 +32,7 @@ private:
     template <class Corner>
     bool decide_and_move(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan,
                          const Corner* corner, const Vec2& force);
-    void add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force, StepReport& report);
+    double add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force, StepReport& report);
     void split_at_contacts(const State& begin);
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>

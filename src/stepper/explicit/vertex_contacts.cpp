@@ -378,7 +378,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
         report.contact_injection += positive_work(P, mean);
         report.add_depth((c.depth - step.drift_time * after.x()) / c.length,
                          place_of(static_cast<Index>(i), step.begin));
-        step.end.face_contacts.push_back({c.vertex[1], c.edge[0], lasting * P.x(), lasting * P.y()});
+        step.end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], lasting * P.x(), lasting * P.y()});
     }
     for (const Cluster& cluster : clusters())
         report.add_contact_residual(cluster.residual, place_of(cluster.contacts.front(), step.begin));

@@ -101,7 +101,11 @@ void FacePoints::store(std::span<const ActivePoint> points, double kick, State& 
         const FaceContact& contact = faces_->all()[i];
         // with N from the vertex to the edge, both components are the opposite on the vertex along n and t of the edge
         const PointResponse& q = points[i].response;
-        end.face_contacts.push_back({contact.vertex[1], contact.edge[0], q.contact / kick, q.tangential / kick});
+        end.face_contacts.push_back({.vertex = contact.vertex[1],
+                                     .edge = contact.edge[0],
+                                     .entering = contact.vertex[0],
+                                     .contact = q.contact / kick,
+                                     .tangential = q.tangential / kick});
     }
 }
 
