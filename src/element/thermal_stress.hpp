@@ -25,8 +25,8 @@ public:
     /// Adds `factor` times the forces [N] of a strain to those on all corners; of small rotations.
     void add_forces(std::span<const double> strain, double factor, std::vector<Vec2>& force) const;
 
-    /// [J] Integral of sigma : other I, with the stress sigma (large rotations: S) at `displacement` and `strain`, over the triangles from
-    /// `first` to before `last`.
+    /// [J] Integral of sigma : other I, with the stress sigma (large rotations: S) at `displacement` and `strain`, over
+    /// the triangles from `first` to before `last`.
     double product(Index first, Index last, const std::vector<Vec2>& displacement,
                    const std::vector<Index>& node_of_corner, std::span<const double> strain,
                    std::span<const double> other) const;

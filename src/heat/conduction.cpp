@@ -101,6 +101,7 @@ void Conduction::find_pressed_faces(const State& begin) {
     const auto place = [&](Index corner) -> Vec2 { return mesh.corner(corner) + begin.displacement_of(corner); };
     std::set<std::pair<Index, Index>> pairs;
     for (const FaceContactState& at : begin.face_contacts) {
+        if (at.contact <= 0) continue;
         const std::array corners{at.vertex, at.edge, at.entering};
         if (std::ranges::any_of(corners, [&](Index c) { return model_.ground_at(c) != nullptr; })) continue;
         for (const Index face : {at.vertex, start_of(at.entering)}) pairs.insert(std::minmax(face, at.edge));
@@ -108,14 +109,14 @@ void Conduction::find_pressed_faces(const State& begin) {
     for (const auto& [one, other] : pairs) {
         const std::array<Index, 4> corner{one, end_of(one), other, end_of(other)};
         const Vec2 a = place(corner[0]), along = place(corner[1]) - a;
-        const double length = along.norm();
+        const double length = along.norm(), undeformed = (mesh.corner(corner[1]) - mesh.corner(corner[0])).norm();
         if (!(along.dot(place(corner[3]) - place(corner[2])) < 0)) continue;
         const auto part_of = [&](Index c) { return along.dot(place(c) - a) / (length * length); };
         const double from = std::max(0.0, part_of(corner[3])), to = std::min(1.0, part_of(corner[2]));
         if (!(from < to)) continue;
         const double middle = 0.5 * (from + to),
                      there = nearest_parameter(place(corner[2]), place(corner[3]), a + middle * along),
-                     whole = (to - from) * length * model_.thickness * closed_conductance(one, other, length);
+                     whole = (to - from) * undeformed * model_.thickness * closed_conductance(one, other, undeformed);
         const std::array<double, 4> share{1 - middle, middle, 1 - there, there};
         for (const int i : {0, 1})
             for (const int j : {2, 3}) {

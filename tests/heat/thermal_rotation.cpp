@@ -127,7 +127,7 @@ TEST_CASE("heat crosses free faces where they press on each other") {
     heat.materials.assign(2, {.conductivity = 1e7, .heat_capacity = rho_c / rock.density});
     input.heat = std::make_shared<Heat>(heat);
     Load held{.kind = Load::Kind::displacement, .on = {.box = Box{{-1, -0.01}, {2, 0.01}}}, .value = {0, 0}};
-    Load weight{.kind = Load::Kind::acceleration, .on = {}, .value = {0, -10}};
+    Load weight{.kind = Load::Kind::acceleration, .on = {}, .value = {0, -0.01}};
     input.loads = {held, weight};
     Still start(std::move(input), {});
     const Mesh& mesh = start.model.mesh;
@@ -137,7 +137,7 @@ TEST_CASE("heat crosses free faces where they press on each other") {
     start.now.temperature = start.now.temperature_before = make_temperatures(start.model, 0, T);
     const auto difference_after = [&] {
         const SharedTemperatures end = Conduction(start.model).implicit_step(start.now, tau);
-        CHECK(std::abs(end->heat) < 1e-12 * rho_c * 100);
+        CHECK(std::abs(end->heat) < 1e-12 * (end->heat_scale + end->heat_moved));
         return end->of_corner.back() - end->of_corner.front();
     };
     const double C_1 = rho_c * 0.75, C_2 = rho_c * 1;

@@ -30,7 +30,7 @@ void add_lines(const Node& node, const std::string& path, Lines& lines) {
         lines[path] = toml_text(node);
         return;
     }
-    if (node.children.empty()) lines[path] = "given";
+    if (node.children.empty()) lines[path + "."] = "given";  // a key in the table, which has no name
     for (std::size_t i = 0; i < node.children.size(); ++i)
         add_lines(node.children[i], is_list ? item(path, i) : joined_path(path, node.children[i].name), lines);
 }
@@ -108,7 +108,8 @@ std::string difference(const Lines& there, const Lines& here) {
     for (const auto& [key, value] : all) {
         const std::string &was = or_nothing(there, key), &is = or_nothing(here, key);
         if (is_free(key) || assumed.concern(key) || was == is || ++n > 1) continue;
-        text = "`" + key + "` is " + was + " there, " + is + " here";
+        text = "`" + (key.ends_with('.') ? key.substr(0, key.size() - 1) : key) + "` is " + was + " there, " + is +
+               " here";
     }
     return n > 1 ? text + ", and " + std::to_string(n - 1) + " more" : text;
 }
@@ -153,13 +154,6 @@ RunOrigin origin_of(const ReadResult& read) {
                       "probes, limits and expectations may be others, and rotations large, [contact] added, [heat] "
                       "left out; not the reverse, since what has turned would be strained, and what rests on free "
                       "faces would fall through them");
-    const auto follows_temperature = [](const auto& line) {
-        return line.first.ends_with("strength_table") || line.first.ends_with("friction_table") ||
-               line.first.ends_with("pressure_table");
-    };
-    if (NewAssumptions(there, here).no_heat && std::ranges::any_of(there, follows_temperature))
-        throw refusal(read, "its laws follow the temperature, which this run does not have",
-                      "[heat] with temperature = \"frozen\"");
     origin.works.include(other.works);
     if (there.at("domain.rotation") != here.at("domain.rotation") || NewAssumptions(there, here).no_heat)
         origin.works.new_assumptions = true;
