@@ -164,7 +164,7 @@ void measure_dust(std::vector<Measurement>& measured) {
     const Mesh& mesh = model.mesh;
     State state = initial_state(model);
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) split(model, f, state);
-    std::ranges::fill(state.retired, 1);
+    std::ranges::fill(state.retired, Retirement::retired);
     Random random(1, "dust");
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Vec2 moved = 0.1 / 3 * (mesh.corner(t, 0) + mesh.corner(t, 1) + mesh.corner(t, 2));
@@ -196,7 +196,8 @@ void measure_ground(std::vector<Measurement>& measured) {
                                       .scenario;
         const Model model = build_model(scenario);
         State state = initial_state(model);
-        for (Index p = 0; p < model.n_points(); ++p) state.retired[p] = model.ground.of_point[p] >= 0;
+        for (Index p = 0; p < model.n_points(); ++p)
+            state.retired[p] = model.ground.of_point[p] >= 0 ? Retirement::retired : Retirement::none;
         std::ranges::fill(state.velocity, Vec2(2, 0));
         FaceContacts faces(model);
         const double h = 1e-5;  // [s]

@@ -32,6 +32,14 @@ struct Incubation {
     }
 };
 
+/// What became of a point between faces that may meet others ([contact]); it never goes back.
+enum class Retirement : std::uint8_t {
+    none,     // it joins its sides, which touch nothing else
+    retired,  // its sides meet as free faces
+    parted,   // it still joins its sides, which touch others apart
+    meeting   // likewise, and corners of its fan that are no neighbours meet as free faces
+};
+
 /// A contact between a boundary vertex and a boundary edge in the last step.
 struct FaceContactState {
     Index vertex, edge;          // corners: the start of the boundary edge that leaves the vertex, that of the edge
@@ -80,9 +88,7 @@ struct State {
     std::vector<double>
         viscous_stress;  // [Pa] s, q_xx, q_xy of the last step (element/bulk_viscosity.hpp), per triangle (order 2:
                          // three times); empty: there was none
-    std::vector<std::uint8_t> retired;  // per point: 1 its sides meet as free faces from now on; 2 it still joins its
-                                        // sides, which touch others apart; 3 likewise, and corners of its fan that are
-                                        // no neighbours meet as free faces; empty where Model::contact_of_pair is
+    std::vector<Retirement> retired;              // per point; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
 
     std::vector<Incubation> incubation;    // per fan; empty where no law has an incubation time
@@ -105,7 +111,7 @@ struct State {
 
     /// [-] phi of the points of a fan.
     double strength_factor(Index fan) const { return incubation.empty() ? 1 : incubation[fan].factor; }
-    bool has_retired(Index point) const { return !retired.empty() && retired[point] == 1; }
+    bool has_retired(Index point) const { return !retired.empty() && retired[point] == Retirement::retired; }
 
     template <class Archive>
     void serialize(Archive& archive) {

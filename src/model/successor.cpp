@@ -94,7 +94,7 @@ State carried_over(const Model& from, const State& state, const Model& to) {
         next.incubation[f] = state.incubation[from.fan_of_corner[to.corners(to.fans[f])[0]]];
     next.retired = state.retired;
     for (std::size_t p = 0; p < next.retired.size(); ++p)
-        if (to.fan_point_of[p] < 0) next.retired[p] = 0;
+        if (to.fan_point_of[p] < 0) next.retired[p] = Retirement::none;
     const auto stays = [&](Index corner) { return to.ground_at(corner) != nullptr || !vanished(corner); };
     for (const FaceContactState& contact : state.face_contacts)
         if (stays(contact.vertex) && stays(contact.edge)) next.face_contacts.push_back(contact);

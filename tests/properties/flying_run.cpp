@@ -242,7 +242,7 @@ void fly(const Model& model, const FlyingScene& scene, FlyingOutcome& outcome) {
         outcome.broken_law = "a refusal without its place";
     watch.end(now);
     for (const PointState& point : now.points) outcome.n_broken += point.cohesion == 0;
-    outcome.n_retired = static_cast<int>(std::ranges::count(now.retired, 1));
+    outcome.n_retired = static_cast<int>(std::ranges::count(now.retired, Retirement::retired));
     if (!outcome.broken_law.empty() || !control) return;
     for (const int threads : {1, 2}) {
         omp_set_num_threads(threads);

@@ -31,7 +31,7 @@ public:
         : model(make_model(input_of(bodies))), state(initial_state(model)) {
         for (std::size_t b = 0; b < bodies.size(); ++b)
             body.insert(body.end(), bodies[b].triangles.size(), static_cast<Index>(b));
-        state.retired.assign(model.n_points(), 0);
+        state.retired.assign(model.n_points(), Retirement::none);
     }
 
     /// Two steps: what only turns follows the other end of its edge.

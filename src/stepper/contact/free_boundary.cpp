@@ -25,7 +25,7 @@ double angle_at(const Mesh& mesh, Index c) {
 
 FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     if (model.contact_of_pair.empty()) return;
-    retired_.assign(model.n_points(), 0);
+    retired_.assign(model.n_points(), Retirement::none);
     const Mesh& mesh = model.mesh;
     assert(mesh.order == 1);
     const std::size_t n = mesh.n_corners();
@@ -58,7 +58,7 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
     sort();
 }
 
-bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
+bool FreeBoundary::update(std::span<const Retirement> retired) {
     std::vector<Index> touched;  // fans
     bool only_more = true;
     for (std::size_t first = 0; first < retired.size(); first += marks_at_once) {
@@ -66,7 +66,7 @@ bool FreeBoundary::update(std::span<const std::uint8_t> retired) {
         if (std::ranges::equal(marks, std::span(retired_).subspan(first, marks.size()))) continue;
         for (std::size_t p = first; p < first + marks.size(); ++p) {
             if (retired[p] == retired_[p]) continue;
-            only_more = only_more && retired[p];
+            only_more = only_more && retired[p] != Retirement::none;
             retired_[p] = retired[p];
             for (const std::size_t end : {p, p ^ 1})
                 touched.push_back(model_.fan_of_corner[model_.fan_points[model_.fan_point_of[end]].corner()]);
@@ -105,7 +105,9 @@ void FreeBoundary::link(const Fan& fan) {
     const auto corners = model_.corners(fan);
     const Index n = fan.n_corners;
     const auto separates = [&](Index c) { return twin_[c] < 0 || frees(point_[c]); };
-    const auto cuts = [&](Index c) { return separates(c) || (is_free(c) && retired_[point_[c]] == 2); };
+    const auto cuts = [&](Index c) {
+        return separates(c) || (is_free(c) && retired_[point_[c]] == Retirement::parted);
+    };
     // a group starts with a corner whose leaving edge separates it from the one before, a piece with one whose leaving
     // edge cuts, a wedge with one whose leaving edge is free; an open fan starts with its outer edge, a closed one is
     // read from the strongest of them that it has
@@ -141,7 +143,7 @@ void FreeBoundary::link(const Fan& fan) {
     for (const Index c : corners) joined_[c] = {-1, -1};
     for (Index i = 0; i < n; ++i) {
         const Index c = at(i), own = group_[c], before = group_[at(i > 0 ? i - 1 : n - 1)];
-        if (twin_[c] < 0 || retired_[point_[c]] != 3) continue;
+        if (twin_[c] < 0 || retired_[point_[c]] != Retirement::meeting) continue;
         for (const Index other : corners) {
             if (group_[other] == own) joined_[other][0] = before;
             if (group_[other] == before) joined_[other][1] = own;
@@ -208,7 +210,8 @@ void FreeBoundary::refresh(Index h) {
     edge.entering = piece_[h] == h ? place(previous_in_triangle(last_[h])) : -1;
     edge.reflex_piece = reflex_piece_[h] != 0;
     const bool on_support = twin_[h] < 0 && point_[h] >= 0;
-    edge.passive = on_support && retired_[point_[h]] != 1 && retired_[point_[h] ^ 1] != 1;
+    edge.passive =
+        on_support && retired_[point_[h]] != Retirement::retired && retired_[point_[h] ^ 1] != Retirement::retired;
     edge.stands = edge.group_start >= model_.mesh.n_corners();
     edge.touches = edge.entering >= 0;
 }

@@ -2,9 +2,9 @@
 // The free boundary: closed polylines round everything that general contact may touch, with the material to the left.
 //
 // Free edges are the edges of the mesh boundary and both sides of every interface of which an end point is retired, or
-// holds in a fan whose corners meet (State::retired 3).
+// holds in a fan whose corners meet (Retirement::meeting).
 // Round a mesh vertex they cut the fan into wedges: a free edge enters a wedge, and the next one leaves it.
-// Retired and parted points (State::retired 1 and 2) cut the fan into contact pieces: a piece may contain wedges that
+// Retired and parted points (Retirement) cut the fan into contact pieces: a piece may contain wedges that
 // live points still join. Retired points alone cut it into groups of pieces; where corners meet, each piece is a group,
 // which does not touch the two that its points join to it.
 //
@@ -30,7 +30,8 @@ struct FreeEdge {
     Index piece_start;             // the contact piece at a: place of the edge that leaves it; -1: it touches nothing
     Index piece_end;               // at b
     Index group_start, group_end;  // of the pieces at a and b: edges of a group do not touch its vertices
-    std::array<Index, 2> joined;   // neighbours of the group at a which points join to it (mark 3): likewise; or -1
+    std::array<Index, 2>
+        joined;      // neighbours of the group at a which points join to it (Retirement::meeting): likewise; or -1
     Index entering;  // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
                      // no piece, or the piece touches nothing
     Index start_place, end_place;  // of a and b in FreeBoundary::corners()
@@ -51,7 +52,7 @@ public:
 
     /// Adds the faces of points that retired since; false where none did. An empty list stands for none. New edges
     /// follow the others, whose places stay, until sort() is called.
-    bool update(std::span<const std::uint8_t> retired);
+    bool update(std::span<const Retirement> retired);
     /// Places of the edges that the last update added or that got other neighbours or pieces by it; empty after a sort.
     std::span<const Index> changed() const { return changed_; }
     /// Lists the edges in the order of their numbers.
@@ -90,12 +91,14 @@ private:
         return twin_[h] < 0 ? !model_.has_vanished(h / 3) : frees(point_[h]) || frees(point_[h] ^ 1);
     }
     /// Faces beside this point are free for others.
-    bool frees(Index point) const { return retired_[point] == 1 || retired_[point] == 3; }
+    bool frees(Index point) const {
+        return retired_[point] == Retirement::retired || retired_[point] == Retirement::meeting;
+    }
     /// Of a vertex of the ground.
     Index number_of(Index ground) const { return model_.mesh.n_corners() + ground; }
     /// The vertex of the ground on which an end of a boundary edge stands; -1: none.
     Index ground_below(Index point) const {
-        return point < 0 || retired_[point] == 1 ? -1 : model_.ground.of_point[point];
+        return point < 0 || retired_[point] == Retirement::retired ? -1 : model_.ground.of_point[point];
     }
     void link(const Fan& fan);
     void stand(const Fan& fan);
@@ -106,7 +109,7 @@ private:
     Index place_of_corner(Index c);
 
     const Model& model_;
-    std::vector<std::uint8_t> retired_;
+    std::vector<Retirement> retired_;
     // per half-edge, numbered by its start corner: edge k of triangle t, from corner 3 t + k
     std::vector<Index> twin_;                   // or -1
     std::vector<Index> point_;                  // at its start, or -1; that at its end is point ^ 1

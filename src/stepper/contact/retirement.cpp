@@ -127,12 +127,12 @@ double retirement_limit(const Model& model, const State& state, Index rank) {
     const auto separates = [&](double limit) {
         std::ptrdiff_t n = fan.closed ? 0 : 1;
         for (std::size_t j = 0; j < points.size(); ++j)
-            n += state.retired[points[j].point] != 0 ||
+            n += state.retired[points[j].point] != Retirement::none ||
                  (own[j].cohesion == 0 && Sides(model, state, points[j]).moved(limit));
         return n > 1;
     };
     if (!separates(retirement_slip)) return infinity;
-    const auto has_retired = [&](const FanPoint& at) { return state.retired[at.point] == 1; };
+    const auto has_retired = [&](const FanPoint& at) { return state.retired[at.point] == Retirement::retired; };
     const bool is_apart = std::ranges::count_if(points, has_retired) > 1;
     if (!fan.closed || is_apart || strangers_overlap(model, state, fan)) return retirement_slip;
     return separates(inner_retirement_slip) ? inner_retirement_slip : infinity;
@@ -140,12 +140,13 @@ double retirement_limit(const Model& model, const State& state, Index rank) {
 
 /// Whether a point that has not retired is broken, has slipped, or has a mark at one of the ends of its edge: most fans
 /// have none, and nothing happens there.
-bool may_change(const Model& model, const std::vector<std::uint8_t>& before, const State& end, Index rank) {
+bool may_change(const Model& model, const std::vector<Retirement>& before, const State& end, Index rank) {
     const PointState* state = end.points.data() + end.first_point[rank];
     return std::ranges::any_of(model.points(model.fans[end.split_fans[rank]]), [&](const FanPoint& at) {
         const double cohesion = (state++)->cohesion;
-        return before[at.point] != 1 && (cohesion == 0 || before[at.point] != 0 || before[at.point ^ 1] != 0 ||
-                                         Sides(model, end, at).slipped(retirement_slip));
+        return before[at.point] != Retirement::retired &&
+               (cohesion == 0 || before[at.point] != Retirement::none || before[at.point ^ 1] != Retirement::none ||
+                Sides(model, end, at).slipped(retirement_slip));
     });
 }
 
@@ -154,7 +155,7 @@ bool joined_strangers_overlap(const Model& model, const State& state, const Fan&
     const auto points = model.points(fan);
     const auto next = [&](Index corner) {  // in the fan
         const auto at = std::ranges::find_if(points, [&](const FanPoint& point) {
-            return point.before == corner && !point.on_support() && state.retired[point.point] != 1;
+            return point.before == corner && !point.on_support() && state.retired[point.point] != Retirement::retired;
         });
         return at == points.end() ? -1 : at->after;
     };
@@ -175,7 +176,7 @@ bool joined_strangers_overlap(const Model& model, const State& state, const Fan&
 
 }  // namespace
 
-void retire_points(const Model& model, const std::vector<std::uint8_t>& before, State& end) {
+void retire_points(const Model& model, const std::vector<Retirement>& before, State& end) {
     if (model.contact_of_pair.empty()) return;
     end.retired = before;  // for good
     const std::ptrdiff_t n = std::ssize(end.split_fans);
@@ -189,24 +190,26 @@ void retire_points(const Model& model, const std::vector<std::uint8_t>& before, 
             bool strangers_may_overlap = false;  // broken points alone let no strangers move: two of them retire
             for (const FanPoint& point : points) {
                 const double cohesion = (state++)->cohesion;
-                std::uint8_t& retired = end.retired[point.point];
-                if (retired == 1) continue;
+                Retirement& retired = end.retired[point.point];
+                if (retired == Retirement::retired) continue;
                 const Sides sides(model, end, point);
                 // sides that turn by so much have slipped at one end of the edge
                 const auto is_apart = [&] {
-                    const bool may_have_turned = before[point.point] != 0 || before[point.point ^ 1] != 0;
+                    const bool may_have_turned =
+                        before[point.point] != Retirement::none || before[point.point ^ 1] != Retirement::none;
                     return sides.slipped(parting_slip) || (may_have_turned && sides.turned(parting_turn));
                 };
                 if (cohesion == 0 && limit < infinity && sides.moved(limit)) {
-                    retired = 1;
+                    retired = Retirement::retired;
                     continue;
                 }
-                if (retired == 0 && is_apart()) retired = 2;
+                if (retired == Retirement::none && is_apart()) retired = Retirement::parted;
                 strangers_may_overlap = strangers_may_overlap || (cohesion > 0 && sides.slipped(inner_overlap));
             }
             if (!strangers_may_overlap || !joined_strangers_overlap(model, end, fan)) continue;
             for (const FanPoint& point : points)
-                if (std::uint8_t& retired = end.retired[point.point]; retired != 1) retired = 3;
+                if (Retirement& retired = end.retired[point.point]; retired != Retirement::retired)
+                    retired = Retirement::meeting;
         }
     });
 }

@@ -44,7 +44,7 @@ void check_rests(std::uint64_t seed, double within = 1e-3) {
     while (run.now.time < 1 || (run.now.time < 6 && moves()))
         for (double part = h; !run.step_if_taken(part); part /= 2) REQUIRE(part > 1e-3 * h);
     CHECK(!moves());
-    CHECK(std::ranges::count(run.now.retired, 1) > 20);
+    CHECK(std::ranges::count(run.now.retired, Retirement::retired) > 20);
     CHECK(run.last.face_contacts > 10);
     const Fragments fragments = find_fragments(run.model, run.now);
     CHECK(fragments.pieces.size() > 3);

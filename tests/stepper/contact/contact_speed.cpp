@@ -84,7 +84,7 @@ TEST_CASE("detection of contacts is cheap beside the bulk" * doctest::test_suite
         Mesh mesh = bar_mesh(140, 140, 140, 140);
         Pieces scene({mesh});
         for (Index f = 0; f < Index(scene.model.fans.size()); ++f) split(scene.model, f, scene.state);
-        std::ranges::fill(scene.state.retired, 1);
+        std::ranges::fill(scene.state.retired, Retirement::retired);
         for (Index t = 0; t < scene.model.mesh.n_triangles(); ++t) {
             const Vec2 shift = 0.5 * scene.model.mesh.centroid(t),
                        velocity(speed * random.uniform(-1, 1), speed * random.uniform(-1, 1));

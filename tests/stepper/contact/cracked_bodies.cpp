@@ -52,15 +52,15 @@ TEST_CASE(
         scene.retire();
         const auto contacts = scene.contacts(h);
         if (slip < retirement_slip) {
-            CHECK(std::ranges::count(scene.state.retired, 1) == 0);
+            CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 0);
             CHECK(contacts.empty());
             continue;
         }
         if (slip < inner_retirement_slip) {
-            CHECK(std::ranges::count(scene.state.retired, 1) == 2);
+            CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 2);
             continue;
         }
-        CHECK(std::ranges::count(scene.state.retired, 1) == 2 * 8);
+        CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 2 * 8);
         // the peaks of the lower part on the rising flanks of the upper one, and the upper part's on the lower flanks;
         // the end of the upper bar overhangs
         int n_rising = 0;
@@ -93,7 +93,8 @@ Pieces hexagon(const std::vector<int>& part) {
 std::ptrdiff_t n_retired_at_centre(const Pieces& scene) {
     std::ptrdiff_t n = 0;
     for (const FanPoint& point : scene.model.fan_points)
-        n += scene.state.retired[point.point] == 1 && scene.model.mesh.corner(point.corner()).norm() < 1e-9;
+        n += scene.state.retired[point.point] == Retirement::retired &&
+             scene.model.mesh.corner(point.corner()).norm() < 1e-9;
     return n;
 }
 
@@ -130,9 +131,9 @@ TEST_CASE("corners that are no neighbours meet while all points of their fan hol
         scene.put(0, -d * axis);
         scene.put(3, towards_each_other ? Vec2(d * axis) : Vec2(-d * axis));
         scene.retire();
-        CHECK(std::ranges::count(scene.state.retired, 1) == 0);
+        CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 0);
         const bool meet = towards_each_other && d > 0.005;
-        CHECK(std::ranges::count(scene.state.retired, 3) == (meet ? 6 : 0));
+        CHECK(std::ranges::count(scene.state.retired, Retirement::meeting) == (meet ? 6 : 0));
         const auto contacts = scene.contacts(h);
         CHECK(contacts.empty() == !meet);
         bool has_met = false;  // 0 and 3; both overlap less with what lies beside the other one
@@ -147,7 +148,7 @@ TEST_CASE("corners that are no neighbours meet while all points of their fan hol
         if (!meet) continue;
         for (const FanPoint& point : scene.model.fan_points)
             if (scene.body_of(point.before) == 0 || scene.body_of(point.after) == 0)
-                scene.state.retired[point.point] = 1;
+                scene.state.retired[point.point] = Retirement::retired;
         for (const FaceContact& contact : scene.contacts(h)) {
             const Index one = scene.body_of(contact.vertex[0]), other = scene.body_of(contact.edge[0]);
             if (one != 0 && other != 0) CHECK(std::abs(one - other) > 1);
@@ -183,7 +184,7 @@ TEST_CASE("a broken point that is alone in its slip retires on the surface and n
                 if (scene.model.mesh.corner(c).norm() < 1e-9 && c / 3 != 5) scene.displacement(c) = along;
         scene.retire();
         CHECK(n_retired_at_centre(scene) == (two ? 2 : 0));
-        CHECK(std::ranges::count(scene.state.retired, 2) == 0);
+        CHECK(std::ranges::count(scene.state.retired, Retirement::parted) == 0);
     }
     // on the surface of a bar of two cells that is cracked along x = 1
     Pieces bar({bar_mesh(2, 1, 2, 1)});
@@ -191,7 +192,7 @@ TEST_CASE("a broken point that is alone in its slip retires on the surface and n
     for (Index c = 0; c < bar.model.mesh.n_corners(); ++c)
         if (bar.body_of(c) == 1 && bar.model.mesh.corner(c).y() == 0) bar.displacement(c) = {0, -slip};
     bar.retire();
-    CHECK(std::ranges::count(bar.state.retired, 1) == 1);
+    CHECK(std::ranges::count(bar.state.retired, Retirement::retired) == 1);
 }
 
 TEST_CASE("the corner of a crack that a live point holds as a hinge touches what lies in its opening") {
@@ -214,8 +215,8 @@ TEST_CASE("the corner of a crack that a live point holds as a hinge touches what
                     scene.state.points[scene.state.first_point[rank] + j].cohesion = 1;
         }
         scene.retire();
-        CHECK(std::ranges::count(scene.state.retired, 1) == 1);
-        CHECK(std::ranges::count(scene.state.retired, 2) == (opening > 0.2));
+        CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 1);
+        CHECK(std::ranges::count(scene.state.retired, Retirement::parted) == (opening > 0.2));
         const auto contacts = scene.contacts(h);
         // in a crack that is hardly open there is no room for the block: nothing is looked for there
         REQUIRE(contacts.size() == (opening > 0.2 ? 1 : 0));
@@ -242,13 +243,14 @@ TEST_CASE("pieces of a triple junction touch their neighbours and the live point
     {                                                       // all three apart
         const Pieces scene = junction(
             {0.1 * out, 0.1 * turned(out, 2 * std::numbers::pi / 3), 0.1 * turned(out, -2 * std::numbers::pi / 3)});
-        CHECK(std::ranges::count(scene.state.retired, 1) == 6);
+        CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 6);
         CHECK(scene.contacts(h).empty());
     }
     {  // part 0 slides along its face towards part 2: it opens from part 1, and the tip at the centre lies on the face
         const Vec2 along(-0.06, 0);
         const Pieces scene = junction({-along, Vec2::Zero(), Vec2::Zero()});
-        CHECK(std::ranges::count(scene.state.retired, 1) == 4);  // between 1 and 2 the points are live
+        CHECK(std::ranges::count(scene.state.retired, Retirement::retired) ==
+              4);  // between 1 and 2 the points are live
         const auto contacts = scene.contacts(h);
         REQUIRE(contacts.size() == 2);
         for (const FaceContact& contact : contacts) {
@@ -259,7 +261,7 @@ TEST_CASE("pieces of a triple junction touch their neighbours and the live point
     }
     {  // part 0 pressed into the notch between the others: its tip touches both
         Pieces scene = junction({0.1 * out, Vec2::Zero(), Vec2::Zero()});
-        CHECK(std::ranges::count(scene.state.retired, 1) == 4);
+        CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 4);
         scene.put(0, -1e-4 * out);
         std::array<int, 3> n_of_tip{};
         for (const FaceContact& contact : scene.contacts(h)) {
@@ -281,7 +283,7 @@ TEST_CASE("a tip behind both faces of a notch touches the one in which it is dee
     scene.put(2, {0, -opening});
     scene.put(0, {0.1, 0.05});
     scene.retire();
-    CHECK(std::ranges::count(scene.state.retired, 1) == 4);  // between 1 and 2 the points are live
+    CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 4);  // between 1 and 2 the points are live
     const Vec2 tip(-0.0016, -opening - 0.0003);
     scene.put(0, tip);
     Index n_of_tip = 0;
@@ -305,7 +307,7 @@ TEST_CASE("a live crack end inside the body is no contact vertex and its two sid
         const Interface& interface = scene.model.interfaces[i];
         for (Index place = 0; place < 2; ++place)
             if (interface.vertex[place] == 0 && interface.vertex[1 - place] == 6)
-                scene.state.retired[2 * i + place] = 1;
+                scene.state.retired[2 * i + place] = Retirement::retired;
     }
     const auto contacts = scene.contacts(h);  // the two rim corners lie on each other: twins
     REQUIRE(contacts.size() <= 1);
@@ -333,7 +335,7 @@ TEST_CASE("a tip on a face stays there when a crack opens towards the end of tha
     scene.state.face_contacts.insert(scene.state.face_contacts.begin(), {1, 7, 1, 0});  // b met the face behind the tip
     for (std::size_t i = 0; i < scene.model.interfaces.size(); ++i)
         for (Index place = 0; place < 2; ++place)
-            if (scene.model.interfaces[i].vertex[place] == 3) scene.state.retired[2 * i + place] = 1;
+            if (scene.model.interfaces[i].vertex[place] == 3) scene.state.retired[2 * i + place] = Retirement::retired;
     FaceContacts found(scene.model);
     found.find(scene.state, h);
     CHECK_FALSE(found.refusal());  // the tip is 0.2 below the line a-b
@@ -360,8 +362,9 @@ TEST_CASE("contacts do not depend on when the faces of retired points were added
         FaceContacts lasting(scene.model);
         for (int step = 0; step < 60; ++step) {
             for (int k = 0; k < int(seed % 5); ++k)
-                scene.state.retired[std::size_t(random.uniform(0, double(scene.state.retired.size())))] = 1;
-            if (step == 40 && seed % 7 == 0) std::ranges::fill(scene.state.retired, 0);
+                scene.state.retired[std::size_t(random.uniform(0, double(scene.state.retired.size())))] =
+                    Retirement::retired;
+            if (step == 40 && seed % 7 == 0) std::ranges::fill(scene.state.retired, Retirement::none);
             lasting.find(scene.state, h);
             const auto anew = scene.contacts(h);
             REQUIRE(lasting.all().size() == anew.size());

@@ -388,7 +388,7 @@ TEST_CASE("a new stepper goes on from a state of broken pieces in contact with t
     const double h = 0.5 * stable(run);
     for (int i = 0; i < 150; ++i)
         for (double part = h; !run.step_if_taken(part); part /= 2) REQUIRE(part > 1e-3 * h);
-    CHECK(std::ranges::count(run.now.retired, 1) > 20);
+    CHECK(std::ranges::count(run.now.retired, Retirement::retired) > 20);
     CHECK(run.now.face_contacts.size() > 10);
     CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
     MoreauJean other(run.model, SchemeOptions{});
@@ -422,7 +422,7 @@ TEST_CASE("a slab slides on with the friction of its joint where the points of t
     double path = 0, start = 0;  // [m], [m/s] since no point is left
     const double h = 0.5 * stable(run);
     while (run.now.time < 1.3 * v / (mu * g)) {
-        const bool left = std::ranges::count(run.now.retired, 1) == 24;
+        const bool left = std::ranges::count(run.now.retired, Retirement::retired) == 24;
         run.step(h);
         REQUIRE(run.last.rejection == Rejection::none);
         const double now = run.mean_velocity(is_upper).x();

@@ -77,7 +77,7 @@ TEST_CASE("a star of three cracks gives three pieces that are reflex only where 
     const Index centre = 6;
     const auto retire = [&](Index at, Index other) {
         REQUIRE(point_at(scene.model, at, other) >= 0);
-        scene.state.retired[point_at(scene.model, at, other)] = 1;
+        scene.state.retired[point_at(scene.model, at, other)] = Retirement::retired;
     };
     const auto pieces_at_centre = [&] {
         std::vector<const FreeEdge*> pieces;
@@ -115,7 +115,7 @@ TEST_CASE("a star of three cracks gives three pieces that are reflex only where 
     FreeBoundary anew(scene.model);
     anew.update(scene.state.retired);
     CHECK(anew.edges().size() == boundary.edges().size());
-    std::vector<std::uint8_t> none(scene.state.retired.size(), 0);
+    const std::vector none(scene.state.retired.size(), Retirement::none);
     CHECK(anew.update(none));
     CHECK(anew.edges().size() == 6);
     CHECK(n_polylines(anew) == 1);
@@ -126,7 +126,7 @@ TEST_CASE("a crack that reaches the outer boundary splits its vertex when its po
     Pieces scene({bar_mesh(2, 1, 2, 1)});  // the vertical edge in the middle joins vertices 1 (below) and 4
     FreeBoundary boundary(scene.model);
     REQUIRE(point_at(scene.model, 1, 4) >= 0);
-    scene.state.retired[point_at(scene.model, 1, 4)] = 1;
+    scene.state.retired[point_at(scene.model, 1, 4)] = Retirement::retired;
     boundary.update(scene.state.retired);
     CHECK(boundary.edges().size() == 8);
     CHECK(n_polylines(boundary) == 2);  // the wedges at vertex 4 are apart, but the live point keeps them one piece
@@ -140,13 +140,13 @@ TEST_CASE("a crack that reaches the outer boundary splits its vertex when its po
     REQUIRE(at_hinge().size() == 2);
     CHECK(at_hinge()[0].piece_start == at_hinge()[1].piece_start);
     // turned wide open it has two vertices, which belong to one group: the point keeps them apart
-    scene.state.retired[point_at(scene.model, 4, 1)] = 2;
+    scene.state.retired[point_at(scene.model, 4, 1)] = Retirement::parted;
     CHECK(boundary.update(scene.state.retired));
     CHECK(boundary.edges().size() == 8);
     CHECK(n_vertices(boundary) == 8);
     CHECK(at_hinge()[0].piece_start != at_hinge()[1].piece_start);
     CHECK(at_hinge()[0].group_start == at_hinge()[1].group_start);
-    scene.state.retired[point_at(scene.model, 4, 1)] = 1;
+    scene.state.retired[point_at(scene.model, 4, 1)] = Retirement::retired;
     boundary.update(scene.state.retired);
     CHECK(n_polylines(boundary) == 2);
     CHECK(n_vertices(boundary) == 8);
@@ -154,7 +154,7 @@ TEST_CASE("a crack that reaches the outer boundary splits its vertex when its po
 }
 
 TEST_CASE("a point retires beyond a slip or opening of two thousandths of its edge and beyond as many radians") {
-    const auto marked = [](int mark, const Vec2& shift, double angle, double cohesion) {
+    const auto marked = [](Retirement mark, const Vec2& shift, double angle, double cohesion) {
         Pieces scene({bar_mesh(1, 1, 1, 1)});
         break_all(scene);
         for (PointState& point : scene.state.points) point.cohesion = cohesion;
@@ -164,10 +164,10 @@ TEST_CASE("a point retires beyond a slip or opening of two thousandths of its ed
         return int(std::ranges::count(scene.state.retired, mark));
     };
     const auto retired = [&](const Vec2& shift, double angle, double cohesion) {
-        return marked(1, shift, angle, cohesion);
+        return marked(Retirement::retired, shift, angle, cohesion);
     };
     const auto parted = [&](const Vec2& shift, double angle, double cohesion) {
-        return marked(2, shift, angle, cohesion);
+        return marked(Retirement::parted, shift, angle, cohesion);
     };
     const Vec2 along = Vec2(1, 1), across = Vec2(-1, 1) / std::sqrt(2.0);  // of the diagonal, whose length is sqrt(2)
     CHECK(retired(0.0016 * along, 0, 0) == 0);

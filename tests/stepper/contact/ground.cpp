@@ -153,7 +153,7 @@ TEST_CASE("a block slides from its place over the support until friction stops i
     const auto momentum = [&] { return m * run.mean_velocity([](Index) { return true; }).x(); };
     double at_hand_over = 0, impulse = 0, error = 0;  // [N s] of friction since no point stands on the support
     while (run.now.time < 1.2 * v / (mu * g)) {
-        const bool handed_over = std::ranges::count(run.now.retired, 1) == 8;
+        const bool handed_over = std::ranges::count(run.now.retired, Retirement::retired) == 8;
         run.step(h);
         REQUIRE(run.last.rejection == Rejection::none);
         if (!handed_over) {
@@ -166,7 +166,7 @@ TEST_CASE("a block slides from its place over the support until friction stops i
     const double path = centre(run, 0).x() - start, exact = v * v / (2 * mu * g);
     MESSAGE("path over exact " << path / exact << " speed at the hand-over " << at_hand_over / m << " deepest "
                                << run.ledger.worst().contact_depth);
-    CHECK(std::ranges::count(run.now.retired, 1) == 8);
+    CHECK(std::ranges::count(run.now.retired, Retirement::retired) == 8);
     CHECK(path == doctest::Approx(exact).epsilon(1e-2));
     CHECK(lowest(run) > -1e-3 * 0.1);
     CHECK(error < 1e-12 * m * v);
@@ -285,7 +285,7 @@ TEST_CASE("a glued block that is torn off comes back to the ground that held it"
                      << run.ledger.row().kinetic / run.ledger.largest_energy() << " weight "
                      << weight / (g * mass_of(run)) << " along " << along / (g * mass_of(run)) << " dissipated "
                      << run.ledger.row().dissipated << " law lag " << run.ledger.row().law_lag);
-        CHECK(std::ranges::count(run.now.retired, 1) == 8);
+        CHECK(std::ranges::count(run.now.retired, Retirement::retired) == 8);
         CHECK(run.ledger.row().dissipated == doctest::Approx(4 * size.x()).epsilon(1e-12));  // G_c of every point
         CHECK(lowest(run) > -1e-3 * 0.1);
         CHECK(at.y() / (0.5 * height) == doctest::Approx(1).epsilon(5e-4));  // on another side if it turned over

@@ -84,7 +84,7 @@ TEST_CASE("a crack that slides inside a body moves to the bit as without contact
             off = std::max(off, apart(with, without));
         }
         CAPTURE(slip);
-        CHECK(std::ranges::count(with.now.retired, 1) == 10);  // all but the ends
+        CHECK(std::ranges::count(with.now.retired, Retirement::retired) == 10);  // all but the ends
         CHECK(off < 0.01 * slip);
         CHECK(slip > 3 * retirement_slip);  // on the surface such points had retired long ago
         CHECK(n_sliding > 100);
@@ -105,7 +105,7 @@ TEST_CASE("a joint through a body slides with contact as without while it is han
         }
         CAPTURE(slip);
         CHECK(slip > 3 * inner_retirement_slip);
-        CHECK(std::ranges::count(with.now.retired, 1) == 24);
+        CHECK(std::ranges::count(with.now.retired, Retirement::retired) == 24);
         CHECK(off < 0.04 * slip);
         CHECK(with.ledger.worst().contact_depth < 1e-3);
     }

@@ -252,7 +252,7 @@ TEST_CASE("E25 the teeth of a zigzag joint slide over each other") {
                     ++mean->n;
                 }
             if (slip < 0.45) off_lift = std::max(off_lift, std::abs(lift() - rest - slope * slip));
-            retired = std::ranges::count(run.now.retired, 1);
+            retired = std::ranges::count(run.now.retired, Retirement::retired);
         }
         const std::string at = ", mu = " + digits(mu);
         const double w = alpha * v, up = expected(slope, w), down = expected(-slope, w);
