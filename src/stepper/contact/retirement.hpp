@@ -21,8 +21,8 @@ constexpr double inner_retirement_slip = 0.015;
 /// times angle, passes the softening length). Free faces press on one side of a kink only, on a vertex as a whole;
 /// handed over at 0.002, such cracks stop half-way (contact/README.md).
 ///
-/// Parted are points that still hold while their sides are further apart than 0.02 of the edge or have turned by
-/// more than 0.2 rad: a hinge, whose sides are vertices of their own for others, but not for each other. Meeting are all
+/// Parted are points that still hold while their sides are further apart than 0.02 of the edge or have turned by more
+/// than 0.2 rad: a hinge, whose sides are vertices of their own for others, but not for each other. Meeting are all
 /// points of a fan that hold where corners that they join, but not as neighbours, overlap by more than 0.005 of an
 /// edge, once one with cohesion has slipped by as much: points keep only neighbours apart, so these corners meet as
 /// free faces from now on. Positions, velocities and energies are untouched. What leaves its place on a support meets
