@@ -75,7 +75,7 @@ const Case cases[] = {
      changed("nu = 0.2\n", "nu = 0.2\nheat_capacity = 900\nconductivity = 1\n",
              with(heat + "conduction = true\n[[heat.exchange]]\non = \"top\"\noutside = 20\n")),
      "missing-key", 23, 11, 2, "transfer"},
-    {"frozen temperatures without another run", with("[heat]\ntemperature = \"frozen\"\n"), "exclusive-keys", 17, 15, 8,
+    {"frozen temperatures without another run", with("[heat]\ntemperature = \"frozen\"\n"), "exclusive-keys", 17, 1, 11,
      "time.start"},
     {"temperatures in C and in K", with("[heat]\ntemperature = \"20 C\"\nreference = \"293 K\"\n"),
      "mixed-temperatures", 18, 13, 7, "all of them in C, or all in K"},
