@@ -316,23 +316,25 @@ struct PlaceOfLostCrack {
     }
 };
 
-/// Cracks with no part inside the body; the graph is that before anything was left out. Where cracks are snapped, only
+/// Cracks with no part inside the body; the graph is that of `drawn`, before anything was left out. Where cracks are snapped, only
 /// those outside: a line that was drawn twice is left out and counted, as a shorter piece is.
-void check_cracks(const Shape& shape, const PlanarGraph& graph, FaultList& faults) {
+void check_cracks(const Shape& shape, const Shape& drawn, const PlanarGraph& graph, FaultList& faults) {
     std::vector<bool> inside(shape.cracks.size(), false);
     for (const GraphSegment& s : graph.segments)
         if (s.crack >= 0) inside[s.crack] = true;
     for (Index i = 0; i < std::ssize(shape.cracks); ++i) {
-        if (inside[i]) continue;
-        const PlaceOfLostCrack place(graph, shape.cracks[i], shape.tolerance());
+        if (inside[i] || drawn.cracks[i].points.empty()) continue;
+        const PlaceOfLostCrack place(graph, drawn.cracks[i], shape.tolerance());
         if (shape.snap > 0 && !place.outside) continue;
-        faults.add(GraphSegment{.crack = i}.part_name(), "has no length of its own inside the body: it lies ",
-                   place.text(), shape.snap > 0 ? "" : ": remove it, or let the shape have snap, which leaves it out");
+        faults.add(
+            GraphSegment{.crack = i}.part_name(), "has no length of its own inside the body: it lies ", place.text(),
+            place.outside || shape.snap > 0 ? "" : ": remove it, or let the shape have snap, which leaves it out");
     }
 }
 
-/// Throws ShapeError where no graph can be made.
-void check_drawing(const Shape& shape, FaultList& faults) {
+/// The shape without lines that are none, so that faults of the others are found, too. With snap repeated points are
+/// pieces that are left out. Throws ShapeError where no graph can be made.
+Shape checked_drawing(const Shape& shape, FaultList& faults) {
     check_points("outer", shape.outer.points, true, 0, faults);
     faults.throw_if_any();
     const double tolerance = shape.tolerance();
@@ -342,19 +344,31 @@ void check_drawing(const Shape& shape, FaultList& faults) {
         check_polygons({{part, shape.regions[i].points}}, tolerance, faults);
         if (shape.regions[i].tag < 0) faults.add(part, "has a negative tag");
     }
-    for (Index i = 0; i < std::ssize(shape.cracks); ++i)
-        check_points(GraphSegment{.crack = i}.part_name(), shape.cracks[i].points, false, tolerance, faults);
     faults.throw_if_any();
+    Shape drawn = shape;
+    for (Index i = 0; i < std::ssize(drawn.cracks); ++i) {
+        std::vector<Vec2>& points = drawn.cracks[i].points;
+        const auto merge_repeated = [&] {
+            const auto repeats = [&](const Vec2& a, const Vec2& b) { return (b - a).norm() <= tolerance; };
+            points.erase(std::unique(points.begin(), points.end(), repeats), points.end());
+        };
+        const bool had_length = points.size() > 1;
+        if (shape.snap > 0) merge_repeated();
+        if (shape.snap > 0 && had_length && points.size() == 1) points.clear();  // left out and counted
+        else if (!check_points(GraphSegment{.crack = i}.part_name(), points, false, tolerance, faults))
+            merge_repeated();
+        if (points.size() < 2) points.clear();
+    }
+    return drawn;
 }
 
 }  // namespace
 
 void check_shape(const Shape& shape) {
     FaultList faults;
-    check_drawing(shape, faults);
-    Shape drawn = shape;
+    Shape drawn = checked_drawing(shape, faults);
     drawn.snap = 0;
-    check_cracks(shape, planar_graph(drawn), faults);
+    check_cracks(shape, drawn, planar_graph(drawn), faults);
     faults.throw_if_any();
 }
 
@@ -391,12 +405,11 @@ std::vector<ShapeFault> faults_of_details(const PlanarGraph& graph, const MeshOp
 
 PlanarGraph checked_graph(const Shape& shape, const MeshOptions& options, double region_tolerance) {
     FaultList faults;
-    check_drawing(shape, faults);
+    Shape drawn = checked_drawing(shape, faults);
     check_sizes(shape, options);
-    PlanarGraph graph = planar_graph(shape, region_tolerance);
-    Shape drawn = shape;
+    PlanarGraph graph = planar_graph(drawn, region_tolerance);
     drawn.snap = 0;
-    check_cracks(shape, shape.regions.empty() && shape.snap == 0 ? graph : planar_graph(drawn), faults);
+    check_cracks(shape, drawn, shape.regions.empty() && shape.snap == 0 ? graph : planar_graph(drawn), faults);
     for (ShapeFault& fault : faults_of_details(graph, options, shape.snap)) faults.all().push_back(std::move(fault));
     faults.throw_if_any();
     return graph;

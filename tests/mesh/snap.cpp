@@ -106,6 +106,23 @@ TEST_CASE("snap: exact copies and cracks on the border are left out with snap an
     CHECK(outside[0] == "cracks[1]: has no length of its own inside the body: it lies outside the body");
 }
 
+TEST_CASE("snap: a repeated point hides no other mistake and is a piece that snap leaves out") {
+    const std::vector<std::vector<Vec2>> traces{
+        {{1, 5}, {5, 5}, {5, 5}, {9, 5}}, {{1, 7}}, {{1, 3}, {4.99, 3}}, {{5, 1}, {5, 9}}, {{2, 2}, {2, 2}}};
+    const auto parts = [&](double snap) {
+        std::vector<std::string> found;
+        try {
+            checked_graph(box(traces, snap), {.size = 1}, 0);
+        } catch (const ShapeError& error) {
+            for (const ShapeFault& fault : error.faults) found.push_back(fault.part);
+        }
+        return found;
+    };
+    // without: the repeated points, the single one, the end that nearly meets
+    CHECK(parts(0) == std::vector<std::string>{"cracks[0]", "cracks[1]", "cracks[4]", "cracks[3]"});
+    CHECK(parts(0.05) == std::vector<std::string>{"cracks[1]"});  // no line, with snap either
+}
+
 TEST_CASE("snap: the outline stays where it is and takes the ends near it") {
     const Snapped rim(box({{{0.03, 4}, {5, 4}}, {{5, 7}, {9.97, 9.98}}, {{0.02, 6}, {0.03, 8}}}, 0.05));
     CHECK(rim.has({0, 4}));

@@ -77,7 +77,7 @@ struct BodiesAtStart {
 };
 
 BodiesAtStart bodies_of(const Model& model) {
-    constexpr double touching = 1e-3;  // [-] of an edge, as between free faces (stepper/contact)
+    constexpr double touching = 1e-5;  // [-] of an edge: the search cannot bring closer what nothing else holds
     const Mesh& mesh = model.mesh;
     const State start = initial_state(model);
     UnionFind bodies(mesh.triangles.size());
@@ -90,6 +90,7 @@ BodiesAtStart bodies_of(const Model& model) {
         FaceContacts faces(model);
         faces.find(start, 0);
         for (const FaceContact& at : faces.all()) {
+            if (at.gap > touching * at.length) continue;
             const Index vertex = at.vertex[1], edge = at.edge[0];
             if (model.ground_at(vertex)) carried.push_back(mesh.triangle_of(edge));
             else if (model.ground_at(edge)) carried.push_back(mesh.triangle_of(vertex));
@@ -198,7 +199,7 @@ void refuse_unheld_bodies(const ReadResult& read, const Model& model) {
             hovers ? (", which hovers " + readable(gap, "m") + " from what is nearest").c_str() : "", unheld.x(),
             unheld.y(),
             readable(std::abs(unheld.z()) > 1e-9 * balance.size ? unheld.z() * balance.length : 0, "N m").c_str());
-        if (hovers) cure = "close the gap (faces touch within a thousandth of an edge), ";
+        if (hovers) cure = "close the gap (faces touch within 1e-5 of an edge), ";
     }
     if (n_unheld > 1) first += formatted("; so it is with %d more", n_unheld - 1);
     if (n_unheld > 0)

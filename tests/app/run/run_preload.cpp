@@ -134,12 +134,17 @@ TEST_CASE("what hovers over other bodies or an obstacle is an error of check tha
     const Answer whole = command("check " + wall + " -s 'bodies[0].gap=\"0 m\"' -s 'bodies[0].origin=[0, 0.002]'");
     CHECK(whole.code == 2);
     CHECK(whole.has("around (0.6, 0.452) m, which hovers 2 mm from what is nearest"));
+    CHECK(command("check " + wall + " -s 'bodies[0].gap=\"20 um\"'").has("which hovers 20 \u00b5m from"));
     CHECK(command("check " + wall + " -s 'bodies[0].gap=\"0 m\"'").code == 0);
     std::ofstream(folder.path / "masonry.toml", std::ios::app)
         << "[[obstacle]]\nname = \"stone\"\nshape = \"disc\"\ncentre = [0.6, 1.3]\nradius = \"0.1 m\"\ndensity = "
            "\"2000 "
            "kg/m3\"\nvelocity = [\"free\", \"free\"]\n";
-    const Answer stone = command("run " + wall + " -q --force -s 'bodies[0].gap=\"0 m\"' -o " + folder.in_shell("run"));
+    const Answer stone =
+        command("run " + wall +
+                " -q --force -s 'bodies[0].gap=\"0 m\"' -s 'mesh.size=\"0.6 m\"' -s 'bodies[0].columns=1' -s "
+                "'bodies[0].rows=1' -o " +
+                folder.in_shell("run"));
     CAPTURE(stone.text);
     CHECK(stone.has("nothing holds the free obstacle `stone`, it would move away with 10 m/s2, at (0.6, 1.3) m"));
 }
