@@ -96,18 +96,17 @@ void Conduction::find_gaps(const State& begin) {
 /// other, each pair once. What flows over the common length is spread on the ends of both edges.
 void Conduction::find_pressed_faces(const State& begin) {
     const Mesh& mesh = model_.mesh;
-    const auto end_of = [](Index h) { return h % 3 == 2 ? h - 2 : h + 1; };
-    const auto start_of = [](Index h) { return h % 3 == 0 ? h + 2 : h - 1; };
     const auto place = [&](Index corner) -> Vec2 { return mesh.corner(corner) + begin.displacement_of(corner); };
     std::set<std::pair<Index, Index>> pairs;
     for (const FaceContactState& at : begin.face_contacts) {
         if (at.contact <= 0) continue;
         const std::array corners{at.vertex, at.edge, at.entering};
         if (std::ranges::any_of(corners, [&](Index c) { return model_.ground_at(c) != nullptr; })) continue;
-        for (const Index face : {at.vertex, start_of(at.entering)}) pairs.insert(std::minmax(face, at.edge));
+        for (const Index face : {at.vertex, previous_in_triangle(at.entering)})
+            pairs.insert(std::minmax(face, at.edge));
     }
     for (const auto& [one, other] : pairs) {
-        const std::array<Index, 4> corner{one, end_of(one), other, end_of(other)};
+        const std::array<Index, 4> corner{one, next_in_triangle(one), other, next_in_triangle(other)};
         const Vec2 a = place(corner[0]), along = place(corner[1]) - a;
         const double length = along.norm(), undeformed = (mesh.corner(corner[1]) - mesh.corner(corner[0])).norm();
         if (!(along.dot(place(corner[3]) - place(corner[2])) < 0)) continue;

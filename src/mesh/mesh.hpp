@@ -33,6 +33,11 @@ struct MeshPart {
     Index first_triangle, n_triangles;
 };
 
+/// The next and the previous corner of a triangle of first order, counterclockwise. A corner also numbers the edge that
+/// starts there, which ends at the next one.
+constexpr Index next_in_triangle(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+constexpr Index previous_in_triangle(Index corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
+
 /// A triangle owns its corners (element nodes): of order 1 its three vertices 0, 1, 2; of order 2 also 3 + k, the
 /// middle of edge k, and 6, its centre. Corner k of triangle t has the number corners_per_triangle() t + k. Bodies have
 /// no vertices in common, also where they touch.

@@ -75,11 +75,9 @@ public:
     }
 
 private:
-    static Index next(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
-    static Index previous(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
     /// The next half-edge from the same vertex, or none.
-    Index clockwise(Index h) const { return twin_[h] == no_index ? no_index : next(twin_[h]); }
-    Index counterclockwise(Index h) const { return twin_[previous(h)]; }
+    Index clockwise(Index h) const { return twin_[h] == no_index ? no_index : next_in_triangle(twin_[h]); }
+    Index counterclockwise(Index h) const { return twin_[previous_in_triangle(h)]; }
     Index vertex(Index h) const { return mesh_.triangles[h / 3][h % 3]; }
     Index corner(Index h) const { return mesh_.corners_per_triangle() * (h / 3) + h % 3; }
     Index middle(Index h) const { return 7 * (h / 3) + 3 + h % 3; }
@@ -123,7 +121,7 @@ private:
             add_end_point(interface_[h], before, corner(h));
             add_corner(corner(h));
             before = corner(h);
-            const Index last = previous(h);
+            const Index last = previous_in_triangle(h);
             h = counterclockwise(h);
             if (h == no_index) return add_end_point(interface_[last], before, rigid_support);
             if (h == first) return;

@@ -305,9 +305,9 @@ std::string EquilibriumSearch::unheld(const State& before, const State& state, d
     const Motion motion = motion_of(turned_, before, state, fastest);
     if (motion.bends)
         return formatted(
-            "the body bends too far for steps that are solved: %.3g m in the last one; let the loads grow "
-            "with a ramp from start = \"rest\"",
-            motion.largest);
+            "the body bends too far for steps that are solved: %s in the last one; let the loads grow with a ramp from "
+            "start = \"rest\"",
+            readable(motion.largest, "m").c_str());
     const bool meets = std::ranges::any_of(state.face_contacts, [](const auto& at) { return at.contact > 0; }) ||
                        std::ranges::any_of(state.points, [](const auto& at) { return at.traction.x() > 0; }) ||
                        std::ranges::any_of(state.obstacles, [](const auto& at) { return !at.reaction.isZero(0); });

@@ -25,8 +25,7 @@ void visit_contact_forces(const Model& model, const State& begin, const State& e
     };
     for (const FaceContactState& contact : end.face_contacts) {
         const GroundVertex* ground = model.ground_at(contact.edge);
-        const Index a = contact.edge,
-                    b = ground ? model.mesh.n_corners() + ground->next : FreeBoundary::next_in_triangle(a);
+        const Index a = contact.edge, b = ground ? model.mesh.n_corners() + ground->next : next_in_triangle(a);
         const Vec2 x_a = place(a), along = place(b) - x_a, away = place(contact.vertex) - x_a;
         const double length = along.norm();
         const Vec2 t = along / length, n = outward(t);

@@ -4,6 +4,11 @@
 
 namespace knap::tests {
 
+constexpr Elastic unit{.density = 1, .E = 1, .nu = 0.3};
+constexpr double a = 1e-5;  // [1/K] of expansion
+/// Cohesion everywhere, so that temperatures tear a body of `unit` apart.
+inline const CohesiveLaw weak{.sigma_c = 4e-4, .G_c = 3e-7, .gamma = 1, .friction = 0.3};
+
 inline Heat field(const std::string& formula, std::vector<double> expansion, TimeFunction history = {}) {
     Heat heat;
     heat.field = {Expression(formula), std::move(history)};

@@ -17,9 +17,6 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr Elastic unit{.density = 1, .E = 1, .nu = 0.3};
-constexpr double a = 1e-5;  // [1/K]
-
 Model warm(bool large_rotation, double factor) {
     ModelInput input = heated(bar_mesh(4, 2, 2, 1), field("(120*sin(2*x) + 40*y)*" + std::to_string(factor), {a}), unit,
                               CohesiveLaw::unbreakable(), PlaneModel::strain);
@@ -96,8 +93,7 @@ TEST_CASE("small strains of warm bodies are those of small rotations to second o
 TEST_CASE("the energy balance of a body that turns while its temperature changes and it tears closes to rounding") {
     Heat heat = field("120*sin(3*t + 2*x)*cos(y - 5*t) + 40*x*y", {a});
     heat.every = 3;
-    ModelInput input = heated(bar_mesh(4, 2, 2, 1), heat, unit,
-                              {.sigma_c = 4e-4, .G_c = 3e-7, .gamma = 1, .friction = 0.3}, PlaneModel::strain);
+    ModelInput input = heated(bar_mesh(4, 2, 2, 1), heat, unit, weak, PlaneModel::strain);
     input.large_rotation = true;
     Run run(std::move(input));
     for (Index c = 0; c < run.model.mesh.n_corners(); ++c)

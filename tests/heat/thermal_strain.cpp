@@ -15,17 +15,11 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr Elastic unit{.density = 1, .E = 1, .nu = 0.3};
-constexpr double a = 1e-5;  // [1/K]
-
 Mesh strip(int n_x, int n_y, double length, double height, Index order) {
     Mesh mesh = bar_mesh(n_x, n_y, length, height);
     mesh.order = order;
     return mesh;
 }
-
-/// Cohesion everywhere, so that temperatures tear the body apart.
-const CohesiveLaw weak{.sigma_c = 4e-4, .G_c = 3e-7, .gamma = 1, .friction = 0.3};
 
 }  // namespace
 

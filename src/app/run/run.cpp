@@ -419,7 +419,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
             place.log().add(warnings + random_sets_text(scenario) + probes_text(model, scenario.probes));
         std::optional<StartState> other;
         if (const NamedFile* file = scenario.start_file(); file != nullptr && !place.resumes()) {
-            other.emplace(file->bytes, scenario, model, excavations, adaptation);
+            other.emplace(file->bytes, origin, scenario, model, excavations, adaptation);
             renew(stepper, model, scenario.time.scheme);
         }
         Run run({scenario, model, plan, options, directory, origin}, stepper, std::move(excavations),

@@ -88,10 +88,11 @@ struct NewAssumptions {
     bool no_heat;            // thermal strains vanish
 
     NewAssumptions(const Lines& there, const Lines& here)
-        : rotation(or_nothing(here, "domain.rotation") == large),
+        : rotation(or_nothing(there, "domain.rotation") != large && or_nothing(here, "domain.rotation") == large),
           contact(!has_table(there, "contact") && has_table(here, "contact")),
           no_heat(has_table(there, "heat") && !has_table(here, "heat")) {}
 
+    bool change_elastic_energy() const { return rotation || no_heat; }
     bool concern(const std::string& key) const {
         return (rotation && key == "domain.rotation") || (contact && is_in(key, "contact")) ||
                (no_heat && (is_in(key, "heat") || is_thermal(key)));
@@ -155,13 +156,12 @@ RunOrigin origin_of(const ReadResult& read) {
                       "left out; not the reverse, since what has turned would be strained, and what rests on free "
                       "faces would fall through them");
     origin.works.include(other.works);
-    if (there.at("domain.rotation") != here.at("domain.rotation") || NewAssumptions(there, here).no_heat)
-        origin.works.new_assumptions = true;
+    origin.works.new_assumptions |= NewAssumptions(there, here).change_elastic_energy();
     return origin;
 }
 
-StartState::StartState(const std::string& file, const Scenario& scenario, Model& model, Excavations& excavations,
-                       Adaptation& adaptation)
+StartState::StartState(const std::string& file, const RunOrigin& origin, const Scenario& scenario, Model& model,
+                       Excavations& excavations, Adaptation& adaptation)
     : reader(unpacked_checkpoint(file)), control({}) {
     reader.read_motion(now, control, excavations, adaptation);
     time = now.time, n_steps = now.n_steps;
@@ -176,9 +176,8 @@ StartState::StartState(const std::string& file, const Scenario& scenario, Model&
     if (!model.heat) drop_heat(model);
     fit_laws(model, now);
     begin_bulk(scenario, model);
-    const Lines there = lines_of(reader.origin().scenario);
-    assumes_anew_ = scenario.large_rotation != (or_nothing(there, "domain.rotation") == large) ||
-                    (!scenario.heat && has_table(there, "heat"));
+    assumes_anew_ =
+        NewAssumptions(lines_of(reader.origin().scenario), lines_of(origin.scenario)).change_elastic_energy();
     if (assumes_anew_ && model.large_rotation) {
         const LeapfrogEnergies energies = leapfrog_energies(model, now);
         now.elastic_energy = energies.elastic, now.elastic_work = energies.work;

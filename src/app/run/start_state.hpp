@@ -25,9 +25,9 @@ RunOrigin origin_of(const ReadResult& read);
 
 /// The state of the other run in the clock of this one.
 struct StartState {
-    /// `file`: of the state. Model, excavations and refinements become those of its moment.
-    StartState(const std::string& file, const Scenario& scenario, Model& model, Excavations& excavations,
-               Adaptation& adaptation);
+    /// `file`: of the state; `origin`: of this run. Model, excavations and refinements become those of its moment.
+    StartState(const std::string& file, const RunOrigin& origin, const Scenario& scenario, Model& model,
+               Excavations& excavations, Adaptation& adaptation);
 
     /// What the balance of the other run needs in addition, after reader.read_energies_and_cracks.
     void complete(Recorder& recorder) const;
@@ -48,7 +48,7 @@ private:
     void drop_heat(const Model& model);
     void begin_bulk(const Scenario& scenario, const Model& model);
     std::optional<StepReport> closing_;  // of the leapfrog, before implicit steps
-    bool assumes_anew_ = false;
+    bool assumes_anew_ = false;          // what changes the elastic energy of the same displacements
 };
 
 /// The state at t = 0 of a run that starts from no other one. A body that its interfaces cannot hold in equilibrium has

@@ -64,8 +64,6 @@ public:
     std::span<const Index> corners() const { return corners_; }
     /// Those of the ground, which never move: [first, end) of them.
     std::array<std::size_t, 2> ground_corners() const { return ground_corners_; }
-    /// The number of the edge that follows in the triangle, which is its corner at the end of this one.
-    static Index next_in_triangle(Index h) { return h % 3 == 2 ? h - 2 : h + 1; }
     /// The corner at the end of the edge with this number.
     Index end_of(Index start) const {
         const GroundVertex* ground = model_.ground_at(start);
@@ -86,7 +84,6 @@ public:
     }
 
 private:
-    static Index previous_in_triangle(Index h) { return h % 3 == 0 ? h + 2 : h - 1; }
     bool is_free(Index h) const {
         return twin_[h] < 0 ? !model_.has_vanished(h / 3) : frees(point_[h]) || frees(point_[h] ^ 1);
     }

@@ -14,9 +14,6 @@ constexpr double parting_slip = 0.02;      // [-] of the edge
 constexpr double parting_turn = 0.2;       // [rad] no corner of a usual triangle is sharper
 constexpr std::ptrdiff_t block = 256;      // fans
 
-Index next_in_triangle(Index c) { return c % 3 == 2 ? c - 2 : c + 1; }
-Index previous_in_triangle(Index c) { return c % 3 == 0 ? c + 2 : c - 1; }
-
 /// Mesh::corner of a triangle of first order.
 const Vec2& undeformed(const Model& model, Index c) { return model.mesh.vertices[model.mesh.triangles[c / 3][c % 3]]; }
 
