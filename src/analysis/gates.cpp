@@ -150,7 +150,8 @@ const GateRule rules[] = {
                           worst.contact_depth > 0 ? std::optional(worst.depth_place) : std::nullopt};
      }},
     {{"contact_injection", "",
-      "positive works of contacts between free faces, by the residual of their laws, over the work of impact and "
+      "positive works of contacts of free faces and obstacles, by the residual of their laws, over the work of impact "
+      "and "
       "friction",
       "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
      {1e-6, 1e-5, fixed},
@@ -162,7 +163,8 @@ const GateRule rules[] = {
                               : 0.0};
      }},
     {{"contact_residual", "",
-      "largest error of the rates of contacts between free faces over their speeds; momentum and energy are exact all "
+      "largest error of the rates of contacts of free faces and obstacles over their speeds; momentum and energy are "
+      "exact all "
       "the same, but single contacts may do positive work",
       "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
      {1e-8, max_contact_residual, fixed},
@@ -277,9 +279,9 @@ const GateRule rules[] = {
          return found;
      }},
     {{"obstacle_overlap", "m",
-      "largest depth of a free obstacle in another obstacle; obstacles do not touch each other",
-      "End the run before they meet, or make one of them a [[body]] of a stiff material; where it does not matter, "
-      "[limits] obstacle_overlap sets another limit."},
+      "largest depth of a free obstacle in another obstacle; in implicit steps they do not touch each other",
+      "Take bulk = \"explicit\", or end the run before they meet; where it does not matter, [limits] obstacle_overlap "
+      "sets another limit."},
      {infinity, infinity, allowed},
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::obstacle_overlap>(run);
@@ -288,13 +290,9 @@ const GateRule rules[] = {
      }},
     {{"obstacle_depth", "",
       "largest depth of an edge of the body in an obstacle over the length of the edge, or half the width of the "
-      "obstacle "
-      "if that is less (place in the deformed body); obstacles touch nodes, and corners of polygons edges between them",
-      "Usual cause: an obstacle between two nodes, a corner of it below an edge that lies flush on it, or a free "
-      "obstacle "
-      "on what is held. Use smaller triangles there, or a [[body]] of a stiff material instead of the obstacle; "
-      "[limits] "
-      "obstacle_depth sets another limit."},
+      "obstacle if that is less (place in the deformed body)",
+      "Usual cause: an obstacle that is driven, or in implicit steps a free one, against what is held. Let one of them "
+      "give way; [limits] obstacle_depth sets another limit."},
      {0.05, 0.1, allowed},
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::obstacle_depth>(run);

@@ -10,7 +10,12 @@ namespace knap {
 
 class UnionFind {
 public:
-    explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+    explicit UnionFind(std::size_t n = 0) { start(n); }
+    /// Every number alone.
+    void start(std::size_t n) {
+        parent_.resize(n);
+        std::iota(parent_.begin(), parent_.end(), 0);
+    }
 
     /// The lowest member of the set of i. Halves the path on the way.
     Index find(Index i) {

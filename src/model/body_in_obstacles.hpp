@@ -1,7 +1,6 @@
 #pragma once
-// Edges of the body in rigid obstacles. Contacts (stepper/common/obstacle_contacts.hpp) are those of corners of the
-// body, and of corners of polygons on edges of its boundary; this measures what is left: a disc between two nodes, a
-// corner that no contact stops, whatever is held against a free obstacle.
+// Edges of the body in rigid obstacles: what no contact (stepper/common/obstacle_contacts.hpp) stops, as what is held
+// against a driven obstacle, or in implicit steps against a free one.
 #include "model/state.hpp"
 
 #include <functional>
@@ -35,9 +34,9 @@ struct StartOverlap {
 };
 std::optional<StartOverlap> overlap_at_start(const Model& model);
 
-/// A free obstacle that would meet what cannot give way to it, so that it passes through: a body whose corners are all
-/// held; or what comes first on its way, from its velocity and forces at the start until `end` [s], is an edge whose
-/// ends are held, or a support, which meets bodies alone.
+/// A free obstacle that would meet what cannot give way to it, so that it passes through (edges and bodies: in implicit
+/// steps): a body whose corners are all held; or what comes first on its way, from its velocity and forces at the start
+/// until `end` [s], is an edge whose ends are held, or a support, which meets bodies alone.
 struct HeldAgainst {
     enum class What { body, edge, support };
     What what;

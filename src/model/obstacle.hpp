@@ -66,6 +66,8 @@ public:
     const Outline& outline() const { return *outline_; }
     const Vec2& position() const { return position_; }
     const Rotation& rotation() const { return rotation_; }
+    /// [m] Of all points about the origin; infinite of a half plane.
+    double radius() const { return outline_->kind == Outline::Kind::half_plane ? infinity : radius_; }
 
 private:
     const Outline* outline_;

@@ -52,6 +52,18 @@ struct FaceContactState {
     }
 };
 
+/// A contact of the body with an obstacle that carried an impulse in the last explicit step, one that
+/// stepper/explicit/vertex_contacts.hpp solves: where its next solution starts.
+struct ObstacleContactState {
+    Index corner, second_corner, obstacle;  // second_corner: of an edge, or -1
+    double contact, tangential;             // [N s]
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(corner, second_corner, obstacle, contact, tangential);
+    }
+};
+
 /// A piece that nothing holds, at the start of the last step (stepper/explicit/free_pieces.hpp).
 struct PieceMotion {
     Index first_triangle;     // its lowest one
@@ -90,6 +102,7 @@ struct State {
                          // three times); empty: there was none
     std::vector<Retirement> retired;              // per point; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
+    std::vector<ObstacleContactState> obstacle_contacts;
 
     std::vector<Incubation> incubation;    // per fan; empty where no law has an incubation time
     std::vector<PieceMotion> free_pieces;  // in the order of their triangles; empty: damping acts on no vibration alone
@@ -117,7 +130,7 @@ struct State {
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
                 split_rank, reaction, obstacles, elastic_energy, elastic_work, viscous_stress, retired, face_contacts,
-                incubation, free_pieces);
+                obstacle_contacts, incubation, free_pieces);
         const bool same = temperature == temperature_before;
         for (SharedTemperatures* shared : {&temperature, &temperature_before}) {
             Temperatures values = *shared && (!same || shared == &temperature) ? **shared : Temperatures{};

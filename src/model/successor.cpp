@@ -98,6 +98,7 @@ State carried_over(const Model& from, const State& state, const Model& to) {
     const auto stays = [&](Index corner) { return to.ground_at(corner) != nullptr || !vanished(corner); };
     for (const FaceContactState& contact : state.face_contacts)
         if (stays(contact.vertex) && stays(contact.edge)) next.face_contacts.push_back(contact);
+    next.obstacle_contacts = state.obstacle_contacts;
     return next;
 }
 

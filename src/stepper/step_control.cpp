@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"assumption_1", "Assumption 1 does not hold, so the step has several solutions"},
     {"contact_speed", "faces that meet move by more than a twentieth of an edge"},
     {"contact_depth", "free faces lie deeper in each other than limits.contact_depth"},
-    {"contact_residual", "contacts between free faces do not obey their laws to a millionth of their speeds"},
+    {"contact_residual", "contacts of free faces and obstacles do not obey their laws to a millionth of their speeds"},
     {"not_converged", "the interface problem was not solved to its tolerance"},
     {"motion", "the body moves faster than a large implicit step resolves"},
     {"cohesive_work", "a large implicit step misses the work of cohesion"},

@@ -7,9 +7,13 @@ constexpr double near = 0.02;  // [-] of the size of a corner: nearer corners ar
 constexpr double obstacle_reach_in_steps = 4;  // distances covered in a step at the speeds of its start
 constexpr double touching_corner = 1e-3;       // [-] of the size of a corner: as a rounding error of the geometry
 constexpr double end_of_edge = 1e-3;           // [-] of an edge: there its end is in contact instead
-constexpr double almost_as_near = 0.05;        // [-] of an edge: likewise where an end is about as near to the obstacle
-constexpr double rounded_up = 1 + 1e-12;       // more than the rounding of a bound
-constexpr double gap_rounding = 1e-12;         // [-] of the coordinates whose difference is a gap
+constexpr double almost_as_near = 0.05;        // [-] of an edge: both ends touch as near as a corner between them
+constexpr double flat_arc = 0.008;  // [-] edge over radius: an arc rises by less than 1e-3 of the edge between its ends
+constexpr double corner_cone = 0.26;      // [-] sine of 15 degrees, by which directions out of a corner may differ
+constexpr double largest_depth = 0.35;    // [-] of the altitude of a triangle
+constexpr double at_the_corner = 1e-9;    // [-] of the distance from the origin of an obstacle
+constexpr double rounded_up = 1 + 1e-12;  // more than the rounding of a bound
+constexpr double gap_rounding = 1e-12;    // [-] of the coordinates whose difference is a gap
 
 /// The gap at x, or zero where it is rounding.
 double cleared(double gap, const Vec2& x, const ObstacleSurface& surface) {
@@ -29,12 +33,54 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
         boundary_.push_back({.fan = f, .corner = corners.front(), .place = 0});
         if (fan.n_corners > 1) boundary_.push_back({.fan = f, .corner = corners.back(), .place = 1});
     }
+    next_.assign(mesh.n_corners(), -1), previous_.assign(mesh.n_corners(), -1);
+    for (const auto& [triangle, side, boundary] : mesh.boundary_edges)
+        if (!model.has_vanished(triangle)) add_edges(triangle, side, edges_);
+    for (const Edge& edge : edges_) next_[edge.a] = edge.b, previous_[edge.b] = edge.a;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (Index k = 0; k < 3; ++k) {
+            const auto [a, b] = mesh.side_vertices(t, k);
+            longest_edge_ = std::max(longest_edge_, (mesh.vertices[b] - mesh.vertices[a]).norm());
+        }
     corner_size_.resize(mesh.n_corners(), infinity);
     for (Index c = 0; c < mesh.n_corners(); ++c)
         for (Index k = 0; k < mesh.corners_per_triangle(); ++k)
             if (k != mesh.place_in_triangle(c))
                 corner_size_[c] =
                     std::min(corner_size_[c], (mesh.corner(mesh.triangle_of(c), k) - mesh.corner(c)).norm());
+}
+
+/// The edge of a triangle, of second order in two halves.
+void ObstacleContacts::add_edges(Index triangle, Index side, std::vector<Edge>& edges) const {
+    const Mesh& mesh = model_.mesh;
+    const Index first = mesh.corners_per_triangle() * triangle, a = first + side, b = first + (side + 1) % 3;
+    const double depth = largest_depth * 2 * mesh.area(triangle) / (mesh.corner(b) - mesh.corner(a)).norm();
+    if (mesh.order == 1) return edges.push_back({a, b, depth});
+    const Index middle = first + 3 + side;
+    edges.push_back({a, middle, depth}), edges.push_back({middle, b, depth});
+}
+
+/// Both faces of an interface near an obstacle whose sides are apart, if the vertices at both ends have split.
+void ObstacleContacts::add_open_faces(Index f, const State& begin) {
+    const Vec2 x = place(model_.corners(model_.fans[f])[0], begin);
+    const auto is_near = [&](const ObstacleSurface& surface) {
+        return surface.outline().kind != Outline::Kind::half_plane && surface.may_reach(x, 2 * longest_edge_);
+    };
+    if (std::ranges::none_of(surfaces_, is_near)) return;
+    for (const FanPoint& point : model_.points(model_.fans[f])) {
+        if (point.on_support() || point.point % 2 != 0) continue;  // each interface once
+        if (begin.displacement_of(point.after) == begin.displacement_of(point.before)) continue;
+        const Interface& interface = model_.interfaces[model_.interface_of(point.point)];
+        for (const Index t : interface.triangle)
+            for (Index k = 0; k < 3; ++k) {
+                if (edge_key(model_.mesh.side_vertices(t, k)) != edge_key(interface.vertex)) continue;
+                const Index first = model_.mesh.corners_per_triangle() * t;
+                const auto has_split = [&](Index corner) {
+                    return begin.split_rank[model_.fan_of_corner[corner]] >= 0;
+                };
+                if (has_split(first + k) && has_split(first + (k + 1) % 3)) add_edges(t, k, open_faces_);
+            }
+    }
 }
 
 /// Every piece of a split fan needs a contact of its own: the corner after each point whose sides ever moved.
@@ -60,11 +106,13 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
     surfaces_.clear();
     for (std::size_t o = 0; o < model_.obstacles.size(); ++o)
         surfaces_.emplace_back(model_.obstacles[o].outline, begin.obstacles[o].pose);
-    at_most_.clear();
+    at_most_.clear(), predicted_ = end_velocity;
     for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
         const Vec3 &start = begin.obstacles[o].velocity, &end = end_velocity[o];
         at_most_.push_back({.speed = start.head<2>().lpNorm<1>() + end.head<2>().lpNorm<1>(),
                             .spin = std::abs(start.z()) + std::abs(end.z())});
+        for (int k = 0; k < 3; ++k)
+            if (model_.obstacles[o].is_free(k)) predicted_[o][k] = start[k];
     }
     candidates_ = boundary_;
     for (const Index f : begin.split_fans) add_pieces(f, begin);
@@ -72,15 +120,44 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
         std::ranges::sort(candidates_, {}, [](const Candidate& c) { return (std::int64_t(c.fan) << 32) + c.place; });
     for (const Candidate& candidate : candidates_) find_at_corner(candidate, begin, h, end_velocity, corner_force);
     n_at_corners_ = contacts_.size();
-    const Mesh& mesh = model_.mesh;
-    for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o)
-        for (const auto& [triangle, side, boundary] : mesh.boundary_edges) {
-            if (model_.obstacles[o].outline.kind != Outline::Kind::polygon) break;
-            const Index first = mesh.corners_per_triangle() * triangle, a = first + side, b = first + (side + 1) % 3,
-                        middle = mesh.order == 1 ? b : first + 3 + side;
-            find_on_edge(a, middle, o, begin, h, end_velocity[o]);
-            if (middle != b) find_on_edge(middle, b, o, begin, h, end_velocity[o]);
-        }
+    open_faces_.clear();
+    for (const Index f : begin.split_fans) add_open_faces(f, begin);
+    for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
+        if (model_.obstacles[o].outline.kind == Outline::Kind::half_plane) continue;  // an end of an edge is nearest
+        for (const std::vector<Edge>* edges : {&edges_, &open_faces_})
+            for (const Edge& edge : *edges) find_on_edge(edge, o, begin, h);
+    }
+}
+
+/// The obstacle meets an edge beside the corner of the body: the centre of a disc lies beside the edge, or a corner of
+/// a polygon in no direction out of the body.
+bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x, const SurfaceDistance& distance,
+                                    const State& begin) const {
+    const ObstacleSurface& surface = surfaces_[o];
+    const Outline& outline = surface.outline();
+    if (outline.kind == Outline::Kind::half_plane || begin.split_rank[at.fan] >= 0) return false;
+    const auto corners = model_.corners(model_.fans[at.fan]);
+    const Index next = next_[corners.front()], previous = previous_[corners.back()];
+    if (next < 0 || previous < 0) return false;
+    const Vec2 out = place(next, begin) - x, in = x - place(previous, begin);
+    if (outline.kind == Outline::Kind::disc) {
+        const Vec2 to_centre = surface.position() - x;
+        const auto is_beside = [&](const Vec2& along, double towards) {
+            const double length = along.norm();
+            const double height = -cross(along, to_centre) / length;
+            return length > flat_arc * outline.radius && towards > 0 && towards < length * length &&
+                   height >= outline.radius - touching_corner * length;
+        };
+        return is_beside(out, out.dot(to_centre)) || is_beside(in, -in.dot(to_centre));
+    }
+    if (!(distance.gap > 0)) return false;
+    const Vec2 nearest = surface.rotation().turned_back(x - distance.gap * distance.normal - surface.position());
+    const bool at_corner = std::ranges::any_of(
+        outline.points, [&](const Vec2& p) { return (nearest - p).norm() <= at_the_corner * p.norm(); });
+    if (!at_corner) return false;
+    const Vec2 t_in = in.normalized(), t_out = out.normalized(), outside = t_in - t_out - turned_left(t_in + t_out);
+    const Vec2& n = distance.normal;
+    return n.dot(t_in) > corner_cone || n.dot(t_out) < -corner_cone || n.dot(outside) > corner_cone * outside.norm();
 }
 
 void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, double h,
@@ -103,9 +180,9 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
             velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
         const double reach = near * corner_size_[c] + obstacle_reach_in_steps * h * (speed + obstacle_speed);
         if (!surface.may_reach(x, reach)) continue;
-        const Vec2 motion = h * (begin.velocity[node] - velocity_at(end_velocity[o], arm));
+        const Vec2 motion = h * (begin.velocity[node] - velocity_at(predicted_[o], arm));
         const SurfaceDistance distance = surface.distance_to(x, motion, touching_corner * corner_size_[c]);
-        if (distance.gap > reach) continue;
+        if (distance.gap > reach || meets_beside(at, o, x, distance, begin)) continue;
         contacts_.push_back({.corner = c,
                              .fan = at.fan,
                              .obstacle = o,
@@ -115,48 +192,95 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
         if (surface.outline().kind == Outline::Kind::disc) continue;
         // a surface that turns is taken at the middle of the step: of second order, so that a corner that rides or
         // slides on it does not sink in
-        contacts_.back().normal = Rotation::by(0.5 * h * end_velocity[o].z()).turned(distance.normal);
-        contacts_.back().arm += 0.5 * h * (begin.velocity[node] - end_velocity[o].head<2>());
+        contacts_.back().normal = Rotation::by(0.5 * h * predicted_[o].z()).turned(distance.normal);
+        contacts_.back().arm += 0.5 * h * (begin.velocity[node] - predicted_[o].head<2>());
     }
 }
 
-/// Corners of the polygon against the inside of the edge a-b.
-void ObstacleContacts::find_on_edge(Index a, Index b, Index o, const State& begin, double h, const Vec3& end_velocity) {
+/// A contact at a corner of the body is as near as `gap`.
+bool ObstacleContacts::is_carried(Index corner, double gap, const State& begin) const {
+    const Index node = begin.node_of_corner[corner];
+    return std::ranges::any_of(of_fan(model_.fan_of_corner[corner]), [&](const ObstacleContact& c) {
+        return c.gap <= gap && begin.node_of_corner[c.corner] == node;
+    });
+}
+
+/// Corners and arcs of an obstacle against the inside of an edge.
+void ObstacleContacts::find_on_edge(const Edge& edge, Index o, const State& begin, double h) {
     const ObstacleSurface& surface = surfaces_[o];
-    const std::vector<Vec2>& points = surface.outline().points;
-    const auto place = [&](Index c) -> Vec2 { return model_.mesh.corner(c) + begin.displacement_of(c); };
-    const Vec2 x_a = place(a), along = place(b) - x_a;
+    const Vec2 x_a = place(edge.a, begin);
+    if (!surface.may_reach(x_a, 2 * longest_edge_)) return;
+    const Vec2 along = place(edge.b, begin) - x_a;
     const double length = along.norm();
     if (!(length > 0) || !surface.may_reach(x_a, 2 * length)) return;
-    const Vec2 outward = -turned_left(along) / length;  // of the body, which lies to the left of a to b
-    const Vec2 v_a = begin.velocity[begin.node_of_corner[a]], v_b = begin.velocity[begin.node_of_corner[b]];
+    const PlacedEdge at{.x_a = x_a, .along = along, .outward = -turned_left(along) / length, .length = length};
+    if (surface.outline().kind == Outline::Kind::disc) find_on_arc(edge, at, o, begin, h);
+    else find_at_corners_of(edge, at, o, begin, h);
+}
+
+/// The centre of a disc beside the edge, in front of it. Where the arc is flat the ends of the edge are enough, and
+/// where an arc fits a round hole, whose edges are chords.
+void ObstacleContacts::find_on_arc(const Edge& edge, const PlacedEdge& at, Index o, const State& begin, double h) {
+    const ObstacleSurface& surface = surfaces_[o];
+    const double radius = surface.outline().radius;
+    const Vec2 to_centre = surface.position() - at.x_a;
+    const double share = at.along.dot(to_centre) / (at.length * at.length), height = at.outward.dot(to_centre);
+    if (at.length <= flat_arc * radius || !(share > 0 && share < 1 && height > 0)) return;
+    const Vec2 x = at.x_a + share * at.along;
+    const double as_near = almost_as_near * at.length;
+    if (height - radius < -touching_corner * at.length && is_carried(edge.a, as_near, begin) &&
+        is_carried(edge.b, as_near, begin))
+        return;
+    add_on_edge({.corner = edge.a,
+                 .fan = model_.fan_of_corner[edge.a],
+                 .obstacle = o,
+                 .arm = x - surface.position(),
+                 .normal = -at.outward,
+                 .gap = cleared(height - radius, x, surface),
+                 .second_corner = edge.b,
+                 .second_fan = model_.fan_of_corner[edge.b],
+                 .share = share},
+                at.length, begin, h);
+}
+
+/// The corners of a polygon that no side of it which begins there leaves towards the body, and that lie between the
+/// ends of the edge. Where both of these touch as near, the corner adds nothing.
+void ObstacleContacts::find_at_corners_of(const Edge& edge, const PlacedEdge& at, Index o, const State& begin,
+                                          double h) {
+    const ObstacleSurface& surface = surfaces_[o];
+    const std::vector<Vec2>& points = surface.outline().points;
     const std::size_t n = points.size();
     for (std::size_t i = 0; i < n; ++i) {
         const Vec2 arm = surface.rotation().turned(points[i]), x = surface.position() + arm;
-        const double share = along.dot(x - x_a) / (length * length), gap = outward.dot(x - x_a);
-        const double speed = v_a.norm() + v_b.norm() + velocity_at(end_velocity, arm).norm();
-        const double reach = near * length + obstacle_reach_in_steps * h *
-                                                 (speed + velocity_at(begin.obstacles[o].velocity, arm).norm());
-        if (share <= end_of_edge || share >= 1 - end_of_edge || gap > reach || gap < -near * length) continue;
-        // the corner is nearest, not an adjacent edge of the obstacle
+        const double share = at.along.dot(x - at.x_a) / (at.length * at.length), gap = at.outward.dot(x - at.x_a);
+        if (share <= end_of_edge || share >= 1 - end_of_edge || gap < -edge.depth) continue;
         const auto falls_towards_body = [&](std::size_t j) {
-            return outward.dot(surface.rotation().turned(points[j % n] - points[i])) < 0;
+            const Vec2 side = surface.rotation().turned(points[j % n] - points[i]);
+            return at.outward.dot(side) < -corner_cone * side.norm();
         };
         if (falls_towards_body(i + 1) || falls_towards_body(i + n - 1)) continue;
-        const auto is_as_near = [&](Index c) {
-            return surface.distance_to(place(c)).gap <= gap + almost_as_near * length;
-        };
-        if (is_as_near(a) || is_as_near(b)) continue;
-        contacts_.push_back({.corner = a,
-                             .fan = model_.fan_of_corner[a],
-                             .obstacle = o,
-                             .arm = arm + 0.5 * h * end_velocity.z() * turned_left(arm),
-                             .normal = -outward,
-                             .gap = cleared(gap, x, surface),
-                             .second_corner = b,
-                             .second_fan = model_.fan_of_corner[b],
-                             .share = share});
+        const double as_near = gap + almost_as_near * at.length;
+        if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) continue;
+        add_on_edge({.corner = edge.a,
+                     .fan = model_.fan_of_corner[edge.a],
+                     .obstacle = o,
+                     .arm = arm + 0.5 * h * predicted_[o].z() * turned_left(arm),
+                     .normal = -at.outward,
+                     .gap = cleared(gap, x, surface),
+                     .second_corner = edge.b,
+                     .second_fan = model_.fan_of_corner[edge.b],
+                     .share = share},
+                    at.length, begin, h);
     }
+}
+
+/// Unless its gap exceeds what may close.
+void ObstacleContacts::add_on_edge(const ObstacleContact& contact, double length, const State& begin, double h) {
+    const auto speed = [&](Index c) { return begin.velocity[begin.node_of_corner[c]].norm(); };
+    const AtMost& of_obstacle = at_most_[contact.obstacle];
+    const double most = speed(contact.corner) + speed(contact.second_corner) + of_obstacle.speed +
+                        of_obstacle.spin * contact.arm.norm();
+    if (contact.gap <= near * length + obstacle_reach_in_steps * h * most) contacts_.push_back(contact);
 }
 
 bool ObstacleContacts::find_free(std::vector<std::uint8_t>& free) const {

@@ -1,8 +1,8 @@
 #pragma once
-// Contact points of the body with rigid obstacles, as they lie at the start of a step: corners of triangles, on the
-// boundary and on faces that opened since, against the surface of each obstacle; and corners of polygons against edges
-// of the boundary. The gap changes with the normal component of the relative velocity; for a convex obstacle this is an
-// upper bound of the approach.
+// Contact points of the body with rigid obstacles, as they lie at the start of a step: corners of triangles against the
+// surface of each obstacle; and the insides of edges, of the boundary and of faces that opened since, against corners
+// of polygons and arcs of discs. The gap changes with the normal component of the relative velocity; for a convex
+// obstacle this is an upper bound of the approach.
 #include "model/state.hpp"
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 
 namespace knap {
 
-/// A corner of the body at the surface of an obstacle, or (on an edge) a point between two corners at a corner of it.
+/// A corner of the body at the surface of an obstacle, or (on an edge) a point between two corners at a corner or an
+/// arc of it.
 struct ObstacleContact {
     Index corner;
     Index fan;
@@ -80,6 +81,16 @@ private:
         Index fan, corner;
         Index place;  // in the order of the candidates of its fan
     };
+    /// The edge of the body to the left of a to b; of second order half of it.
+    struct Edge {
+        Index a, b;    // corners
+        double depth;  // [m] largest penetration: that of a corner which meets this edge and not the opposite one
+    };
+    /// An edge in its place.
+    struct PlacedEdge {
+        Vec2 x_a, along, outward;  // [m], [m], [-]
+        double length;             // [m]
+    };
     /// Bounds of the motion of an obstacle, start and end of the step together.
     struct AtMost {
         double speed, spin;  // [m/s], [rad/s]
@@ -87,14 +98,31 @@ private:
     void add_pieces(Index fan, const State& begin);
     void find_at_corner(const Candidate& at, const State& begin, double h, const std::vector<Vec3>& end_velocity,
                         const std::vector<Vec2>& corner_force);
-    void find_on_edge(Index a, Index b, Index obstacle, const State& begin, double h, const Vec3& end_velocity);
+    void add_edges(Index triangle, Index side, std::vector<Edge>& edges) const;
+    void add_open_faces(Index fan, const State& begin);
+    void find_on_edge(const Edge& edge, Index obstacle, const State& begin, double h);
+    void find_on_arc(const Edge& edge, const PlacedEdge& at, Index obstacle, const State& begin, double h);
+    void find_at_corners_of(const Edge& edge, const PlacedEdge& at, Index obstacle, const State& begin, double h);
+    void add_on_edge(const ObstacleContact& contact, double length, const State& begin, double h);
+    Vec2 place(Index corner, const State& begin) const {
+        return model_.mesh.corner(corner) + begin.displacement_of(corner);
+    }
+    bool is_carried(Index corner, double gap, const State& begin) const;
+    bool meets_beside(const Candidate& at, Index obstacle, const Vec2& x, const SurfaceDistance& distance,
+                      const State& begin) const;
 
     const Model& model_;
-    std::vector<Candidate> boundary_;  // the corners at both ends of the fans on the boundary
-    std::vector<double> corner_size_;  // [m] per corner: distance to the nearest other corner of its triangle
+    std::vector<Candidate> boundary_;       // the corners at both ends of the fans on the boundary
+    std::vector<Edge> edges_, open_faces_;  // of the boundary; of faces that came apart
+    std::vector<Index> next_, previous_;    // per corner: the corner at the other end of the edge of the boundary that
+                                            // leaves or enters it, or -1
+    double longest_edge_ = 0;               // [m]
+    std::vector<double> corner_size_;       // [m] per corner: distance to the nearest other corner of its triangle
     std::vector<Candidate> candidates_;
     std::vector<ObstacleSurface> surfaces_;  // in their places at the start of the step
     std::vector<AtMost> at_most_;            // likewise
+    std::vector<Vec3> predicted_;  // [m/s, m/s, rad/s] of the obstacles over the step: of free components that
+                                   // of its start, since what carries them takes their forces
     std::vector<ObstacleContact> contacts_;
     std::size_t n_at_corners_ = 0;
 };

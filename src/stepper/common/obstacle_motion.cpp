@@ -14,7 +14,9 @@ namespace {
 constexpr int max_steps = 60, max_secants = 20;
 constexpr double no_line_search_below = 1e3;  // times the tolerance: the last digits are not worth a line search
 constexpr double difference = 1e-6;           // [-] of the speeds, for the slope: exact up to rounding
-constexpr int few = 12;                       // components that are solved on the stack
+constexpr double too_coarse = 1e-3;           // [-] of the impulses: a change by a difference
+constexpr int max_smaller = 3;
+constexpr int few = 12;  // components that are solved on the stack
 
 /// [-] What the history of a force does over the step beyond what its values at single times say.
 double missed_of(const TimeFunction& history, const StepTimes& times, double before) {
@@ -120,16 +122,17 @@ double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, 
     for (const Component& c : free_)
         speed = std::max(speed, std::sqrt(c.mass) * std::max(std::abs(begin.obstacles[c.obstacle].velocity[c.k]),
                                                              std::abs(rate_[c.obstacle][c.k])));
-    double scale = 0.01 * speed;  // an impulse is a difference of momenta: it has their rounding
+    double scale = 0, of_trial = 0;  // of the impulses of x, and of the last trial, which may press beyond all measure
     wrench_.resize(rate_.size());
     const auto error_at = [&](const Vector& x) {
         rate_ = without_contact_;
         for (Eigen::Index i = 0; i < n; ++i) rate_[free_[i].obstacle][free_[i].k] += x[i] / std::sqrt(free_[i].mass);
         response(wrench_);
         Vector error(n);
+        of_trial = 0.01 * speed;  // an impulse is a difference of momenta: it has their rounding
         for (Eigen::Index i = 0; i < n; ++i) {
             const double given = theta_ * wrench_[free_[i].obstacle][free_[i].k] / std::sqrt(free_[i].mass);
-            scale = std::max({scale, std::abs(given), std::abs(x[i])});
+            of_trial = std::max({of_trial, std::abs(given), std::abs(x[i])});
             error[i] = x[i] - given;
         }
         return error;
@@ -138,20 +141,29 @@ double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, 
     for (Eigen::Index i = 0; i < n; ++i)
         x[i] = theta_ * kick_time_ * begin.obstacles[free_[i].obstacle].reaction[free_[i].k] / std::sqrt(free_[i].mass);
     Vector error = error_at(x);
+    scale = of_trial;
     Eigen::PartialPivLU<Matrix> slope;
     bool slope_is_known = accuracy.is_costly;
     if (slope_is_known) slope.compute(Matrix::Identity(n, n));
     for (int step = 0; step < max_steps && error.norm() > tolerance * scale; ++step) {
         if (!slope_is_known) {
-            const double delta = difference * std::max(speed, scale);
             Matrix columns(n, n);
-            for (Eigen::Index j = 0; j < n; ++j)
-                columns.col(j) = (error_at(x + delta * Vector::Unit(n, j)) - error) / delta;
+            for (Eigen::Index j = 0; j < n; ++j) {
+                double delta = difference * std::max(speed, scale);
+                Vector changed = error_at(x + delta * Vector::Unit(n, j)) - error;
+                // beside a stiff body the difference must not part what touches: the error changes more than the rate
+                for (int again = 0; again < max_smaller && changed.norm() > too_coarse * scale; ++again) {
+                    delta *= difference * scale / changed.norm();
+                    changed = error_at(x + delta * Vector::Unit(n, j)) - error;
+                }
+                columns.col(j) = changed / delta;
+            }
             slope.compute(columns);
         }
         const Vector change = -slope.solve(error);
         const double before = error.norm();
         Vector next = x + change, next_error = error_at(next);
+        double of_next = of_trial;
         // without friction the error is the gradient of a convex function: the zero of its slope along Newton's step is
         // the length of the step
         if (next_error.norm() > 0.1 * before && before > no_line_search_below * tolerance * scale) {
@@ -159,11 +171,11 @@ double ObstacleMotion::find_rates(const State& begin, const Accuracy& accuracy, 
             const auto along = [&](double part) { return change.dot(error_at(x + part * change)); };
             const double length =
                 at_0 < 0 && at_1 > 0 ? zero_between(0, at_0, 1, at_1, 1e-3 * std::abs(at_0), max_secants, along) : 1;
-            next = x + length * change, next_error = error_at(next);
+            next = x + length * change, next_error = error_at(next), of_next = of_trial;
         }
         if (before <= no_line_search_below * tolerance * scale && next_error.norm() >= before) break;
         slope_is_known = next_error.norm() <= good_progress * before;  // the same linear piece
-        x = next, error = next_error;
+        x = next, error = next_error, scale = of_next;
     }
     if (error.norm() > tolerance * scale) error = error_at(x);
     return scale > 0 ? error.norm() / scale : 0;

@@ -36,6 +36,14 @@ public:
                  const Response& response);
 
     const std::vector<Vec3>& rate() const { return rate_; }  // W
+    /// [1/kg, 1/kg, 1/(kg m2)] Of the change of the rates by impulses, zero in prescribed components.
+    Vec3 inverse_mass(Index obstacle) const {
+        Vec3 inverse = Vec3::Zero();
+        for (int k = 0; k < 3; ++k)
+            if (model_.obstacles[obstacle].is_free(k))
+                inverse[k] = theta_ / ((1 + damping_) * model_.obstacles[obstacle].inertia_of(k));
+        return inverse;
+    }
 
     /// The obstacles at the end of the step under the wrenches of the contacts, their energies and works.
     void finish(const State& begin, const std::vector<Vec3>& wrench, State& end, StepReport& report) const;

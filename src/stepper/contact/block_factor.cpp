@@ -3,42 +3,54 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 
 namespace knap {
 
 void BlockFactor::start(Index n) {
     n_blocks_ = n;
-    rows_.resize(n);
-    for (auto& row : rows_) row.clear();
+    rows_.assign(n, {});
+    entries_.clear();
+    after_.assign(n, -1);
 }
 
 Index BlockFactor::add(Index row, Index column) {
-    rows_[row].push_back({column, n_blocks_});
+    auto& [first, n, room] = rows_[row];
+    if (n == room) {
+        room = std::max<std::size_t>(4, 2 * room);
+        entries_.resize(entries_.size() + room);
+        std::copy_n(entries_.begin() + static_cast<std::ptrdiff_t>(first), n,
+                    entries_.end() - static_cast<std::ptrdiff_t>(room));
+        first = entries_.size() - room;
+    }
+    entries_[first + n++] = {column, n_blocks_};
     return n_blocks_++;
 }
 
 Index BlockFactor::place_in(Index row, Index column) {
     if (row == column) return row;
-    const auto found = std::ranges::find(rows_[row], column, &Entry::at);
-    return found != rows_[row].end() ? found->place : add(row, column);
+    const auto found = std::ranges::find(entries(row), column, &Entry::at);
+    return found != entries(row).end() ? found->place : add(row, column);
 }
 
 void BlockFactor::analyse() {
     pivots_.clear(), neighbours_.clear(), changed_.clear();
-    std::vector<Index> left(rows_.size());
-    for (std::size_t i = 0; i < left.size(); ++i) left[i] = static_cast<Index>(i);
-    while (!left.empty()) {
-        const auto smallest = std::ranges::min_element(left, {}, [&](Index i) { return rows_[i].size(); });
+    left_.resize(rows_.size());
+    std::iota(left_.begin(), left_.end(), 0);
+    while (!left_.empty()) {
+        const auto smallest = std::ranges::min_element(
+            left_, {}, [&](Index i) { return after_[i] < 0 ? rows_[i].n : std::numeric_limits<std::size_t>::max(); });
         const Index pivot = *smallest;
-        *smallest = left.back();
-        left.pop_back();
+        *smallest = left_.back();
+        left_.pop_back();
         const std::size_t first = neighbours_.size();
-        for (const Entry& entry : rows_[pivot]) {
-            auto& row = rows_[entry.at];
-            const auto below = std::ranges::find(row, pivot, &Entry::at);
+        for (const Entry& entry : entries(pivot)) {
+            const auto below = std::ranges::find(entries(entry.at), pivot, &Entry::at);
             neighbours_.push_back({entry.at, below->place, entry.place});
-            *below = row.back();
-            row.pop_back();
+            *below = entries(entry.at).back();
+            --rows_[entry.at].n;
+            if (after_[entry.at] == pivot) after_[entry.at] = -1;
         }
         for (std::size_t i = first; i < neighbours_.size(); ++i)
             for (std::size_t j = first; j < neighbours_.size(); ++j)

@@ -6,6 +6,7 @@
 
 #include <Eigen/Core>
 
+#include <span>
 #include <vector>
 
 namespace knap {
@@ -16,6 +17,8 @@ public:
     void start(Index n);
     /// Adds the block of a row and another column, which nobody has added, and returns its place.
     Index add(Index row, Index column);
+    /// The pivot of a row comes after that of another one, without which it is singular. Once for each row.
+    void eliminate_after(Index row, Index other) { after_[row] = other; }
     /// When all are added: finds the order and the blocks that fill.
     void analyse();
 
@@ -38,10 +41,18 @@ private:
         Index row;
         std::size_t last;  // into neighbours_
     };
+    /// The blocks of a row that are not eliminated, without the diagonal: in entries_.
+    struct Row {
+        std::size_t first = 0, n = 0, room = 0;
+    };
+    std::span<Entry> entries(Index row) { return {entries_.data() + rows_[row].first, rows_[row].n}; }
     Index place_in(Index row, Index column);
 
     Index n_blocks_ = 0;
-    std::vector<std::vector<Entry>> rows_;  // the blocks that are not eliminated, without the diagonal
+    std::vector<Row> rows_;
+    std::vector<Entry> entries_;
+    std::vector<Index> after_;  // per row: the other one, or -1
+    std::vector<Index> left_;   // rows without a pivot
     std::vector<Pivot> pivots_;
     std::vector<Neighbour> neighbours_;
     std::vector<Index> changed_;  // places of the blocks that each pivot changes, rows of neighbours_ times columns

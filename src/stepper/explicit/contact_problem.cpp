@@ -14,7 +14,8 @@ constexpr double held = 1e-12;  // [-] of the mobilities of its corners: a small
 
 void ContactProblem::clear() {
     bodies_.clear(), corners_.clear(), terms_.clear(), rows_.clear();
-    cluster_.contacts.clear();
+    cluster_.contacts.clear(), cluster_.bodies.clear(), cluster_.terms.clear();
+    free_of_rigid_.clear();
 }
 
 Index ContactProblem::add_body(const Vec2& free, const Vec2& inverse_mass) {
@@ -82,13 +83,24 @@ Index ContactProblem::add_fan(const SolvedFan& solved, Index n_corners, bool stu
     return first;
 }
 
-void ContactProblem::add_contact(const Vec2& impulse) {
+Index ContactProblem::add_rigid_body(const Vec3& free, const Vec3& inverse_mass) {
+    free_of_rigid_.push_back(free);
+    cluster_.bodies.push_back({inverse_mass});
+    return static_cast<Index>(free_of_rigid_.size()) - 1;
+}
+
+void ContactProblem::add_contact(const Vec2& impulse, const Vec2& given) {
     rows_.push_back(static_cast<Index>(cluster_.contacts.size()));
-    cluster_.contacts.push_back({.impulse = impulse});
+    cluster_.contacts.push_back({.free = given, .impulse = impulse});
 }
 
 void ContactProblem::add_term(Index corner, const Vec2& along_N, const Vec2& along_T) {
     terms_.push_back({rows_.back(), corner, along_N, along_T});
+}
+
+void ContactProblem::add_rigid_term(Index body, const Vec3& along_N, const Vec3& along_T) {
+    cluster_.contacts[rows_.back()].free += Vec2(along_N.dot(free_of_rigid_[body]), along_T.dot(free_of_rigid_[body]));
+    cluster_.add_term(rows_.back(), {body, along_N, along_T});
 }
 
 /// W = sum over the bodies of along' M^-1 along, and V_free likewise. A vertex that moves as one with the end of the
@@ -101,7 +113,6 @@ void ContactProblem::assemble() {
     std::partial_sum(end.begin(), end.end(), end.begin());
     of_body_.resize(terms_.size());
     for (std::size_t k = 0; k < terms_.size(); ++k) of_body_[end[body_of(terms_[k])]++] = static_cast<Index>(k);
-    for (ClusterContact& c : cluster_.contacts) c.free.setZero(), c.first_coupling = c.last_coupling = 0;
     cluster_.couplings.clear();
     for (const Term& term : terms_) {
         const Index b = body_of(term);
@@ -117,23 +128,29 @@ void ContactProblem::assemble() {
             cluster_.couple(term.row, other.row, W);
         }
     }
-    std::vector<double> mobility(cluster_.contacts.size(), 0);  // [1/kg] of the corners of each row
+    for (const Index row : rows_) {
+        const ClusterContact& c = cluster_.contacts[row];
+        if (c.first_coupling == c.last_coupling) cluster_.couple(row, row, Eigen::Matrix2d::Zero());
+    }
+    mobility_.assign(cluster_.contacts.size(), 0);
     for (const Term& term : terms_)
-        mobility[term.row] += bodies_[body_of(term)].inverse_mass.sum() * term.along_N.squaredNorm();
+        mobility_[term.row] += bodies_[body_of(term)].inverse_mass.sum() * term.along_N.squaredNorm();
+    for (const Index row : rows_) mobility_[row] += cluster_.own_of_bodies(row).trace();
+    cluster_.find_own();
     for (ContactCoupling& c : cluster_.couplings)
         if (c.of == c.on)
             for (int k = 0; k < 2; ++k)
-                if (c.W(k, k) <= held * mobility[c.of]) c.W.row(k).setZero(), c.W.col(k).setZero();
+                if (cluster_.own(c.of)(k, k) <= held * mobility_[c.of]) cluster_.hold(c, k);
     cluster_.find_own();
     for (const Index row : rows_)
         for (int k = 0; k < 2; ++k)
             if (cluster_.own(row)(k, k) == 0) cluster_.contacts[row].impulse[k] = 0;
 }
 
-double ContactProblem::solve(double speed, double rounding) {
+double ContactProblem::solve(double speed, double rounding, ClusterEffort effort) {
     for (std::size_t i = 0; i < cluster_.contacts.size(); ++i)
         speed = std::max(speed, cluster_.contacts[i].cohesive * cluster_.own(static_cast<Index>(i)).trace());
-    const double residual = cluster_.solve(speed, rounding);
+    const double residual = cluster_.solve(speed, rounding, effort);
     for (Body& body : bodies_) body.end = body.free;
     for (const Term& term : terms_) {
         Body& body = bodies_[corners_[term.corner].body];

@@ -1,8 +1,8 @@
 #pragma once
-// A cluster of contacts between free faces and the interface points of the fans that they touch, as one problem:
+// A cluster of contacts and the interface points of the fans that they touch, as one problem:
 //
-//     v_b = free_b + m_b^-1 sum P      bodies: corners, parts of fans that move as one, obstacles
-//     V   = sum along . v              rows: contacts and points; their laws in contact/contact_cluster.hpp
+//     v_b = free_b + M_b^-1 sum along' P    bodies: corners, parts of fans that move as one; rigid bodies
+//     V   = sum along v                     rows: contacts and points; their laws in contact/contact_cluster.hpp
 //
 // Where friction wedges pieces against each other, contacts and fans that take turns need not agree; jointly they do.
 #include "interface/fan_problem.hpp"
@@ -18,10 +18,14 @@ public:
     /// The corners of a fan and its links; returns its first corner. With `stuck_stays` the links that stick in its
     /// result go on, which leaves few unknowns. Secant unloading: with the cohesion that the links bear there.
     Index add_fan(const SolvedFan& fan, Index n_corners, bool stuck_stays);
-    /// A contact that starts with this impulse; its terms follow.
-    void add_contact(const Vec2& impulse);
+    /// Returns its number among the rigid bodies. Its free velocities [m/s, m/s, rad/s], and [1/kg, 1/kg, 1/(kg m2)].
+    Index add_rigid_body(const Vec3& free, const Vec3& inverse_mass);
+    /// A contact that starts with this impulse; its terms follow. `given` [m/s]: its rate by what moves as prescribed.
+    void add_contact(const Vec2& impulse, const Vec2& given = Vec2::Zero());
     /// On the last contact: V += (along_N . v, along_T . v) of a corner.
     void add_term(Index corner, const Vec2& along_N, const Vec2& along_T);
+    /// Likewise of a rigid body.
+    void add_rigid_term(Index body, const Vec3& along_N, const Vec3& along_T);
     /// When all is added: finds W and V_free.
     void assemble();
 
@@ -29,9 +33,11 @@ public:
     std::size_t n_contacts() const { return rows_.size(); }
     ClusterContact& contact(std::size_t i) { return cluster_.contacts[rows_[i]]; }
     /// The residual of the laws of all rows [m/s]; `speed` and `rounding` [m/s] as there.
-    double solve(double speed, double rounding);
+    double solve(double speed, double rounding, ClusterEffort effort = ClusterEffort::careful);
     /// [m/s] Of the solution.
     Vec2 velocity(Index corner) const { return bodies_[corners_[corner].body].end + corners_[corner].offset; }
+    /// [m/s, m/s, rad/s] Likewise.
+    Vec3 velocity_of_rigid_body(Index body) const { return free_of_rigid_[body] + cluster_.bodies[body].change; }
     /// [m/s] The largest error of the rates of the contacts, if V was the rate of each of them.
     double residual(std::span<const Vec2> V);
     double largest_impulse() const { return cluster_.largest_impulse(); }  // [N s]
@@ -53,8 +59,10 @@ private:
 
     std::vector<Body> bodies_;
     std::vector<Corner> corners_;
-    std::vector<Term> terms_;  // of one row after the other
-    std::vector<Index> part_;  // per corner of a fan: the first corner of its part
+    std::vector<Term> terms_;          // of one row after the other
+    std::vector<Index> part_;          // per corner of a fan: the first corner of its part
+    std::vector<Vec3> free_of_rigid_;  // [m/s, m/s, rad/s]
+    std::vector<double> mobility_;     // [1/kg] per row: of all that it joins
     std::vector<std::size_t> end_of_body_;
     std::vector<Index> of_body_;  // places in terms_, of one body after the other
     std::vector<Index> rows_;     // of the contacts

@@ -30,16 +30,16 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       blocks_(make_blocks(model, absorbing_.dashpots())),
       obstacle_step_(model),
       solver_(model, options, obstacle_step_, absorbing_),
-      obstacles_(model, solver_, obstacle_step_),
+      obstacles_(model, obstacle_step_),
       amplitude_(model.histories.size()),
       corner_force_(model.mesh.n_corners() + 1, Vec2::Zero()),  // the last: BlockFans::no_force
       elastic_energy_(blocks_.size()),
       fan_is_candidate_(model.fans.size(), 0),
       splits_(model.fans.size(), 0),
       workspaces_(omp_get_max_threads(), ThreadWorkspace(model)) {
-    if (!model.contact_of_pair.empty()) {
+    if (!model.contact_of_pair.empty() || !model.obstacles.empty()) {
         corner_impulse_.assign(model.mesh.n_corners(), Vec2::Zero());
-        contacts_.emplace(model, solver_, corner_impulse_);
+        contacts_.emplace(model, solver_, obstacle_step_, corner_impulse_);
     }
     if (model.heat) {
         thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
@@ -88,20 +88,19 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     // row 1: the pressure of fluids in cracks; contacts with obstacles
     for (const CornerLoad& load : crack_forces_.find(begin))
         corner_force_[load.corner] += amplitude_[load.history] * load.force;
-    obstacles_.begin(step);
-    split_at_contacts(begin);
+    if (contacts_) find_obstacle_contacts(step);
     // rows 2 and 3, and 5 and 6 likewise, for all other fans: of several blocks, loaded, guided or near obstacles
     report += sweep_bordering(step);
     // row 5 for all fans that contacts couple: the impulses of contacts, and the rates of free obstacles
-    solve_contacts(step, report);
+    if (contacts_) contacts_->solve(step, splits_, workspaces_, report);
     // row 4
     release(step, report);
-    // row 3 for bonded fans in contact with free faces
+    // row 3 for bonded fans whose contacts reach beyond them
     if (contacts_) advance_bonded_contacts(step, report);
     // rows 5 and 6 for the fans that split in this step; with contacts for all
     report += advance_remaining_split_fans(step);
     // the motion of obstacles; energies and works
-    obstacles_.finish(step, report);
+    obstacles_.finish(step, contacts_ ? &*contacts_ : nullptr, report);
     if (contacts_) contacts_->finish(step, report);
     report += account_loads(step);
     if (model_.large_rotation) account_rotation(step, report);
@@ -280,11 +279,14 @@ double ExplicitScheme::add_thermal_forces(const MeshBlock& block, const Explicit
     return thermal_->energy(block.first, block.last, begin.displacement, begin.node_of_corner, now->strain);
 }
 
-/// A fan near an obstacle is solved as a split one, in which the fan solver finds what sticks.
-void ExplicitScheme::split_at_contacts(const State& begin) {
+/// A fan with a contact that concerns it alone is solved as a split one, in which the fan solver finds what sticks; of
+/// the others the impulses of the contacts decide.
+void ExplicitScheme::find_obstacle_contacts(const ExplicitStep& step) {
+    obstacles_.begin(step);
     for (const ObstacleContact& contact : obstacle_step_.contacts.all())
-        for (const Index f : {contact.fan, contact.second_fan})
-            if (f >= 0) splits_[f] = begin.split_rank[f] < 0;
+        if (solver_.is_within_fan(contact)) splits_[contact.fan] = step.begin.split_rank[contact.fan] < 0;
+    contacts_->begin_obstacles(step);
+    for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
 }
 
 /// The motion of the fans across borders of blocks, and of those with loads, prescribed motion and obstacles.
@@ -372,18 +374,6 @@ void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
         memory.factor = std::max(1.0, memory.utilisation);
         report.largest_strength_factor = std::max(report.largest_strength_factor, memory.factor);
     }
-}
-
-/// Contacts between free faces are solved for given motions of the obstacles, of which free ones depend on them.
-void ExplicitScheme::solve_contacts(const ExplicitStep& step, StepReport& report) {
-    VertexSolver::Workspace& work = workspaces_.front().split;
-    if (!contacts_ || contacts_->size() == 0) return obstacles_.solve(step, {}, work, report);
-    const auto solve = [&](bool aside, StepReport& own) {
-        return contacts_->solve(step, aside, splits_, workspaces_, own);
-    };
-    contacts_->set_aside([&](Index fan) { return obstacles_.couple(fan); });
-    solve(false, report);
-    obstacles_.solve(step, std::bind_front(solve, true), work, report);
 }
 
 /// The motion of the bonded fans with contacts that stay bonded.

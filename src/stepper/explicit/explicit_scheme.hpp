@@ -33,7 +33,7 @@ private:
     bool decide_and_move(const Sweep<Corner>& sweep, const typename BlockFans<Corner>::BlockFan& fan,
                          const Corner* corner, const Vec2& force);
     double add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force, StepReport& report);
-    void split_at_contacts(const State& begin);
+    void find_obstacle_contacts(const ExplicitStep& step);
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>
     bool is_bonded(Index fan, std::span<const InscribedCircle> circles, const Force& force_on, const Vec2& force,
@@ -41,7 +41,6 @@ private:
     Vec2 velocity_as_one(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
     void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
                      StepReport& report) const;
-    void solve_contacts(const ExplicitStep& step, StepReport& report);
     void advance_bonded_contacts(const ExplicitStep& step, StepReport& report);
     void release(const ExplicitStep& step, StepReport& report);
     StepReport advance_remaining_split_fans(const ExplicitStep& step);
@@ -72,7 +71,7 @@ private:
     ObstacleStep obstacle_step_;
     VertexSolver solver_;
     VertexObstacles obstacles_;
-    std::optional<VertexContacts> contacts_;      // between free faces
+    std::optional<VertexContacts> contacts_;      // between free faces, and with obstacles beyond a fan
     std::vector<double> mass_;                    // [kg] per corner, in the order of Model::fan_corners
     std::vector<double> amplitude_;               // of every history, at the start of the step
     std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep

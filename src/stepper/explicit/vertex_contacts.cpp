@@ -1,7 +1,6 @@
 #include "stepper/explicit/vertex_contacts.hpp"
 
 #include "base/parallel.hpp"
-#include "base/union_find.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/contact/retirement.hpp"
 
@@ -19,11 +18,21 @@ constexpr double max_injected = 1e-3;        // [-] of energy and losses of a cl
 constexpr double agreed = 1e-12;             // [-] of the speeds, between contacts and fans
 constexpr double position_rounding = 1e-15;  // [-] of the positions
 constexpr int max_contact_rounds = 100;      // of contacts and fans
+constexpr int careful_round = 3;             // of clusters with obstacles
 constexpr int patience = 4;                  // rounds without half the residual: a wedge has no solution
 
 /// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
 double positive_work(const Vec2& P, const Vec2& mean) {
     return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
+}
+
+/// [N s] Of the step before; zero where it was no contact.
+Vec2 impulse_before(const ObstacleContact& contact, const State& begin) {
+    const auto found = std::ranges::find_if(begin.obstacle_contacts, [&](const ObstacleContactState& before) {
+        return before.corner == contact.corner && before.second_corner == contact.second_corner &&
+               before.obstacle == contact.obstacle;
+    });
+    return found == begin.obstacle_contacts.end() ? Vec2(Vec2::Zero()) : Vec2(found->contact, found->tangential);
 }
 
 }  // namespace
@@ -39,21 +48,113 @@ Index VertexContacts::slot_of(Index fan) {
     return slot_of_fan_[fan] = slot;
 }
 
+void VertexContacts::add_term(Index contact, Index corner, const Vec2& along_N, const Vec2& along_T) {
+    const Index slot = slot_of(model_.fan_of_corner[corner]);
+    std::vector<Index>& corners = touched_[slot].corners;
+    const Index place = place_among(corners, corner);
+    if (place == std::ssize(corners)) corners.push_back(corner);
+    terms_.push_back({contact, slot, place, along_N, along_T});
+}
+
+void VertexContacts::add_obstacle_term(Index contact, Index obstacle, const Vec2& arm, double sign,
+                                       const Vec2& normal) {
+    obstacle_terms_.push_back(
+        {contact, obstacle, wrench_of(sign * normal, arm), wrench_of(sign * turned_left(normal), arm)});
+}
+
+void VertexContacts::end_terms() {
+    first_term_.push_back(terms_.size());
+    first_obstacle_term_.push_back(obstacle_terms_.size());
+}
+
 void VertexContacts::add_terms(Index contact) {
     const FaceContact& c = contacts_.all()[contact];
     const Vec2 n = c.normal, t = turned_left(n), turn = c.gap / c.length * n;
     const auto add = [&](Index corner, const Vec2& along_N, const Vec2& along_T) {
-        if (model_.ground_at(corner) != nullptr) return;
-        const Index slot = slot_of(model_.fan_of_corner[corner]);
-        std::vector<Index>& corners = touched_[slot].corners;
-        const Index place = place_among(corners, corner);
-        if (place == std::ssize(corners)) corners.push_back(corner);
-        terms_.push_back({contact, slot, place, along_N, along_T});
+        if (model_.ground_at(corner) == nullptr) add_term(contact, corner, along_N, along_T);
     };
     for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
     add(c.edge[0], -(1 - c.share) * n, -(1 - c.share) * t - turn);
     add(c.edge[1], -c.share * n, -c.share * t + turn);
-    first_term_.push_back(terms_.size());
+    end_terms();
+}
+
+/// [m/s] By which the forces of the step alone would make the sides approach: of the fans as a whole, and of obstacles.
+double VertexContacts::approach_by_forces(Index contact, const ExplicitStep& step) const {
+    double push = 0;
+    for (const Term& term : terms_of(contact)) {
+        const Fan& fan = model_.fans[fans_[term.slot]];
+        Vec2 force = Vec2::Zero();
+        for (const Index c : model_.corners(fan)) force += step.corner_force[c];
+        if (const PrescribedMotion* motion = model_.motion_of(model_.corners(fan)[0]))
+            for (int k = 0; k < 2; ++k)
+                if (motion->component[k]) force[k] = 0;
+        push -= step.kick_time / fan.mass * term.along_N.dot(force);
+    }
+    for (const ObstacleTerm& term : obstacle_terms_of(contact))
+        if (is_free(term.obstacle))
+            push -= term.along_N.dot(obstacles_.motion.rate()[term.obstacle] -
+                                     step.begin.obstacles[term.obstacle].velocity);
+    return push;
+}
+
+/// A contact of the body with an obstacle.
+void VertexContacts::add_row(const ObstacleContact& contact, const ExplicitStep& step) {
+    const auto row = static_cast<Index>(rows_.size());
+    const Vec2 n = contact.normal, t = turned_left(n),
+               x = step.begin.obstacles[contact.obstacle].pose.position + contact.arm;
+    add_term(row, contact.corner, (1 - contact.share) * n, (1 - contact.share) * t);
+    if (contact.is_on_edge()) add_term(row, contact.second_corner, contact.share * n, contact.share * t);
+    add_obstacle_term(row, contact.obstacle, contact.arm, -1, n);
+    const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
+    add_row({.gap = contact.gap,
+             .deep = infinity,
+             .rounding = position_rounding * (x.norm() + contact.arm.norm()),
+             .law = {.friction = law.friction, .restitution = law.restitution},
+             .place = x},
+            step);
+}
+
+/// Of two obstacles: with the geometric means of what each has against the body.
+void VertexContacts::add_row(const ObstaclePairContact& contact, const ExplicitStep& step) {
+    const auto row = static_cast<Index>(rows_.size());
+    const auto& [one, two] = contact.obstacle;
+    const Vec2 x = step.begin.obstacles[one].pose.position + contact.arm[0];
+    add_obstacle_term(row, one, contact.arm[0], -1, contact.normal);
+    add_obstacle_term(row, two, contact.arm[1], 1, contact.normal);
+    const CohesiveLaw &a = model_.obstacles[one].contact, &b = model_.obstacles[two].contact;
+    add_row({.gap = contact.gap,
+             .deep = deep * obstacles_.pairs.size(contact),
+             .rounding = position_rounding * (x.norm() + contact.arm[0].norm() + contact.arm[1].norm()),
+             .law = {.friction = std::sqrt(a.friction * b.friction),
+                     .restitution = std::sqrt(a.restitution * b.restitution)},
+             .place = x},
+            step);
+}
+
+/// When all its terms are added.
+void VertexContacts::add_row(const Row& row, const ExplicitStep& step) {
+    end_terms();
+    const auto number = static_cast<Index>(rows_.size());
+    rows_.push_back(row);
+    before_.push_back(rate(number, step.begin));
+    impulse_.push_back(Vec2::Zero()), residual_.push_back(0);
+    double& e = rows_.back().law.restitution;
+    if (rests_under(e, -before_.back().x(), approach_by_forces(number, step))) e = 0;
+}
+
+void VertexContacts::begin_obstacles(const ExplicitStep& step) {
+    for (std::size_t o = 0; o < obstacle_velocity_.size(); ++o)
+        obstacle_velocity_[o] = step.begin.obstacles[o].velocity;
+    const double scale = step.begin.last_step > 0 ? step.kick_time / step.begin.last_step : 0;
+    for (const ObstacleContact& contact : obstacles_.contacts.all())
+        if (!solver_.is_within_fan(contact)) {
+            add_row(contact, step);
+            impulse_.back() = scale * impulse_before(contact, step.begin);
+        }
+    for (const ObstaclePairContact& contact : obstacles_.pairs.all()) add_row(contact, step);
+    obstacle_velocity_ = obstacles_.motion.rate();
+    find_clusters();
 }
 
 void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
@@ -62,153 +163,96 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
         slot_of_fan_[f] = -1;
         for (const Index corner : model_.corners(model_.fans[f])) corner_impulse_[corner].setZero();
     }
-    fans_.clear(), terms_.clear(), first_term_.assign(1, 0);
+    fans_.clear(), rows_.clear(), terms_.clear(), obstacle_terms_.clear();
+    first_term_.assign(1, 0), first_obstacle_term_.assign(1, 0);
+    obstacle_velocity_.resize(model_.obstacles.size());
     contacts_.find(step.begin, step.drift_time);
     if (const auto& refusal = contacts_.refusal()) {
         if (refusal->reason == ContactRefusal::Reason::speed)
             report.reject(Rejection::contact_speed, refusal->place, refusal->value);
         else report.add_depth(refusal->value, refusal->place);
     }
-    const auto n = static_cast<Index>(contacts_.all().size());
+    const Index n = n_faces();
     impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
     // a force lasts; a start in equilibrium has forces
     const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);
     for (Index i = 0; i < n; ++i) {
+        const FaceContact& c = contacts_.all()[i];
+        rows_.push_back({.gap = c.gap,
+                         .deep = deep * c.length,
+                         .rounding = position_rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length),
+                         .law = law_between_faces(model_, c),
+                         .place = place_of_corner(c.vertex[1], step.begin)});
         add_terms(i);
-        impulse_[i] = scale * Vec2(contacts_.all()[i].contact, contacts_.all()[i].tangential);
+        impulse_[i] = scale * Vec2(c.contact, c.tangential);
         before_[i] = rate(i, step.begin);
-        report.add_approach(contacts_.all()[i].gap, step.drift_time, before_[i].x(), place_of(i, step.begin));
+        report.add_approach(c.gap, step.drift_time, before_[i].x(), rows_[i].place);
     }
-    find_clusters();
 }
 
-/// [m/s] (V_N, V_T) of a contact.
-Vec2 VertexContacts::rate(Index contact, const State& state) const {
+/// [m/s] The part of a rate that is by obstacles, under the present impulses.
+Vec2 VertexContacts::rate_of_obstacles(Index contact) const {
     Vec2 V = Vec2::Zero();
+    for (const ObstacleTerm& term : obstacle_terms_of(contact)) V += term.rate(obstacle_velocity_[term.obstacle]);
+    return V;
+}
+
+/// [m/s] (V_N, V_T) of a contact, by the velocities of the body in a state.
+Vec2 VertexContacts::rate(Index contact, const State& state) const {
+    Vec2 V = rate_of_obstacles(contact);
     for (const Term& term : terms_of(contact))
         V += term.rate(state.velocity[state.node_of_corner[touched_[term.slot].corners[term.place]]]);
     return V;
 }
 
-/// Contacts that share a fan, in the order of their first contact; the contacts of a cluster in their order.
+/// Contacts that share a fan or a free obstacle, in the order of their first contact; the contacts of a cluster in
+/// their order.
 void VertexContacts::find_clusters() {
-    const std::size_t n = contacts_.all().size();
-    UnionFind joined(fans_.size());
-    for (std::size_t i = 0; i < n; ++i)
-        for (const Term& term : terms_of(i)) joined.join(terms_of(i)[0].slot, term.slot);
-    n_clusters_ = 0;
-    std::vector<Index>& cluster_of = cluster_of_slot_;  // of the representatives
-    cluster_of.assign(fans_.size(), -1);
-    const auto cluster = [&](Index slot) {
-        Index& found = cluster_of[joined.find(slot)];
-        if (found >= 0) return found;
-        if (clusters_.size() == n_clusters_) clusters_.emplace_back();
-        Cluster& added = clusters_[n_clusters_];
-        added.contacts.clear(), added.slots.clear();
-        added.is_aside = false, added.residual = 0;
-        return found = static_cast<Index>(n_clusters_++);
+    const auto n = static_cast<Index>(rows_.size()), n_fans = static_cast<Index>(fans_.size()),
+               n_obstacles = static_cast<Index>(model_.obstacles.size());
+    clusters_.clear();
+    if (n == 0) return;
+    joined_.start(n_fans + n_obstacles);
+    const auto for_members = [&](Index contact, const auto& visit) {
+        for (const Term& term : terms_of(contact)) visit(term.slot);
+        for (const ObstacleTerm& term : obstacle_terms_of(contact))
+            if (is_free(term.obstacle)) visit(n_fans + term.obstacle);
     };
-    for (std::size_t i = 0; i < n; ++i)
-        clusters_[cluster(terms_of(i)[0].slot)].contacts.push_back(static_cast<Index>(i));
-    for (std::size_t s = 0; s < fans_.size(); ++s) clusters_[cluster(s)].slots.push_back(s);
-}
-
-/// The parts of a fan move as rigid bodies: corners that points hold together which have not moved. Soft: a fan on a
-/// support, or with prescribed corners that may split, or one whose parts cannot stay as they are.
-void VertexContacts::find_parts(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work) const {
-    const State& begin = step.begin;
-    const Fan& fan = model_.fans[touched.fan];
-    const auto corners = model_.corners(fan);
-    const Index rank = begin.split_rank[touched.fan];
-    std::vector<Index>& part = touched.part;
-    part.assign(corners.size(), 0);
-    touched.is_soft = solver_.has_outer_forces(touched.fan);
-    if (rank < 0) return;
-    std::iota(part.begin(), part.end(), 0);
-    for (Index j = 0; j < fan.n_points; ++j) {
-        const FanPoint& point = model_.points(fan)[j];
-        if (point.on_support()) {
-            touched.is_soft = true;
-            continue;
-        }
-        const Index before = begin.node_of_corner[point.before], after = begin.node_of_corner[point.after];
-        const bool together =
-            begin.displacement[before] == begin.displacement[after] && begin.velocity[before] == begin.velocity[after];
-        const bool held = unbreakable(model_, point) || begin.points[begin.first_point[rank] + j].cohesion > 0;
-        if (held && together)
-            std::ranges::replace(part, part[place_among(corners, point.after)],
-                                 part[place_among(corners, point.before)]);
-    }
-    const auto is_prescribed = [&](Index corner) { return model_.motion_of(corner) != nullptr; };
-    touched.is_soft = touched.is_soft || std::ranges::any_of(touched.corners, is_prescribed) ||
-                      !may_be_stationary(model_, rank, step, work.split.stationary);
-}
-
-void VertexContacts::soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) const {
-    touched.is_soft = true;
-    splits[touched.fan] = begin.split_rank[touched.fan] < 0;
-}
-
-/// Whether the impulses on its corners leave the parts of a fan as they are.
-bool VertexContacts::keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work,
-                                     StepReport& report) const {
-    const Fan& fan = model_.fans[touched.fan];
-    const auto corners = model_.corners(fan);
-    if (const Index rank = step.begin.split_rank[touched.fan]; rank >= 0)
-        return is_stationary(model_, rank, step, work.split.stationary);
-    const auto force_on = [&](Index i) -> Vec2 {
-        return step.corner_force[corners[i]] + corner_impulse_[corners[i]] / step.kick_time;
+    const auto first_member = [&](Index contact) {
+        Index first = -1;
+        for_members(contact, [&](Index member) { first = first < 0 ? member : first; });
+        return first;
     };
-    Vec2 force = Vec2::Zero();
-    for (Index i = 0; i < fan.n_corners; ++i) force += force_on(i);
-    ++report.bond_checks;
-    return work.is_bonded(model_, touched.fan, step.begin, step.mass, force_on, force);
-}
-
-/// The motion of a fan under the present impulses.
-void VertexContacts::solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const {
-    const auto corners = model_.corners(model_.fans[touched.fan]);
-    touched.known.solution = solver_.solve(touched.fan, step, work);
-    std::swap(work.fan, touched.known.fan);
-    touched.velocity.clear();
-    for (const Index corner : touched.corners)
-        touched.velocity.push_back(touched.known.fan.result.velocity[place_among(corners, corner)]);
-}
-
-/// One body for each part that contacts touch.
-void VertexContacts::add_parts(TouchedFan& touched, const ExplicitStep& step, ContactProblem& problem) const {
-    const Fan& fan = model_.fans[touched.fan];
-    const State& begin = step.begin;
-    const auto corners = model_.corners(fan);
-    const auto part_of = [&](Index corner) { return touched.part[place_among(corners, corner)]; };
-    for (std::size_t c = 0; c < touched.corners.size(); ++c) {
-        const Index corner = touched.corners[c], own = part_of(corner);
-        std::size_t same = 0;
-        while (part_of(touched.corners[same]) != own) ++same;
-        if (same < c) {
-            touched.body.push_back(touched.body[same]);
-            continue;
-        }
-        double mass = 0;
-        Vec2 momentum = Vec2::Zero();
-        for (Index i = 0; i < fan.n_corners; ++i) {
-            if (touched.part[i] != own) continue;
-            const double m = step.mass[fan.first_corner + i];
-            mass += m;
-            const Index node = begin.node_of_corner[corners[i]];
-            momentum +=
-                step.decay * m * begin.velocity[node] + step.mobility * step.kick_time * step.corner_force[corners[i]];
-            if (step.carried != nullptr) momentum += m * step.carried[node];
-        }
-        Vec2 free = momentum / mass, mobility = Vec2::Constant(step.mobility / mass);
-        if (const PrescribedMotion* motion = model_.motion_of(corner)) {  // of the whole fan, which is bonded
-            const Vec2 given =
-                step.prescribed_velocity(model_, *motion, begin.displacement[begin.node_of_corner[corner]]);
-            for (int k = 0; k < 2; ++k)
-                if (motion->component[k]) free[k] = given[k], mobility[k] = 0;
-        }
-        touched.body.push_back(problem.add_body(free, mobility));
+    for (Index i = 0; i < n; ++i)
+        for_members(i, [&, first = first_member(i)](Index member) { joined_.join(first, member); });
+    cluster_of_member_.assign(n_fans + n_obstacles, -1);  // of representatives, then of all
+    cluster_of_contact_.resize(n);
+    for (Index i = 0; i < n; ++i) {
+        Index& found = cluster_of_member_[joined_.find(first_member(i))];
+        if (found < 0) found = static_cast<Index>(clusters_.size()), clusters_.emplace_back();
+        cluster_of_contact_[i] = found;
     }
+    for (Index member = 0; member < n_fans + n_obstacles; ++member)
+        cluster_of_member_[member] = cluster_of_member_[joined_.find(member)];
+    const auto members = std::span(cluster_of_member_);
+    list_members(cluster_of_contact_, contacts_of_clusters_, &Cluster::contacts);
+    list_members(members.first(n_fans), slots_of_clusters_, &Cluster::slots);
+    list_members(members.subspan(n_fans), obstacles_of_clusters_, &Cluster::obstacles);
+    rigid_body_.resize(n_obstacles);
+}
+
+/// The numbers that belong to each cluster, in their order; -1: to none.
+void VertexContacts::list_members(std::span<const Index> cluster_of, std::vector<Index>& lists,
+                                  std::span<const Index> Cluster::*list) {
+    end_of_list_.assign(clusters_.size() + 1, 0);
+    for (const Index k : cluster_of)
+        if (k >= 0) ++end_of_list_[k + 1];
+    std::partial_sum(end_of_list_.begin(), end_of_list_.end(), end_of_list_.begin());
+    lists.resize(end_of_list_.back());
+    for (Index i = 0; i < std::ssize(cluster_of); ++i)
+        if (cluster_of[i] >= 0) lists[end_of_list_[cluster_of[i]]++] = i;
+    for (std::size_t k = 0, first = 0; k < clusters_.size(); first = end_of_list_[k++])
+        clusters_[k].*list = std::span(lists).subspan(first, end_of_list_[k] - first);
 }
 
 /// The problem of a cluster, with the impulses found last as its start.
@@ -220,7 +264,7 @@ void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, 
         TouchedFan& touched = touched_[s];
         touched.body.clear();
         if (!touched.is_soft) {
-            add_parts(touched, step, problem);
+            add_parts(model_, touched, step, problem);
             continue;
         }
         const auto corners = model_.corners(model_.fans[touched.fan]);
@@ -231,10 +275,17 @@ void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, 
         const Index first = problem.add_fan(touched.known.fan, static_cast<Index>(corners.size()), stuck_stays);
         for (const Index corner : touched.corners) touched.body.push_back(first + place_among(corners, corner));
     }
+    for (const Index o : cluster.obstacles)
+        rigid_body_[o] = problem.add_rigid_body(obstacles_.motion.rate()[o], obstacles_.motion.inverse_mass(o));
     for (const Index i : cluster.contacts) {
-        problem.add_contact(impulse_[i]);
+        Vec2 given = Vec2::Zero();
+        for (const ObstacleTerm& term : obstacle_terms_of(i))
+            if (!is_free(term.obstacle)) given += term.rate(obstacle_velocity_[term.obstacle]);
+        problem.add_contact(impulse_[i], given);
         for (const Term& term : terms_of(i))
             problem.add_term(touched_[term.slot].body[term.place], term.along_N, term.along_T);
+        for (const ObstacleTerm& term : obstacle_terms_of(i))
+            if (is_free(term.obstacle)) problem.add_rigid_term(rigid_body_[term.obstacle], term.along_N, term.along_T);
     }
     problem.assemble();
 }
@@ -251,7 +302,7 @@ void VertexContacts::spread(const Cluster& cluster) {
 
 /// [m/s] (V_N, V_T) of a contact under the present impulses.
 Vec2 VertexContacts::rate(Index contact) const {
-    Vec2 V = Vec2::Zero();
+    Vec2 V = rate_of_obstacles(contact);
     for (const Term& term : terms_of(contact)) V += term.rate(touched_[term.slot].velocity[term.place]);
     return V;
 }
@@ -261,42 +312,48 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     ContactProblem& problem = work.contacts;
     bool has_soft = false;
     for (const Index s : cluster.slots) {
-        touched_[s].is_aside = cluster.is_aside;
-        find_parts(touched_[s], step, work);
+        find_parts(model_, solver_, touched_[s], step, work);
         if (touched_[s].is_soft) soften(touched_[s], step.begin, splits), has_soft = true;
     }
     spread(cluster);
     for (const Index s : cluster.slots)
-        if (touched_[s].is_soft) solve_fan(touched_[s], step, work.split);
+        if (touched_[s].is_soft) solve_fan(model_, solver_, touched_[s], step, work.split);
     assemble(cluster, step, true, work);
     double speed = 0, error = 0;
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
-        const FaceContact& c = contacts_.all()[cluster.contacts[k]];
         speed = std::max({speed, before_[cluster.contacts[k]].norm(), problem.contact(k).free.norm()});
-        error = std::max(
-            error, position_rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length) / step.drift_time);
+        error = std::max(error, rows_[cluster.contacts[k]].rounding / step.drift_time);
     }
+    const bool meets_obstacles =
+        std::ranges::any_of(cluster.contacts, [&](Index i) { return !obstacle_terms_of(i).empty(); });
+    // with obstacles the first rounds are guesses: the fans judge them, and most agree before the laws of all points do
+    const auto effort_of = [&](int round) {
+        if (!meets_obstacles || !has_soft || round >= careful_round) return ClusterEffort::careful;
+        return round == 0 ? ClusterEffort::active_set : ClusterEffort::proximal_points;
+    };
     double residual = 0, least = infinity;
     bool more_soft = false;
     for (int round = 0, last_progress = 0; round < max_contact_rounds; ++round) {
         if (round > 0) assemble(cluster, step, more_soft, work);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
-            const FaceContact& c = contacts_.all()[cluster.contacts[k]];
-            const ContactLaw law = law_between_faces(model_, c);
-            problem.contact(k).law = contact_law(c.gap, before_[cluster.contacts[k]], law.friction, law.restitution,
-                                                 step.drift_time, deep * c.length, merged * speed + error);
+            const Row& row = rows_[cluster.contacts[k]];
+            const double of_gap = cluster.contacts[k] < n_faces() ? error : 0;  // else ObstacleContacts clears it
+            problem.contact(k).law =
+                contact_law(row.gap, before_[cluster.contacts[k]], row.law.friction, row.law.restitution,
+                            step.drift_time, row.deep, merged * speed + of_gap);
         }
-        residual = problem.solve(speed, error);
+        residual = problem.solve(speed, error, effort_of(round));
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k)
             impulse_[cluster.contacts[k]] = problem.contact(k).impulse;
+        for (const Index o : cluster.obstacles) obstacle_velocity_[o] = problem.velocity_of_rigid_body(rigid_body_[o]);
         spread(cluster);
         more_soft = false;
         for (const Index s : cluster.slots) {
             TouchedFan& touched = touched_[s];
-            if (!touched.is_soft && (splits[touched.fan] || !keeps_its_parts(touched, step, work, report)))
+            if (!touched.is_soft && (splits[touched.fan] || !keeps_its_parts(model_, touched, step, work, report)))
                 soften(touched, step.begin, splits), has_soft = more_soft = true;
             if (touched.is_soft) {
-                solve_fan(touched, step, work.split);
+                solve_fan(model_, solver_, touched, step, work.split);
             } else {
                 touched.velocity.clear();
                 for (const Index body : touched.body) touched.velocity.push_back(problem.velocity(body));
@@ -321,35 +378,37 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
             before = std::max({before, speed_before, step.kick_time / mass * step.corner_force[corner].norm()});
             after = std::max(after, touched_[s].velocity[c].norm());
         }
+    for (const Index o : cluster.obstacles)
+        energy += kinetic_energy(model_.obstacles[o], step.begin.obstacles[o].velocity);
+    if (meets_obstacles) before = std::max(before, speed);
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
         const Vec2 P = impulse_[cluster.contacts[k]], mean = 0.5 * (before_[cluster.contacts[k]] + work.rate[k]);
         injected += positive_work(P, mean), lost += positive_work(-P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
     if (!(after <= absurd * before) || injected > max_injected * (energy + lost) + error * problem.largest_impulse())
-        report.reject(Rejection::contact_residual, place_of(cluster.contacts.front(), step.begin), cluster.residual);
+        report.reject(Rejection::contact_residual, rows_[cluster.contacts.front()].place, cluster.residual);
 }
 
-double VertexContacts::solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,
-                             std::vector<ThreadWorkspace>& workspaces, StepReport& report) {
-    last_impulse_ = impulse_;
-    report += sum_over_blocks(n_clusters_, 1, partial_, [&](std::size_t k, std::size_t, StepReport& own) {
-        if (clusters_[k].is_aside == aside)
-            solve_cluster(clusters_[k], step, splits, workspaces[omp_get_thread_num()], own);
+void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits,
+                           std::vector<ThreadWorkspace>& workspaces, StepReport& report) {
+    report += sum_over_blocks(clusters_.size(), 1, partial_, [&](std::size_t k, std::size_t, StepReport& own) {
+        solve_cluster(clusters_[k], step, splits, workspaces[omp_get_thread_num()], own);
     });
-    double largest = 0, change = 0;
-    for (std::size_t i = 0; i < impulse_.size(); ++i) {
-        largest = std::max(largest, impulse_[i].norm());
-        change = std::max(change, (impulse_[i] - last_impulse_[i]).norm());
+}
+
+void VertexContacts::add_wrenches(std::vector<Vec3>& wrench) const {
+    for (const ObstacleTerm& term : obstacle_terms_) {
+        const Vec2& P = impulse_[term.contact];
+        wrench[term.obstacle] += P.x() * term.along_N + P.y() * term.along_T;
     }
-    return largest > 0 ? change / largest : 0;
 }
 
 VertexSolver::Known* VertexContacts::motion_of(Index rank, const ExplicitStep& step) {
     const Index fan = step.end.split_fans[rank];
     if (!touches(fan) || !step.end.incubation.empty()) return nullptr;
     TouchedFan& touched = touched_[slot_of_fan_[fan]];
-    return touched.is_soft && !touched.is_aside ? &touched.known : nullptr;
+    return touched.is_soft ? &touched.known : nullptr;
 }
 
 Vec2 VertexContacts::place_of_corner(Index corner, const State& state) const {
@@ -357,33 +416,41 @@ Vec2 VertexContacts::place_of_corner(Index corner, const State& state) const {
     return model_.mesh.corner(corner) + state.displacement_of(corner);
 }
 
-Vec2 VertexContacts::place_of(Index contact, const State& state) const {
-    return place_of_corner(contacts_.all()[contact].vertex[1], state);
-}
-
+/// The rates of obstacles are those that their impulses give them, as in the state.
 void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
-    const auto contacts = contacts_.all();
+    for (std::size_t o = 0; o < model_.obstacles.size(); ++o)
+        for (int k = 0; k < 3; ++k)
+            if (model_.obstacles[o].is_free(k)) obstacle_velocity_[o][k] = step.end.obstacles[o].velocity[k];
     step.end.face_contacts.clear();
     const double lasting = step.drift_time / step.kick_time;  // the first step kicks for half its size
-    for (std::size_t i = 0; i < contacts.size(); ++i) {
-        const FaceContact& c = contacts[i];
+    step.end.obstacle_contacts.clear();
+    for (Index row = n_faces(); const ObstacleContact& contact : obstacles_.contacts.all())
+        if (!solver_.is_within_fan(contact)) {
+            const Vec2 P = lasting * impulse_[row++];
+            if (!P.isZero(0))
+                step.end.obstacle_contacts.push_back(
+                    {contact.corner, contact.second_corner, contact.obstacle, P.x(), P.y()});
+        }
+    for (Index i = 0; i < static_cast<Index>(rows_.size()); ++i) {
         const Vec2 after = rate(i, step.end), mean = 0.5 * (before_[i] + after), P = impulse_[i];
         account_contact({.contact = P.x(),
                          .friction = P.y(),
                          .rate_N = mean.x(),
                          .rate_T = mean.y(),
                          .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
-                         .opening = 0},  // contact_depth has it
+                         // of faces contact_depth has it
+                         .opening = i < n_faces() ? 0 : rows_[i].gap + step.drift_time * after.x()},
                         report);
         report.contact_injection += positive_work(P, mean);
-        report.add_depth((c.depth - step.drift_time * after.x()) / c.length,
-                         place_of(static_cast<Index>(i), step.begin));
+        if (i >= n_faces()) continue;
+        const FaceContact& c = contacts_.all()[i];
+        report.add_depth((c.depth - step.drift_time * after.x()) / c.length, rows_[i].place);
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], lasting * P.x(), lasting * P.y()});
     }
-    for (const Cluster& cluster : clusters())
-        report.add_contact_residual(cluster.residual, place_of(cluster.contacts.front(), step.begin));
-    report.face_contacts = static_cast<std::int64_t>(contacts.size());
-    retire_points(model_, step.begin.retired, step.end);
+    for (const Cluster& cluster : clusters_)
+        report.add_contact_residual(cluster.residual, rows_[cluster.contacts.front()].place);
+    report.face_contacts = n_faces();
+    if (!model_.contact_of_pair.empty()) retire_points(model_, step.begin.retired, step.end);
 }
 
 }  // namespace knap

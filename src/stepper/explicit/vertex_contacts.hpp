@@ -1,16 +1,23 @@
 #pragma once
-// Free faces of the body that meet, next to the explicit bulk. A contact between a boundary vertex and a boundary edge
-// acts on up to four corners; its impulses P have no resultant force and no resultant moment:
+// Contacts that reach beyond a fan, next to the explicit bulk. Each has two sides: corners of the body, a point of an
+// edge between two corners, or a point of an obstacle. Its impulses P have no resultant force and no resultant moment.
+// Of a vertex i and an edge a-b of free faces:
 //
 //     V_N = n . (v_i - (1 - s) v_a - s v_b),                    the rate of the gap g
 //     V_T = t . (v_i - (1 - s) v_a - s v_b) + (g/L) n . (v_b - v_a),      slip past the material point
 //
-// v_i is the mean of the two corners at the vertex. Contacts that share a fan form a cluster. A fan whose parts stay as
-// they are answers with the masses of its parts; the points of any other fan are solved together with the contacts
-// (contact_problem.hpp). Then each of these fans is solved by itself under the impulses found (vertex_solver.hpp): that
-// is the motion that it will have, and the contacts are judged by it.
+// v_i is the mean of the two corners at the vertex. Of a corner or a point of an edge of the body, at `arm` from the
+// origin of an obstacle with the velocity v and the spin w:
+//
+//     V = (n, t) . ((1 - s) v_a + s v_b - v - w turned_left(arm))
+//
+// and of two obstacles the difference of their velocities. Contacts that share a fan or a free obstacle form a cluster.
+// A fan whose parts stay as they are answers with the masses of its parts; the points of any other fan are solved
+// together with the contacts (contact_problem.hpp). Then each of these fans is solved by itself under the impulses
+// found (vertex_solver.hpp): that is the motion that it will have, and the contacts are judged by it.
+#include "base/union_find.hpp"
 #include "stepper/contact/face_contacts.hpp"
-#include "stepper/explicit/thread_workspace.hpp"
+#include "stepper/explicit/touched_fan.hpp"
 
 #include <span>
 
@@ -18,35 +25,41 @@ namespace knap {
 
 class VertexContacts {
 public:
-    VertexContacts(const Model& model, const VertexSolver& solver, std::vector<Vec2>& corner_impulse)
-        : model_(model), solver_(solver), corner_impulse_(corner_impulse), contacts_(model) {}
+    /// `obstacles` must outlive this.
+    VertexContacts(const Model& model, const VertexSolver& solver, const ObstacleStep& obstacles,
+                   std::vector<Vec2>& corner_impulse)
+        : model_(model), solver_(solver), obstacles_(obstacles), corner_impulse_(corner_impulse), contacts_(model) {}
 
-    /// Finds the contacts of the step. The fans of fans() have no end velocity before solve().
+    /// Finds the contacts between free faces. The fans of fans() have no end velocity before solve().
     void begin(const ExplicitStep& step, StepReport& report);
+    /// Adds the contacts with obstacles that reach beyond a fan, and finds the clusters of all.
+    void begin_obstacles(const ExplicitStep& step);
     std::span<const Index> fans() const { return fans_; }
     bool touches(Index fan) const { return !slot_of_fan_.empty() && slot_of_fan_[fan] >= 0; }
-    std::size_t size() const { return contacts_.all().size(); }
+    std::size_t size() const { return rows_.size(); }
 
-    /// The motion of a split fan that solve has found, if nothing can change it any more; else null: others couple it,
-    /// or an incubation time follows.
+    /// The motion of a split fan that solve has found, if nothing can change it any more; else null: an incubation time
+    /// follows.
     VertexSolver::Known* motion_of(Index rank, const ExplicitStep& step);
 
-    /// Sets aside the clusters with a fan that others couple: is_coupled(fan).
-    template <class IsCoupled>
-    void set_aside(const IsCoupled& is_coupled) {
-        for (Cluster& cluster : clusters())
-            cluster.is_aside = std::ranges::any_of(cluster.slots, [&](Index s) { return is_coupled(fans_[s]); });
-    }
-    /// Finds the impulses of the contacts, in the clusters that are set aside or in the others, and adds them to
-    /// corner_impulse [N s]; sets `splits` [0/1] of bonded fans that do not hold them. Returns the change of the
-    /// impulses [-], of the largest one.
-    double solve(const ExplicitStep& step, bool aside, std::vector<std::uint8_t>& splits,
-                 std::vector<ThreadWorkspace>& workspaces, StepReport& report);
-    Vec2 place_of(Index contact, const State& state) const;  // [m]
-    /// Works of the contacts; stores their impulses in the end state, and retires points.
+    /// Finds the impulses of the contacts and adds them to corner_impulse [N s]; sets `splits` [0/1] of bonded fans
+    /// that do not hold them.
+    void solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits, std::vector<ThreadWorkspace>& workspaces,
+               StepReport& report);
+    /// [N s, N s, N m s] Per obstacle.
+    void add_wrenches(std::vector<Vec3>& wrench) const;
+    /// Works of the contacts, after the motion of all that they touch; stores their impulses in the end state, and
+    /// retires points.
     void finish(const ExplicitStep& step, StepReport& report);
 
 private:
+    struct Row {
+        double gap;       // [m]
+        double deep;      // [m] a deeper penetration is reduced by a rebound
+        double rounding;  // [m] of its places
+        ContactLaw law;
+        Vec2 place;  // [m]
+    };
     /// A contact acts on a corner: V = sum of (along_N . v, along_T . v), up to four terms a contact; the ground, which
     /// does not move, has none.
     struct Term {
@@ -55,58 +68,70 @@ private:
 
         Vec2 rate(const Vec2& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s] its part of V
     };
-    struct TouchedFan {
-        Index fan;
-        bool is_soft = false;        // its points are solved with the contacts
-        bool is_aside = false;       // as its cluster
-        std::vector<Index> corners;  // touched
-        std::vector<Index> part;     // per corner of a fan that is not soft
-        std::vector<Index> body;     // per touched corner: its number in the problem
-        std::vector<Vec2> velocity;  // [m/s] per touched corner, under the present impulses
-        VertexSolver::Known known;   // soft: under these impulses
+    /// Likewise on an obstacle.
+    struct ObstacleTerm {
+        Index contact, obstacle;
+        Vec3 along_N, along_T;
+
+        Vec2 rate(const Vec3& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s]
     };
     struct Cluster {
-        std::vector<Index> contacts, slots;
-        bool is_aside = false;
-        double residual = 0;  // [-] of the last solution, over the speeds
+        std::span<const Index> contacts, slots, obstacles;  // obstacles: free ones
+        double residual = 0;                                // [-] of the last solution, over the speeds
     };
 
-    std::span<Cluster> clusters() { return {clusters_.data(), n_clusters_}; }
     Index slot_of(Index fan);
+    Index n_faces() const { return static_cast<Index>(contacts_.all().size()); }
+    void add_term(Index contact, Index corner, const Vec2& along_N, const Vec2& along_T);
+    void add_obstacle_term(Index contact, Index obstacle, const Vec2& arm, double sign, const Vec2& normal);
+    void end_terms();
     void add_terms(Index contact);
+    void add_row(const ObstacleContact& contact, const ExplicitStep& step);
+    void add_row(const ObstaclePairContact& contact, const ExplicitStep& step);
+    void add_row(const Row& row, const ExplicitStep& step);
+    double approach_by_forces(Index contact, const ExplicitStep& step) const;
     void find_clusters();
+    void list_members(std::span<const Index> cluster_of, std::vector<Index>& lists,
+                      std::span<const Index> Cluster::*list);
     void solve_cluster(Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                        ThreadWorkspace& work, StepReport& report);
-    void find_parts(TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work) const;
-    void soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) const;
-    bool keeps_its_parts(const TouchedFan& touched, const ExplicitStep& step, ThreadWorkspace& work,
-                         StepReport& report) const;
-    void solve_fan(TouchedFan& touched, const ExplicitStep& step, VertexSolver::Workspace& work) const;
-    void add_parts(TouchedFan& touched, const ExplicitStep& step, ContactProblem& problem) const;
     void assemble(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays, ThreadWorkspace& work);
     void spread(const Cluster& cluster);
     Vec2 rate(Index contact, const State& state) const;
     Vec2 rate(Index contact) const;
+    Vec2 rate_of_obstacles(Index contact) const;
     std::span<const Term> terms_of(Index contact) const {
         return {terms_.data() + first_term_[contact], terms_.data() + first_term_[contact + 1]};
     }
+    std::span<const ObstacleTerm> obstacle_terms_of(Index contact) const {
+        return {obstacle_terms_.data() + first_obstacle_term_[contact],
+                obstacle_terms_.data() + first_obstacle_term_[contact + 1]};
+    }
+    bool is_free(Index obstacle) const { return model_.obstacles[obstacle].is_free(); }
     Vec2 place_of_corner(Index corner, const State& state) const;  // [m]
 
     const Model& model_;
     const VertexSolver& solver_;
+    const ObstacleStep& obstacles_;
     std::vector<Vec2>& corner_impulse_;
     FaceContacts contacts_;
-    std::vector<Index> fans_;             // touched
-    std::vector<TouchedFan> touched_;     // in their order; memory of more
-    std::vector<Index> slot_of_fan_;      // per fan: into fans_, or -1
-    std::vector<Index> cluster_of_slot_;  // of representatives
+    std::vector<Index> fans_;          // touched
+    std::vector<TouchedFan> touched_;  // in their order; memory of more
+    std::vector<Index> slot_of_fan_;   // per fan: into fans_, or -1
+    std::vector<Row> rows_;            // per contact: those between free faces, then those with obstacles
     std::vector<Term> terms_;
-    std::vector<std::size_t> first_term_;  // per contact, and the end
-    std::vector<Cluster> clusters_;        // memory of more
-    std::size_t n_clusters_ = 0;
-    std::vector<Vec2> impulse_, before_;  // [N s], [m/s] per contact: (N, T)
-    std::vector<Vec2> last_impulse_;
-    std::vector<double> residual_;  // [m/s] per contact: of its cluster
+    std::vector<ObstacleTerm> obstacle_terms_;
+    std::vector<std::size_t> first_term_, first_obstacle_term_;  // per contact, and the end
+    std::vector<Vec3> obstacle_velocity_;  // [m/s, m/s, rad/s] per obstacle, under the present impulses
+    std::vector<Index> rigid_body_;        // per free obstacle of a cluster: its number in the problem
+    std::vector<Cluster> clusters_;
+    UnionFind joined_;                       // slots, then obstacles
+    std::vector<Index> cluster_of_member_;   // likewise: its number, or -1
+    std::vector<Index> cluster_of_contact_;  // its number
+    std::vector<Index> contacts_of_clusters_, slots_of_clusters_, obstacles_of_clusters_;
+    std::vector<std::size_t> end_of_list_;  // per cluster, of one of these
+    std::vector<Vec2> impulse_, before_;    // [N s], [m/s] per contact: (N, T)
+    std::vector<double> residual_;          // [m/s] per contact: of its cluster
     std::vector<StepReport> partial_;
 };
 

@@ -30,14 +30,11 @@ double largest_opening(Index f, Index i, const State& begin) {
     return rank >= 0 ? begin.points[begin.first_point[rank] + i].largest_opening : 0;
 }
 
-/// Newton's coefficient in this step: zero for a link that would come to rest within the step under `push` [m/s], the
-/// approach that the lasting pressure causes in a step. A ball rests after infinitely many rebounds, in
-/// 2 e |V_N|/((1 - e) push) steps.
+/// Newton's coefficient in this step, under the lasting pressure that causes the approach `push` [m/s] in a step.
 double restitution_under(const FanProblem& problem, const FanLink& link, double push) {
     const double approach =
         -link.normal.dot(problem.velocity_before(link.after) - problem.velocity_before(link.before));
-    const bool rests = 2 * link.restitution * std::max(approach, 0.0) < (1 - link.restitution) * push;
-    return rests ? 0 : link.restitution;
+    return rests_under(link.restitution, approach, push) ? 0 : link.restitution;
 }
 
 /// [m] An opening that no step closes.
@@ -77,16 +74,6 @@ double crossing_loss(const FanLink& link, const LinkResult& found, double V_T_be
 }
 
 }  // namespace
-
-Vec2 ObstacleStep::edge_impulse_on(Index corner) const {
-    Vec2 sum = Vec2::Zero();
-    for (std::size_t i = contacts.n_at_corners(); i < contacts.all().size(); ++i) {
-        const ObstacleContact& contact = contacts.all()[i];
-        if (contact.corner == corner) sum += (1 - contact.share) * impulse[i];
-        if (contact.second_corner == corner) sum += contact.share * impulse[i];
-    }
-    return sum;
-}
 
 /// The dashpot of a corner of mass m acts at the mean velocity of the step: per component
 ///
@@ -135,8 +122,6 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     add_dashpots(f, step, work);
     for (Index i = 0; i < fan.n_corners; ++i) {
         FanBody& body = problem.bodies[i];
-        if (!obstacles_.contacts.on_edges().empty())
-            body.free_velocity += body.inverse_mass.cwiseProduct(obstacles_.edge_impulse_on(corners[i]));
         if (!step.corner_impulse.empty())
             body.free_velocity += body.inverse_mass.cwiseProduct(step.corner_impulse[corners[i]]);
         if (const PrescribedMotion* motion = model_.motion_of(corners[i])) {
@@ -199,9 +184,8 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
     const Fan& fan = model_.fans[f];
     const auto corners = model_.corners(fan);
     for (const ObstacleContact& contact : obstacles_.contacts.of_fan(f)) {
+        if (!is_within_fan(contact)) continue;
         const Obstacle& obstacle = model_.obstacles[contact.obstacle];
-        const PrescribedMotion* motion = model_.motion_of(contact.corner);
-        const bool rubs = !(motion && obstacle.is_free() && contact.is_led_along(motion->component));
         problem.links.push_back({.before = static_cast<Index>(problem.bodies.size()),
                                  .after = place_among(corners, contact.corner),
                                  .normal = contact.normal,
@@ -209,7 +193,7 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
                                  .u_T = 0,
                                  .cohesive = 0,
                                  .gamma = 0,
-                                 .friction = rubs ? obstacle.contact.friction : 0,
+                                 .friction = obstacle.contact.friction,
                                  .restitution = obstacle.contact.restitution,
                                  .unbreakable = false});
         problem.bodies.push_back({.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
@@ -323,8 +307,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         motion.move(step.begin.node_of_corner[corner], end.node_of_corner[corner], mass, force, after);
         motion.add_to(report);
         if (!model_.motion_of(corner)) continue;
-        Vec2 shared = obstacles_.edge_impulse_on(corner);
-        if (!step.corner_impulse.empty()) shared += step.corner_impulse[corner];
+        const Vec2 shared = step.corner_impulse.empty() ? Vec2(Vec2::Zero()) : step.corner_impulse[corner];
         const Vec2 needed = step.impulse(mass, before, after) -
                             step.kick_time * dashpot_force(corner, dashpots, 0.5 * (before + after));
         for (int k = 0; k < 2; ++k) drive(i, k, needed[k] - step.kick_time * force[k] - shared[k]);
@@ -333,7 +316,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     // normals round a vertex that turns differ: rates that cancel along it leave their tolerance
     const double tolerance = problem.turns ? 10 * relative_tolerance : velocity_rounding,
                  rate_error = (tolerance + solution.residual) * speed_scale(work.fan);  // [m/s]
-    const auto contacts = obstacles_.contacts.of_fan(f);
+    auto contact = obstacles_.contacts.of_fan(f).begin();
     for (Index i = 0; i < static_cast<Index>(problem.links.size()); ++i) {
         const FanLink& link = problem.links[i];
         const LinkResult& found = result.links[i];
@@ -377,7 +360,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                               .kappa = law.ramp(state.cohesion, state.largest_opening)},
                              report);
         } else {
-            obstacles_.impulse[&contacts[i - fan.n_points] - obstacles_.contacts.all().data()] = found.impulse;
+            while (!is_within_fan(*contact)) ++contact;
+            obstacles_.impulse[&*contact++ - obstacles_.contacts.all().data()] = found.impulse;
         }
         account_contact({.contact = found.contact,
                          .friction = found.friction_part,

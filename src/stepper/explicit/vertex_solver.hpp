@@ -4,11 +4,13 @@
 // Explicit beta: the forces are those of the cohesion at the start. Implicit beta: of theta beta+ + (1 - theta) beta
 // (interface/fan_cohesion.hpp).
 //
-// A corner near a rigid obstacle adds a link to its fan, and the obstacle as a body with given motion.
+// A corner near a rigid obstacle whose motion is given adds a link to its fan, and the obstacle as a body. Contacts
+// that reach beyond a fan are those of vertex_contacts.hpp.
 #include "interface/fan_cohesion.hpp"
 #include "interface/fan_solver.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
+#include "stepper/common/obstacle_pairs.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/explicit/absorbing_boundary.hpp"
 #include "stepper/explicit/explicit_step.hpp"
@@ -18,15 +20,19 @@ namespace knap {
 
 /// The contacts with obstacles in a step.
 struct ObstacleStep {
-    explicit ObstacleStep(const Model& model) : contacts(model), motion(model) {}
+    explicit ObstacleStep(const Model& model) : contacts(model), pairs(model), motion(model) {}
 
     ObstacleContacts contacts;
+    ObstaclePairs pairs;
     ObstacleMotion motion;
-    std::vector<Vec2> impulse;  // [N s] per contact, on the body
-
-    /// [N s] On a corner, of the contacts on edges.
-    Vec2 edge_impulse_on(Index corner) const;
+    std::vector<Vec2> impulse;  // [N s] per contact, on the body; of those within a fan
 };
+
+/// Whether sides that approach with a speed [m/s] come to rest within the step, since their lasting pressure causes the
+/// approach `push` [m/s] in a step. A ball rests after infinitely many rebounds, in 2 e |V_N|/((1 - e) push) steps.
+inline bool rests_under(double restitution, double approach, double push) {
+    return 2 * restitution * std::max(approach, 0.0) < (1 - restitution) * push;
+}
 
 class VertexSolver {
 public:
@@ -49,8 +55,12 @@ public:
 
     /// Obstacles or dashpots act on the fan: its parts do not answer with their masses alone.
     bool has_outer_forces(Index fan) const {
-        return !obstacles_.contacts.on_edges().empty() || !obstacles_.contacts.of_fan(fan).empty() ||
+        return std::ranges::any_of(obstacles_.contacts.of_fan(fan), [&](const auto& c) { return is_within_fan(c); }) ||
                !absorbing_.of_fan(fan).empty();
+    }
+    /// The contact concerns one fan: it is at a corner, and the obstacle does not give way.
+    bool is_within_fan(const ObstacleContact& contact) const {
+        return !contact.is_on_edge() && !model_.obstacles[contact.obstacle].is_free();
     }
 
     /// What solve found, to be used again.

@@ -378,6 +378,7 @@ bool ImplicitScheme::opens(Index f) const {
 void ImplicitScheme::store(State& end, StepReport& report) const {
     const State& begin = *step_.begin;
     end = begin;
+    end.obstacle_contacts.clear();
     end.temperature = step_.end_temperature, end.temperature_before = begin.temperature;
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {
         if (!active_[f] || end.split_rank[f] >= 0 || !opens(f)) continue;

@@ -1,0 +1,42 @@
+#pragma once
+// Contact points of rigid obstacles with each other, of which at least one is free, as they lie at the start of a step.
+//
+// An arc meets what is nearest to its centre. Two polygons meet at the side from which the other one is furthest
+// (separating axis theorem), where the facing side of the other is clipped to the ends of this one; a polygon meets a
+// half plane at its corners. Normals and arms are those of the middle of the step, so that what turns or slides does
+// not sink in; the gap is that of its start.
+#include "model/state.hpp"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+namespace knap {
+
+struct ObstaclePairContact {
+    std::array<Index, 2> obstacle;
+    std::array<Vec2, 2> arm;  // [m] from the origin of each to the one point of contact
+    Vec2 normal;              // out of the first
+    double gap;               // [m]
+};
+
+class ObstaclePairs {
+public:
+    explicit ObstaclePairs(const Model& model);
+
+    /// All contacts that may close in a step of h [s]; `rate` [m/s, m/s, rad/s]: of the obstacles without contacts.
+    void find(const State& begin, double h, const std::vector<Vec3>& rate);
+    const std::vector<ObstaclePairContact>& all() const { return contacts_; }
+    /// [m] By which a corner of an obstacle counts as rounded in contacts with others.
+    double size(const ObstaclePairContact& contact) const {
+        return std::min(half_width_[contact.obstacle[0]], half_width_[contact.obstacle[1]]);
+    }
+
+private:
+    const Model& model_;
+    std::vector<std::array<Index, 2>> pairs_;
+    std::vector<double> half_width_;  // [m] per obstacle
+    std::vector<ObstaclePairContact> contacts_;
+};
+
+}  // namespace knap

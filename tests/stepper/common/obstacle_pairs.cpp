@@ -1,0 +1,181 @@
+// Rigid obstacles that meet each other, in the explicit scheme: rolling and slipping on an incline, impacts, stacks and
+// heaps that come to rest.
+#include "model/obstacle_gap.hpp"
+#include "support/obstacles.hpp"
+#include "support/relative.hpp"
+#include "support/springs.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+namespace obstacle_pairs_test {
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+constexpr double g = 9.81;
+
+/// A body far away that meets none of them.
+ModelInput scene(std::vector<Obstacle> obstacles) {
+    ModelInput input = point_masses({.sigma_c = 0}, false);
+    input.supports.clear();
+    for (Vec2& x : input.mesh.vertices) x += Vec2(1000, 1000);
+    input.obstacles = std::move(obstacles);
+    return input;
+}
+
+/// With the weight of the free ones.
+ModelInput heavy_scene(std::vector<Obstacle> obstacles) {
+    for (Obstacle& o : obstacles)
+        if (o.is_free()) o.forces = {{.value = Vec3(0, -g * o.mass, 0), .history = {}}};
+    return scene(std::move(obstacles));
+}
+
+Obstacle freed(Obstacle obstacle) {
+    set_free(obstacle, 1);
+    return obstacle;
+}
+
+Obstacle box(const Vec2& low, const Vec2& high, double friction) {
+    return polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, {.friction = friction});
+}
+
+double kinetic(const Run& run) {
+    double sum = 0;
+    for (std::size_t o = 0; o < run.model.obstacles.size(); ++o)
+        sum += kinetic_energy(run.model.obstacles[o], run.now.obstacles[o].velocity);
+    return sum;
+}
+
+/// [m] The largest overlap of two of them.
+double overlap(const Run& run) {
+    double deepest = 0;
+    for (std::size_t j = 0; j < run.model.obstacles.size(); ++j)
+        for (std::size_t i = 0; i < j; ++i)
+            deepest = std::max(deepest, -gap_between({run.model.obstacles[i].outline, run.now.obstacles[i].pose},
+                                                     {run.model.obstacles[j].outline, run.now.obstacles[j].pose})
+                                             .gap);
+    return deepest;
+}
+
+void check_energy_balance(const Run& run) { tests::check_energy_balance(run, 1e-11, 1e-12); }
+
+}  // namespace
+
+TEST_CASE("a free disc rolls down an incline with two thirds of g sin a and slips below friction tan a over 3") {
+    const double a = 0.3, radius = 0.2, h = 1e-3, steps = 400;
+    const Vec2 down(std::cos(a), -std::sin(a)), normal(std::sin(a), std::cos(a));
+    for (const bool is_polygon : {false, true})
+        for (const double part : {3.0, 1.01, 0.99, 0.5, 0.0}) {  // friction over tan(a)/3
+            CAPTURE(is_polygon);
+            CAPTURE(part);
+            const double mu = part * std::tan(a) / 3;
+            const std::vector<Vec2> slope{-5 * down, -5 * down - 2 * normal, 5 * down - 2 * normal, 5 * down};
+            Run run(
+                heavy_scene({is_polygon ? polygon(slope, {.friction = mu}) : platen({0, 0}, normal, {.friction = mu}),
+                             boulder(radius * normal, radius, {0, 0}, {.friction = mu})}));
+            for (int i = 0; i < steps; ++i) run.step(h);
+            const double t = (steps - 0.5) * h;  // velocities live at the middle of the steps
+            const Vec3& v = run.now.obstacles[1].velocity;
+            const bool rolls = part > 1;
+            CHECK(v.head<2>().dot(down) ==
+                  relative(rolls ? 2.0 / 3 * g * std::sin(a) * t : g * (std::sin(a) - mu * std::cos(a)) * t, 1e-3));
+            CHECK(-v.z() * radius ==
+                  doctest::Approx(rolls ? v.head<2>().dot(down) : 2 * mu * g * std::cos(a) * t).epsilon(1e-3));
+            CHECK(std::abs(v.head<2>().dot(normal)) < 1e-12);
+            check_energy_balance(run);
+        }
+}
+
+TEST_CASE("two free discs exchange their speeds and keep their momentum") {
+    for (const double e : {1.0, 0.5, 0.0})
+        for (const double mu : {0.0, 0.4}) {
+            CAPTURE(e);
+            CAPTURE(mu);
+            const CohesiveLaw contact{.friction = mu, .restitution = e};
+            Obstacle left = boulder({0, 0}, 0.5, {1, 0}, contact), right = boulder({1.1, 0}, 0.5, {0, 0}, contact);
+            left.initial_velocity.z() = 2;
+            Run run(scene({left, right}));
+            const auto momenta = [&] {
+                Vec3 sum = Vec3::Zero();
+                for (std::size_t o = 0; o < 2; ++o) {
+                    const Obstacle& obstacle = run.model.obstacles[o];
+                    const ObstacleState& now = run.now.obstacles[o];
+                    sum += obstacle.mass * wrench_of(now.velocity.head<2>(), now.pose.position);
+                    sum.z() += obstacle.inertia * now.velocity.z();
+                }
+                return sum;
+            };
+            const Vec3 before = momenta();
+            for (int i = 0; i < 200; ++i) run.step(1e-3);
+            CHECK(run.now.obstacles[0].velocity.x() == doctest::Approx(0.5 * (1 - e)).epsilon(1e-9));
+            CHECK(run.now.obstacles[1].velocity.x() == doctest::Approx(0.5 * (1 + e)).epsilon(1e-9));
+            CHECK((momenta() - before).head<2>().norm() < 1e-12);
+            CHECK(std::abs((momenta() - before).z()) < 5e-4);  // arms are those of the middle of the step: h/2 v x P
+            CHECK((mu > 0) == (std::abs(run.now.obstacles[0].velocity.z() - 2) > 1e-3));
+            check_energy_balance(run);
+        }
+}
+
+TEST_CASE("a rigid block stands with 47 percent beyond the edge of another one and tips with 53") {
+    for (const double overhang : {0.47, 0.53}) {
+        CAPTURE(overhang);
+        Run run(heavy_scene({box({-3, -2}, {0, 0}, 0.9), freed(box({overhang - 1, 0}, {overhang, 0.3}, 0.9))}));
+        for (int i = 0; i < 500; ++i) run.step(1e-3);
+        if (overhang < 0.5) {
+            CHECK(std::abs(run.now.obstacles[1].moved.z()) < 1e-12);
+            CHECK(run.now.obstacles[1].reaction.y() == relative(0.3 * g, 1e-9));
+        } else {
+            CHECK(run.now.obstacles[1].moved.z() < -0.05);
+        }
+        CHECK(overlap(run) < 1e-4);
+        check_energy_balance(run);
+    }
+}
+
+TEST_CASE("a rigid block slides down a rigid incline as Coulomb says") {
+    const double a = 0.4, mu = 0.3, h = 1e-3, steps = 300;
+    const Vec2 down(std::cos(a), -std::sin(a)), normal(std::sin(a), std::cos(a));
+    const std::vector<Vec2> block{Vec2(0, 0), down, down + 0.5 * normal, 0.5 * normal};
+    Run run(heavy_scene({platen({0, 0}, normal, {.friction = mu}), freed(polygon(block, {.friction = mu}))}));
+    for (int i = 0; i < steps; ++i) run.step(h);
+    CHECK(run.now.obstacles[1].velocity.head<2>().dot(down) ==
+          relative(g * (std::sin(a) - mu * std::cos(a)) * (steps - 0.5) * h, 1e-9));
+    CHECK(std::abs(run.now.obstacles[1].moved.z()) < 1e-9);
+    check_energy_balance(run);
+}
+
+TEST_CASE("four free obstacles in a heap come to rest") {
+    std::vector<Obstacle> obstacles{platen({0, 0}, {0, 1}, {.friction = 0.5}),
+                                    box({-2, 0}, {-1, 5}, 0.5),
+                                    box({1, 0}, {2, 5}, 0.5),
+                                    freed(box({-0.8, 0.05}, {-0.1, 0.45}, 0.5)),
+                                    freed(box({0.05, 0.02}, {0.7, 0.6}, 0.5)),
+                                    boulder({-0.3, 1.0}, 0.25, {0, 0}, {.friction = 0.5}),
+                                    freed(polygon({{0.1, 0.8}, {0.9, 0.9}, {0.4, 1.4}}, {.friction = 0.5}))};
+    Run run(heavy_scene(obstacles));
+    for (int i = 0; i < 4000; ++i) run.step(1e-3);
+    CHECK(kinetic(run) < 1e-12);
+    CHECK(overlap(run) < 5e-3);
+    double weight = 0;
+    for (std::size_t o = 3; o < 7; ++o) weight += g * run.model.obstacles[o].mass;
+    CHECK(run.now.obstacles[0].reaction.y() + run.now.obstacles[1].reaction.y() + run.now.obstacles[2].reaction.y() ==
+          relative(-weight, 1e-6));
+    check_energy_balance(run);
+}
+
+TEST_CASE("a driven polygon that turns carries a block") {
+    // a plate turns slowly under a block, which it lifts without a gap
+    Obstacle plate = box({-1, -0.2}, {1, 0}, 1.0);
+    plate.drive[2] = driven(0.2);
+    Run run(heavy_scene({plate, freed(box({-0.3, 0}, {0.3, 0.2}, 1.0))}));
+    for (int i = 0; i < 1000; ++i) run.step(1e-3);
+    CHECK(run.now.obstacles[1].moved.z() == doctest::Approx(0.2).epsilon(1e-3));
+    CHECK(overlap(run) < 1e-4);
+    check_energy_balance(run);
+}
+
+}  // namespace obstacle_pairs_test
