@@ -236,7 +236,7 @@ void check_gaps(const PlanarGraph& graph, const SizeField& min_gap, double snap,
             if (s.from == n || s.to == n) continue;
             const auto [a, b] = graph.line(s);
             const double gap = distance_to_segment(a, b, p);
-            if (gap >= limit) continue;
+            if (gap >= limit * (1 - 1e-9)) continue;  // the demanded distance itself, but for its rounding
             const GraphSegment &offender = likelier(s, *of_node[n]), &other = &offender == &s ? *of_node[n] : s;
             FaultPlaces& places = parts.of(offender);
             if (places.add(p, gap, limit)) places.other = part_text(other.part_name());

@@ -311,11 +311,19 @@ std::string EquilibriumSearch::unheld(const State& before, const State& state, d
     const bool meets = std::ranges::any_of(state.face_contacts, [](const auto& at) { return at.contact > 0; }) ||
                        std::ranges::any_of(state.points, [](const auto& at) { return at.traction.x() > 0; }) ||
                        std::ranges::any_of(state.obstacles, [](const auto& at) { return !at.reaction.isZero(0); });
-    return formatted("%s the body, it would move away with %.3g m/s2%s",
+    // a support that the loads tilt by a millionth lets a block slide that nothing but its weight holds
+    const bool slides =
+        std::ranges::any_of(state.face_contacts, [](const auto& at) { return at.contact > 0 && at.tangential == 0; }) ||
+        std::ranges::any_of(turned_.obstacles, [](const auto& at) { return at.contact.friction == 0; });
+    return formatted("%s the body, it would move away with %.3g m/s2%s%s",
                      meets ? "contact and friction do not hold" : "nothing holds", acceleration,
                      !meets         ? ""
                      : motion.turns ? " and turn"
-                                    : " without turning");
+                                    : " without turning",
+                     meets && slides
+                         ? "; contacts without friction slide on the least slope, also on that of an elastic "
+                           "deformation: give them a small friction"
+                         : "");
 }
 
 /// What breaks loose in a step of h from `now` [s], however it softens there.

@@ -121,6 +121,12 @@ TEST_CASE("a wall of five rows stands in any bond with corners of four blocks at
     }
 }
 
+TEST_CASE("a wall without friction slides on the tilt of its elastic faces and a millionth of friction holds it") {
+    Masonry found = wall(3, 3, 0.5, 0.2);
+    check_refused(rest_of(found.on_ground(0)), "contacts without friction slide on the least slope");
+    check_rests(rest_of(found.on_ground(1e-6)));
+}
+
 TEST_CASE("a wall stands on a held body with another mesh and is refused where the slope exceeds friction") {
     for (const double part : {0.98, 1.02}) {
         Masonry found = wall(3, 3, 0.5, 0.17);
