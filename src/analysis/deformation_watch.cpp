@@ -16,7 +16,7 @@ struct Gradient {
     double xx, xy, yx, yy;  // u_x,x  u_x,y  u_y,x  u_y,y
 };
 
-/// Of the linear field through the displacements of the three vertices.
+/// Gradient of the linear field through the displacements of the three vertices.
 Gradient displacement_gradient(const Mesh& mesh, const State& state, Index t) {
     const auto& vertex = mesh.triangles[t];
     const auto displacement = [&](Index k) -> const Vec2& {

@@ -65,7 +65,7 @@ public:
     /// [J] Rounding of 1/2 u'K u where n triangles have moved by u without strain: 8 sqrt(n) 2^-53 k u^2, k: E times
     /// the thickness; none with large rotations, which count from differences of u. `path` [m]: of the fastest point.
     double rounding_energy(double path) const;
-    /// Of a corner in the reference body; none for -1.
+    /// Place of a corner in the reference body; none for -1.
     std::optional<Vec2> place_of(Index corner) const {
         return corner < 0 ? std::nullopt : std::optional(model_.mesh.corner(corner));
     }

@@ -184,7 +184,7 @@ public:
     double largest_law_lag() const { return largest_law_lag_; }
 
     double supplied() const { return supplied_; }  // [J] energy at the start and positive external work since
-    /// Of conduction, over all steps: error of the balance of heat over its contents and flows, and excess of a
+    /// Conduction, over all steps: error of the balance of heat over its contents and flows, and excess of a
     /// temperature over those around it, over the largest difference.
     double largest_heat_residual() const { return largest_heat_residual_; }
     double largest_overshoot() const { return largest_overshoot_; }

@@ -12,7 +12,7 @@ struct InterfaceGraph {
     std::vector<double> length;              // [m] per interface
 };
 
-/// Of second order the halves of an interface are edges, 2 i and 2 i + 1, and the middles are further vertices.
+/// With second order the halves of an interface are edges, 2 i and 2 i + 1, and the middles are further vertices.
 /// A vertex is on the boundary when one of its edges is free, i.e. not on a support.
 InterfaceGraph interface_graph(const Model& model);
 

@@ -13,9 +13,9 @@ struct NearInterface {
     double distance = 0;   // [m]
 };
 
-/// Of all interfaces that can open: pre-cracks, supports, and edges whose law can break. Of those that are equally near
-/// (within a twentieth of an edge, as round a vertex) a pre-crack or one without cohesion, else a support, else a joint
-/// or a boundary between two materials, else the one whose middle is nearest.
+/// Nearest of all interfaces that can open: pre-cracks, supports, and edges whose law can break. Among those equally
+/// near (within a twentieth of an edge, as round a vertex) a pre-crack or one without cohesion, else a support, else a
+/// joint or a boundary between two materials, else the one whose middle is nearest.
 NearInterface nearest_interface(const Model& model, const Vec2& place);
 
 /// "pre-crack", "support", "joint", "boundary between materials", "interface without cohesion" or "interface".

@@ -17,7 +17,7 @@ Eigen::Vector3d barycentric(const Mesh& mesh, Index t, const Vec2& place) {
     return {1 - b - c, b, c};
 }
 
-/// Of corner k at barycentric coordinates l.
+/// Shape function of corner k at barycentric coordinates l.
 double shape_function(Index order, Index k, const Eigen::Vector3d& l) {
     if (order == 1) return l[k];
     const double bubble = 27 * l[0] * l[1] * l[2];

@@ -5,7 +5,7 @@
 
 namespace knap {
 
-/// Of one such load, or one obstacle.
+/// Reaction of one such load, or one obstacle.
 struct Reaction {
     Vec2 force;         // [N] resultant on the body, mean over the last step; 0 in components that the load leaves free
     Vec2 displacement;  // [m] mean over the corners of the load; of an obstacle its own

@@ -53,7 +53,7 @@ private:
         Vec2 normal;                     // from A to B, local
         double side;                     // 1: B lies to the left of the crack's direction, -1
     };
-    /// Of a uniform body force.
+    /// A uniform body force.
     struct BodyForce {
         Index history;      // into Model::histories
         Vec2 acceleration;  // [m/s2]

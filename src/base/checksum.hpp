@@ -6,8 +6,8 @@
 
 namespace knap {
 
-/// Of bytes and their number, at 0.3 ns a byte. Each word of 8 bytes maps the sum one to one, and each sum the word:
-/// every change within one word changes the sum, any other one but for one in 2^64.
+/// Checksum of bytes and their number, at 0.3 ns a byte. Each word of 8 bytes maps the sum one to one, and each sum the
+/// word: every change within one word changes the sum, any other one but for one in 2^64.
 inline std::uint64_t checksum(std::string_view bytes) {
     constexpr std::uint64_t p = 0x9E3779B97F4A7C15;  // odd, half of its bits set
     std::uint64_t sum = bytes.size();

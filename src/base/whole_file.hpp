@@ -30,7 +30,7 @@ void flush_to_disk(const std::filesystem::path& path);
 std::string read_whole_file(const std::filesystem::path& path);
 /// The same of a file that a command reads: throws UserError `code`.
 std::string read_given_file(const std::filesystem::path& path, const std::string& code);
-/// Its first `n` bytes, or all where it has fewer. Throws OutputError.
+/// The first `n` bytes of a file, or all where it has fewer. Throws OutputError.
 std::string read_begin(const std::filesystem::path& path, std::size_t n);
 
 /// What is wrong with a file that should end with `mark` (and a few blanks): "is empty"; "" where it does.

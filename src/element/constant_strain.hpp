@@ -48,7 +48,7 @@ struct ViscousTriangles {
     double work, unmoved;              // [J] sums, see ViscousStep
 };
 
-/// Of the triangles from `first` to before `last`: force [N] on their corners, x and y in turns, from the
+/// Force [N] on the corners of the triangles from `first` to before `last`, x and y in turns, from the
 /// displacement [m] of the nodes; sum_k f_k = 0. Sets fan_is_candidate [0/1] where |sigma|_F^2 exceeds the threshold
 /// of a fan; with Green's strain |P|_F^2, since |f_k| <= V |P|_F |grad l_k| at any strain. Returns the energy U [J],
 /// with small strains zero: there it is 1/2 u' K u. `viscous` is read and filled by a viscous kernel.

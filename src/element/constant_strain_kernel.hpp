@@ -145,7 +145,7 @@ template <int lanes, class In>
     return {{u1.x - u0.x, u1.y - u0.y}, {u2.x - u0.x, u2.y - u0.y}};
 }
 
-/// Of the triangles in the lanes.
+/// Data of the triangles in the lanes.
 template <int lanes>
 struct Stage {
     Vectors<lanes> g1, g2;            // gradients of l_1 and l_2

@@ -68,7 +68,7 @@ public:
     /// |sigma|_F^2 <= threshold cause. [Pa^2] per fan.
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
 
-    /// Of the triangles from `first` to before `last`: force [N] on their corners. Sets fan_is_candidate [0/1], per
+    /// Force [N] on the corners of the triangles from `first` to before `last`. Sets fan_is_candidate [0/1], per
     /// fan, where the stress criterion is exceeded; several threads may do so at once. Returns the elastic energy U
     /// [J] with large rotations, else zero: there it is 1/2 u' K u. With `viscous` artificial viscosity acts too.
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
@@ -80,7 +80,7 @@ public:
             },
             triangles_);
     }
-    /// Of all triangles, in parallel: corner_force [N], per corner.
+    /// All triangles, in parallel: corner_force [N], per corner.
     void evaluate(const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
                   std::vector<Vec2>& corner_force, std::vector<std::uint8_t>& fan_is_candidate) const;
 

@@ -4,7 +4,7 @@
 //     consistent    m (delta_ij + 1)/4 I     the exact integral of N_i N_j
 //     one point     m/3 I                    N_i N_j at the centroid: singular, inertia of the centroid only, as in the
 //                                            code published with CMAME 400 (2022) 115545
-// Of order 2 (shape_functions.hpp): the masses of the quadrature, the exact integral, or all of it at the centre.
+// Masses of order 2 (shape_functions.hpp): those of the quadrature, the exact integral, or all of it at the centre.
 
 namespace knap {
 

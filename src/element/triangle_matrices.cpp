@@ -78,7 +78,7 @@ struct Further {
     double lambda = 0, mu = 0;
 };
 
-/// Of the stiffness and further Lame constants of its linear stresses.
+/// Stiffness of a triangle of order 2, with further Lame constants for its linear stresses.
 ElementMatrix quadratic_stiffness(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double volume,
                                   const Further& further) {
     const double lambda = material.first_lame(plane), mu = material.shear_modulus();

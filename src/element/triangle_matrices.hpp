@@ -33,7 +33,7 @@ private:
     PlaneModel plane_;
     std::vector<Eigen::Matrix3d> factor_;  // Cholesky factor of the stiffness of each material
 };
-/// Of all triangles.
+/// [s] Stable step of every triangle by itself.
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane);
 
 }  // namespace knap

@@ -183,7 +183,7 @@ public:
         return true;
     }
 
-    /// Its error message; empty where it succeeded.
+    /// Returns the error message of the encoder; empty where it succeeded.
     std::string finish() {
         close_input();
         std::string text;

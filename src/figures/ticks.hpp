@@ -17,7 +17,7 @@ struct ValueSpan {
     double low = INFINITY, high = -INFINITY;  // without outliers
     double min = INFINITY, max = -INFINITY;   // of all values
 };
-/// Of all finite values; the fraction `outliers` of them is left out of [low, high] at either end.
+/// Span of all finite values; the fraction `outliers` of them is left out of [low, high] at either end.
 ValueSpan span_of(std::vector<double> values, double outliers);
 ValueSpan joined(const ValueSpan& a, const ValueSpan& b);
 

@@ -160,7 +160,7 @@ double Conduction::add_heat(const std::vector<double>& T, std::vector<double>& i
     return exchanges_.add_heat(T, into);
 }
 
-/// Of a split fan.
+/// Whether a point of a split fan still conducts as the whole body does.
 bool Conduction::is_intact(const State& begin, Index rank, std::size_t point) const {
     const Fan& fan = model_.fans[begin.split_fans[rank]];
     return unbreakable(model_, model_.points(fan)[point]) ||

@@ -12,7 +12,8 @@ class HeatStep {
 public:
     explicit HeatStep(const Model& model);
 
-    /// Those of `begin` themselves where nothing changes: with the explicit bulk all but every N-th step.
+    /// Temperatures after a step; those of `begin` themselves where nothing changes: with the explicit bulk all but
+    /// every N-th step.
     SharedTemperatures after(const State& begin, double h, bool implicit_bulk);
 
 private:

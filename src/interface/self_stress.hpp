@@ -28,7 +28,7 @@ struct StrengthPolygon : TangentialRange {
     Vec2 normal;      // N; T = turned_left(N)
     double cohesive;  // C, a force or an impulse, as P
 
-    /// Of a point at rest: cohesion in both directions, friction on the contact.
+    /// Strength of a point at rest: cohesion in both directions, friction on the contact.
     static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesive) {
         return {{.jump = law.gamma * cohesive, .contact_jump = law.friction}, normal, cohesive};
     }

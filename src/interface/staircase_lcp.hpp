@@ -24,7 +24,7 @@ public:
     void clear() { rows_.clear(), largest_unit_ = 0; }
     /// Adds a link with a law; `mobility` [1/kg]: trace of its own response.
     void add(std::size_t link, const InterfaceLaw& law, double mobility);
-    /// Likewise with secant unloading, if it has that.
+    /// Adds a link with secant unloading, if the law has that.
     void add(std::size_t number, const FanLink& link, const InterfaceLaw& law, double mobility);
 
     /// response(i, along, j, on) [1/kg]: what an impulse on link j in direction `on` (0: N, 1: T) adds to the rate of
@@ -45,7 +45,7 @@ public:
         for (std::size_t r = 0; r < rows_.size(); ++r)
             if (const Row& row = rows_[r]; row.cohesion > 0 && row.sign != 0) add(row.link, scale_ * row.unit * z_[r]);
     }
-    /// Of the scaled problem.
+    /// Residual of the scaled problem.
     double residual() const { return residual_; }
 
 private:

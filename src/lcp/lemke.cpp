@@ -49,8 +49,8 @@ public:
     Tableau(const MatrixIn& M, const VectorIn& q)
         : M_(M), q_(q), n_(static_cast<int>(q.size())), columns_(n_, n_ + 2), pivot_columns_(n_, n_) {}
 
-    /// Of a problem with stiff rows, whose ratios are small and close together: those of large entries are a tie within
-    /// the rounding of their values only, except in every other path. The most accurate solution of the paths.
+    /// Path of a problem with stiff rows, whose ratios are small and close together: those of large entries are a tie
+    /// within the rounding of their values only, except in every other path. The most accurate solution of the paths.
     Path path_through_stiff_rows(int n_paths) {
         Path best{LcpStatus::ray, Vector::Zero(n_), 0};
         double smallest = infinity;

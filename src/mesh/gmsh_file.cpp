@@ -145,7 +145,7 @@ private:
 
     Integer integer(const char* what) { return number<std::int32_t, Integer>(what); }
     Integer long_integer(const char* what) { return number<std::int64_t>(what); }
-    /// Of a node or an element.
+    /// Tag of a node or an element.
     Integer tag(const char* what) { return is_41_ ? long_integer(what) : integer(what); }
 
     double real(const char* what) {

@@ -52,7 +52,7 @@ struct Mesh {
     std::vector<std::string> boundary_names;
     std::vector<MeshPart> parts;  // bodies first, then groups of them; empty: one body without a name
 
-    /// Of a mesh of first order without grains and parts.
+    /// Only for a mesh of first order without grains and parts.
     void serialize(auto& archive) {
         archive(vertices, triangles, region, interior_edges, boundary_edges, boundary_names);
     }

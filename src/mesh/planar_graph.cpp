@@ -47,7 +47,7 @@ void drop_unused_nodes(PlanarGraph& graph) {
     graph.nodes = std::move(kept);
 }
 
-/// Of all lines of a shape.
+/// Number of points of all lines of a shape.
 std::size_t n_points_of(const Shape& shape) {
     std::size_t n = shape.outer.points.size();
     for (const Ring& hole : shape.holes) n += hole.points.size();

@@ -38,7 +38,7 @@ public:
     /// sum grad N grad N'. `size` [m] is the requested edge length.
     TriangleQuality operator()(const Mesh& mesh, Index triangle, double size) const;
 
-    /// Of the stable step of a triangle over that of an equilateral one of the requested edge length.
+    /// Stable step of a triangle over that of an equilateral one of the requested edge length.
     static constexpr double step_ratio = 0.66;
 
 private:

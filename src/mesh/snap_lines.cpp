@@ -124,7 +124,7 @@ private:
         remove_doubles();
     }
 
-    /// Of two lines between the same nodes the first stays, or the ring.
+    /// Where two lines have the same nodes, the first stays, or the ring.
     void remove_doubles() {
         std::ranges::stable_partition(segments_, [](const GraphSegment& s) { return s.ring >= 0; });
         std::set<std::pair<Index, Index>> known;
@@ -147,7 +147,7 @@ private:
         remove_doubles();
     }
 
-    /// Of three nodes in a corner that is nearly closed, bending one line after the other through the third node would
+    /// In a corner of three nodes that is nearly closed, bending one line after the other through the third node would
     /// never end: the shorter line is left out.
     bool fold() {
         const std::vector<Meeting> at = meetings();

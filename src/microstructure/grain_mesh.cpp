@@ -153,7 +153,7 @@ private:
     std::vector<double> size_;  // [m] mean edge length around a vertex, taken as the requested one
 };
 
-/// Of one grain.
+/// Moments of the area of one grain.
 struct Moments {
     double area = 0;                                   // [m2]
     Vec2 first = Vec2::Zero();                         // [m3]

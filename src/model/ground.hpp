@@ -27,7 +27,8 @@ struct Ground {
 
 /// Every edge of a support, at its gap from the body, and its straight continuation where the support ends
 /// (Interface::beyond). Edges that meet at a mesh vertex are one polyline. At its ends a side of the ground leads
-/// straight away from the body: what gets beyond falls past it. Throws UserError where a continuation crosses the body.
+/// straight away from the body: bodies beyond its end are not supported. Throws UserError where a continuation crosses
+/// the body.
 Ground make_ground(const Model& model);
 
 }  // namespace knap

@@ -21,10 +21,10 @@ struct TimeFunction {
     /// 0 below a thousandth of the values around: such a step resolves the table, and keeps the bits of one without
     /// points inside.
     double beyond_trapezoid(double begin, double end) const;
-    /// Of a step with the theta scheme: (1 - theta) f(begin) + theta f(end) + beyond_trapezoid, within what f takes in
-    /// between. With theta = 1/2 this is the mean of f.
+    /// Value of a step with the theta scheme: (1 - theta) f(begin) + theta f(end) + beyond_trapezoid, within what f
+    /// takes in between. With theta = 1/2 this is the mean of f.
     double over_step(double begin, double end, double theta) const;
-    /// Of a kick of central differences at `t` between steps of size `before` and `after` [s]: f(t) and half of what
+    /// Value of a kick of central differences at `t`, between steps of `before` and `after` [s]: f(t) and half of what
     /// both steps miss. The sum of all kicks is the integral of f.
     double over_kick(double t, double before, double after) const;
     std::array<double, 2> range(double begin, double end) const;  // least and largest value in the interval

@@ -187,7 +187,7 @@ std::vector<Index> parts_that_move_as_one(const Model& model, const Fan& fan) {
     return part;
 }
 
-/// Of some triangles.
+/// Common centre of mass of some triangles, at least one.
 Vec2 centre_of_mass(const Model& model, const std::vector<Index>& triangles) {
     const Vec2 origin = model.mesh.centroid(triangles.front());  // a distant one would cost digits
     Vec2 moment = Vec2::Zero();

@@ -8,7 +8,7 @@ namespace {
 
 const Vec2& next(const std::vector<Vec2>& points, std::size_t i) { return points[(i + 1) % points.size()]; }
 
-/// Of a counterclockwise convex polygon, both in its frame.
+/// Distance of p to a counterclockwise convex polygon, both in the frame of the polygon.
 SurfaceDistance distance_to_polygon(const std::vector<Vec2>& points, const Vec2& p) {
     SurfaceDistance inside{-infinity, Vec2::Zero()}, nearest{infinity, Vec2::Zero()};
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -44,7 +44,7 @@ struct Outline {
     double half_width() const;  // [m] half of the smallest distance of two parallel tangents; infinite of a half plane
 };
 
-/// Of a point to the surface of an obstacle.
+/// Distance from a point to the surface of an obstacle.
 struct SurfaceDistance {
     double gap;   // [m]; negative inside
     Vec2 normal;  // out of the obstacle

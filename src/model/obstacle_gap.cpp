@@ -22,7 +22,7 @@ Vec2 furthest(const ObstacleSurface& of, const Vec2& direction) {
     return best;
 }
 
-/// Of a disc or polygon beyond the side of a half plane or polygon that it is furthest from.
+/// Gap between a disc or polygon and the side of a half plane or polygon that it is furthest from.
 ObstacleGap beyond_sides(const ObstacleSurface& sides, const ObstacleSurface& other) {
     ObstacleGap largest{-infinity, other.position()};
     const auto look = [&](const Vec2& at, const Vec2& outward) {

@@ -24,7 +24,8 @@ std::span<const Piece> pieces_of(const Mesh& mesh) {
     return six;
 }
 
-/// Its interfaces are drawn as two halves. Entries are points in the interface: 0 and 1 the ends, 2 the middle.
+/// Interfaces of second order are drawn as two halves. Entries are points in the interface: 0 and 1 the ends, 2 the
+/// middle.
 using Part = std::array<Index, 2>;
 constexpr std::array<Part, 1> whole{{{0, 1}}};
 constexpr std::array<Part, 2> halves{{{0, 2}, {2, 1}}};

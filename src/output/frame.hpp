@@ -12,7 +12,7 @@ namespace knap {
 struct Model;
 struct State;
 
-/// Of a point, and of an interface (of second order: of half of one) by its two points.
+/// Status of a point, and of an interface (of second order: of half of one) by its two points.
 enum class InterfaceStatus : std::uint8_t {
     intact = 0,   // cohesion 1
     damaged = 1,  // between them
@@ -72,7 +72,7 @@ struct Frame {
 /// `all`: with the interfaces between bonded fans, too, which are neither written nor drawn.
 Frame make_frame(const Model& model, const State& state, bool all = true);
 
-/// Of the same triangle, counterclockwise.
+/// Next corner of the same triangle, counterclockwise.
 constexpr Index next_corner(Index corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
 /// The edges that belong to one triangle only, each by its first corner.
 std::vector<Index> single_edges(const Frame& frame);

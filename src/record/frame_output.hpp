@@ -25,7 +25,7 @@ public:
     /// Returns when all frames so far are written; wait(): while the steps do.
     void complete();
     void wait();
-    /// Of the frames that are written: returns when a loss of power takes none of them.
+    /// Returns when a loss of power takes none of the frames written so far.
     void flush();
 
     const std::vector<double>& times() const { return times_; }  // [s]

@@ -63,7 +63,7 @@ struct RunRecord {
     std::vector<std::filesystem::path> figures;
     std::vector<std::string> warnings;
 
-    /// Of the steps that counted, and those that the control rejected.
+    /// Counts of the steps that were taken, and of those that the control rejected.
     void set_counts(const StepReport& counted, const StepControl& control);
 
     /// [s] Processor time of all else: reading, checkpoints, the end.

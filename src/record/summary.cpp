@@ -332,7 +332,7 @@ constexpr SummaryRow rows[]{
     {"overlap_y", "m", "likewise", [](F f) { return overlap_place(f).y(); }},
 };
 
-/// Of every load and obstacle that drives, after its name.
+/// Rows of every load and obstacle that drives, after its name.
 constexpr Measure<Driver> driver_rows[]{
     {"*_force_x", "N",
      "force on the body, at the end, of each load that prescribes a motion and of each obstacle, by name",

@@ -44,7 +44,7 @@ private:
 void add_place(KeyTable& t, const std::string& table, std::string_view doc, std::string_view key = "on");
 /// ramp, table and csv of a factor over time.
 void add_history(KeyTable& t, std::string_view what);
-/// Of [material.NAME].
+/// Thermal keys of [material.NAME].
 void add_thermal(KeyTable& t);
 void add_keys_of_heat(KeyTable& t);
 void add_keys_of_run(KeyTable& t);

@@ -204,7 +204,7 @@ void read_field(const Table& table, TemperatureField& field) {
     }
 }
 
-/// Of a table over temperature.
+/// Example of a table over temperature.
 const char* table_example(std::string_view key) {
     return key == "expansion_table"  ? "[[0, 0], [570, 0.008], [575, 0.013]]"
            : key == "pressure_table" ? "[[-5, 5e6], [0, 0]]"

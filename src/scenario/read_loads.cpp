@@ -32,7 +32,8 @@ void check_body(const Table& table, const Selection& on) {
     if (!on.body.empty()) table.reading().find(table.path("body"), "body", on.body, table.scenario().body_names());
 }
 
-/// Of a body or a group of bodies, by their full names and by those among the body: of `wall`, `wall.left` and `left`.
+/// Boundaries of a body or a group of bodies, by full names and by those within the body: for `wall`, `wall.left` and
+/// `left`.
 std::vector<std::string> boundaries_of(const Scenario& scenario, const std::string& name) {
     std::vector<std::string> full, among;
     const auto add = [&](const Body& body) {

@@ -202,7 +202,7 @@ void check_subject(const Table& figure) {
     }
 }
 
-/// Its times are those of the pictures.
+/// Times of an animation are those of its pictures.
 void read_animation(const Table& table, FigureOptions& figure) {
     constexpr double max_pictures = 5000;
     if (!shows_body(figure.show))

@@ -185,7 +185,7 @@ struct Scenario {
             names.insert(names.end(), body.shape.boundary_names.begin(), body.shape.boundary_names.end());
         return names;
     }
-    /// Of bodies and groups of them.
+    /// Names of bodies and groups of them.
     std::vector<std::string> body_names() const {
         std::vector<std::string> names;
         for (const Body& body : bodies)

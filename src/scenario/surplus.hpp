@@ -14,7 +14,7 @@ struct Surplus {
     double mean = 1, deviation = 0;
 };
 
-/// Of several runs the part that shows what they are made for has to be this.
+/// Least part of several runs that has to show what they are made for.
 constexpr double least_part_through = 0.8;
 
 /// One kind of table.

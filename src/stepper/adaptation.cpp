@@ -66,7 +66,8 @@ struct EnergyParts {
     }
 };
 
-/// Those of leapfrog_energies, added up in blocks: the rounding of many refinements must not add up in the balance.
+/// Energies as of leapfrog_energies, added up in blocks: the rounding of many refinements must not add up in the
+/// balance.
 LeapfrogEnergies energies_of(const Model& model, const State& state) {
     constexpr std::size_t block = 1024;  // corners
     const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness);

@@ -65,7 +65,7 @@ struct AdaptedModel {
     double angular_momentum_change;  // [kg m2/s] about the origin
 };
 
-/// Of a run.
+/// Refinements of a run.
 struct AdaptationCounts {
     std::int64_t batches = 0, largest_batch = 0;  // refinements, and most new triangles of one
     std::int64_t coarse_breaks = 0;               // at the end: vertices that came apart although they are coarse

@@ -19,7 +19,7 @@ PerCorner velocities(const State& state, Index triangle) {
     return v;
 }
 
-/// Of a linear field with these values at the corners.
+/// Gradient of a linear field with these values at the corners.
 Eigen::Matrix2d gradient(const Mesh& mesh, Index triangle, const PerCorner& values) {
     Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
     const auto g = shape_gradients(mesh, triangle);
@@ -182,7 +182,7 @@ void Patches::restore_energy() {
     const std::vector<Vec2> waves = waves_within();
     struct Balance {  // [J]; linear a + square a^2 is what the part a of the waves adds
         double lost = 0, linear = 0, square = 0;
-        /// That which adds what was lost.
+        /// Factor of the field that adds the energy lost.
         double part() const {
             const double root = linear * linear + 4 * square * lost;
             if (!(square > 0) || !(linear > 0) || root < 0) return 0;

@@ -74,7 +74,7 @@ struct Cutback {
     double explicit_until = 0;                 // [s] the earliest end of these
 };
 
-/// Of a run between its two schemes.
+/// Change of a run between its two schemes.
 struct SchemeChangeEvent {
     double time;           // [s]
     bool to_explicit;      // or to implicit

@@ -11,8 +11,8 @@
 
 namespace knap {
 
-/// Of the change from begin.temperature_before to begin.temperature, at the openings where the works of the step before
-/// end: with the explicit bulk in its middle.
+/// Books the change of the laws from begin.temperature_before to begin.temperature, at the openings where the works of
+/// the step before end: with the explicit bulk in its middle.
 void account_law_change(const Model& model, const State& begin, StepReport& report);
 
 }  // namespace knap

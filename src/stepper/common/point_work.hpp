@@ -59,7 +59,7 @@ struct CohesionStep {
     double kappa = 0;          // [m] at the end
 };
 
-/// Of a point that keeps its beta and does not open with cohesion.
+/// Books a point that keeps its beta and does not open with cohesion.
 inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double area, double beta, double kappa,
                          StepReport& report) {
     if (!point.cracked && law.sigma_c > 0) report.dissipated += area * law.consumed(beta, kappa);

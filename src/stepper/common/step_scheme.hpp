@@ -36,12 +36,12 @@ struct SchemeOptions {
     bool takes_explicit_steps() const { return bulk != BulkScheme::implicit_theta; }
 };
 
-/// Of the present matrix of an implicit step.
+/// Size of the present factor of an implicit step.
 struct FactorSize {
     std::int64_t unknowns = 0, entries = 0;  // entries: of the triangular factor
 };
 
-/// Called now and then within a long step: true gives the step up.
+/// Polled during a long step: true gives the step up.
 using GiveUp = bool (*)();
 
 /// Thrown by a step that is given up; the state at its start is unchanged.
