@@ -29,23 +29,25 @@ struct Head {
     std::uint64_t sum = 0;
 };
 
-/// Of the first line of a file.
+/// Reads the first line of a file.
 Head head_of(const std::string& text) {
     std::istringstream line(text);
     std::string found_magic;
     int found_format = 0;
     Head head;
     if (!(line >> found_magic >> found_format) || found_magic != magic) throw SimulationError("it is not a checkpoint");
+    const bool has_program = static_cast<bool>(line >> head.program);
     if (found_format != format_number)
-        throw SimulationError(formatted("its format is %d, that of this program is %d", found_format, format_number));
-    if (!(line >> head.program >> head.moment.time >> head.moment.last_step >> head.size >> head.sum))
+        throw SimulationError(formatted("its format is %d, that of this program is %d", found_format, format_number) +
+                              (has_program ? "; knap " + head.program + " reads it" : ""));
+    if (!(line >> head.moment.time >> head.moment.last_step >> head.size >> head.sum))
         throw SimulationError("its first line is damaged");
     return head;
 }
 
 std::string moment_text(const Moment& moment) { return formatted("%.17g %.17g", moment.time, moment.last_step); }
 
-/// Of all that follows the name of the program.
+/// Checksum of all that follows the name of the program.
 std::uint64_t sum_of(const Moment& moment, std::string_view memory) {
     return checksum(moment_text(moment)) ^ checksum(memory);
 }

@@ -284,6 +284,13 @@ TEST_CASE("a run that cannot write goes on when it can") {
     check_same_bits(folder.path / "whole", folder.path / "run");
 }
 
+TEST_CASE("a checkpoint of another format names the version that reads it") {
+    CHECK_THROWS_WITH_AS(knap::unpacked_checkpoint("knap-checkpoint 7 0.1.0-abcdef 0 0 0 0\n"),
+                         doctest::Contains("its format is 7, that of this program is "), knap::SimulationError);
+    CHECK_THROWS_WITH_AS(knap::unpacked_checkpoint("knap-checkpoint 7 0.1.0-abcdef 0 0 0 0\n"),
+                         doctest::Contains("; knap 0.1.0-abcdef reads it"), knap::SimulationError);
+}
+
 TEST_CASE("damaged checkpoints are told from whole ones") {
     const std::string memory = "all that a run remembers\n";
     const std::string whole = knap::packed_checkpoint(memory, {.time = 1e-5, .last_step = 1e-8});
