@@ -1,6 +1,6 @@
 #include "app/cli.hpp"
-#include "app/run/process.hpp"
 #include "app/run/run.hpp"
+#include "app/setup/process.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 

@@ -118,7 +118,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     largest_rotation_work_ = std::max(largest_rotation_work_, std::abs(row_.rotation_work));
     // Psi of constant unloading belongs to the end of a step, works of the leapfrog to its middle; those of secant
     // unloading both belong to the middle
-    const bool half_later = end.rate.empty() && row_.interface_elastic == 0;
+    const bool half_later = !end.has_end_velocities() && row_.interface_elastic == 0;
     const double lag = row_.law_lag + (half_later ? 0.5 * (row_.surface() - surface_before - report.law_change) : 0);
     law_lag_ = lag;
     if (const double now = over_dissipated(lag, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
@@ -162,7 +162,7 @@ void EnergyLedger::adapt(const Renumbering& numbers, const LeapfrogEnergies& ene
 void EnergyLedger::assume(const Model& model, const State& now) {
     std::vector<Vec2> force;
     const double strain =
-        has_end_velocities(now) ? elastic_energy(model, now, force) : leapfrog_energies(model, now).strain;
+        now.has_end_velocities() ? elastic_energy(model, now, force) : leapfrog_energies(model, now).strain;
     row_.assumptions += strain - row_.strain;
     row_.strain = strain;
     const double recoverable = surface_of(model, now).recoverable;

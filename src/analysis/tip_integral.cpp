@@ -163,7 +163,7 @@ void TipIntegral::after_step(const State& state) {
     velocity_.resize(n * triangles_.size(), Vec2::Zero());
     acceleration_.resize(velocity_.size(), Vec2::Zero());
     // explicit bulk: velocities live at the middle of the steps
-    const double elapsed = state.rate.empty() ? 0.5 * (last_step_ + state.last_step) : state.last_step;
+    const double elapsed = state.has_end_velocities() ? state.last_step : 0.5 * (last_step_ + state.last_step);
     std::size_t i = 0;
     for (const Index t : triangles_)
         for (Index c = n * t; c < n * (t + 1); ++c, ++i) {

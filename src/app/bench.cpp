@@ -2,9 +2,9 @@
 // ratios within one run, and the time of the kernels of a step compared with the capacity of the machine.
 #include "app/bench_contact.hpp"
 #include "app/commands.hpp"
-#include "app/run/process.hpp"
-#include "app/run/setup.hpp"
-#include "app/run/step_plan.hpp"
+#include "app/setup/process.hpp"
+#include "app/setup/setup.hpp"
+#include "app/setup/step_plan.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
 #include "element/elastic_forces.hpp"

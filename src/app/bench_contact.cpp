@@ -1,8 +1,8 @@
 // knap bench: what contact between free faces costs a step, in rubble, broken pieces and dust.
 #include "app/bench_contact.hpp"
 
-#include "app/run/setup.hpp"
-#include "app/run/step_plan.hpp"
+#include "app/setup/setup.hpp"
+#include "app/setup/step_plan.hpp"
 #include "base/random.hpp"
 #include "scenario/read_scenario.hpp"
 #include "stepper/contact/face_contacts.hpp"

@@ -2,7 +2,7 @@
 // scenario.
 #include "app/calibrate.hpp"
 #include "app/ensemble/ensemble.hpp"
-#include "app/run/setup.hpp"
+#include "app/setup/setup.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "scenario/keys.hpp"

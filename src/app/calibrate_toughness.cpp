@@ -118,9 +118,10 @@ Calibration calibrate_toughness(const std::vector<CalibratedLaw>& laws, const Ca
         if (!sweep) return {};
         std::ranges::move(rows_of(*sweep, of, options.loads), std::back_inserter(rows));
     }
-    return {toughness_csv(rows), std::ranges::none_of(rows, &ToughnessRow::breaks)
-                                     ? "under no load did four of five cracks run through; larger ones by --loads"
-                                     : ""};
+    return {toughness_csv(rows),
+            std::ranges::none_of(rows, &ToughnessRow::breaks)
+                ? "fewer than four of five cracks crossed the plate at any load; larger ones by --loads"
+                : ""};
 }
 
 }  // namespace knap

@@ -1,6 +1,6 @@
 // knap render and knap info: finished runs.
+#include "app/check/findings.hpp"
 #include "app/commands.hpp"
-#include "app/run/findings.hpp"
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"

@@ -67,9 +67,12 @@ struct Fan {
 /// Constant force on a corner times a history.
 struct CornerLoad {
     Index corner;
-    Index history;           // into Model::histories
-    Vec2 force;              // [N]
-    Index face_stress = -1;  // into Model::face_stresses, with large rotations, where the force follows the face
+    Index history;            // into Model::histories
+    Vec2 force;               // [N]
+    Index face_stress = -1;   // into Model::face_stresses, with large rotations, where the force follows the face
+    bool is_release = false;  // a force of what was excavated, which fades; its history follows those of the scenario
+
+    bool follows_face() const { return face_stress >= 0; }
 };
 
 /// A stress around the body, on one boundary edge: both its corners have half of the traction on the present edge.
@@ -95,7 +98,7 @@ struct PrescribedMotion {
     Vec2 value;                    // [m/s] or [m]
     std::array<bool, 2> is_displacement;
 
-    /// Of component k; `displacement` [m] at the start of the step.
+    /// Prescribed rate of component k; `displacement` [m] at the start of the step.
     PrescribedRate rate(int k, const std::vector<TimeFunction>& histories, double displacement,
                         const StepTimes& step) const {
         return prescribed_rate(is_displacement[k], value[k], histories[history[k]], displacement, step);
@@ -180,8 +183,6 @@ struct Model {
         const auto gone = [&](Index triangle) { return triangle != rigid_support && vanished[triangle]; };
         return !vanished.empty() && (gone(interface.triangle[0]) || gone(interface.triangle[1]));
     }
-    /// The load releases the forces of an excavation: their histories follow those of the loads of the scenario.
-    bool is_release(const CornerLoad& load) const { return load.history >= static_cast<Index>(load_names.size()); }
     double triangle_mass(Index triangle) const {  // [kg]
         return materials[mesh.region[triangle]].density * mesh.area(triangle) * thickness;
     }

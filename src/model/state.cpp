@@ -36,14 +36,14 @@ bool has_incubation(const Model& model) {
 
 void split(const Model& model, Index f, State& state) {
     reserve_capacity(model.mesh.n_corners(), state.displacement, state.velocity);
-    if (!state.rate.empty()) reserve_capacity(model.mesh.n_corners(), state.rate);
+    if (state.has_end_velocities()) reserve_capacity(model.mesh.n_corners(), state.rate);
     reserve_capacity(model.fans.size(), state.split_fans, state.first_point);
     reserve_capacity(model.fan_points.size(), state.points);
     for (const Index corner : model.corners(model.fans[f]).subspan(1)) {
         state.node_of_corner[corner] = static_cast<Index>(state.displacement.size());
         state.displacement.push_back(Vec2(state.displacement[f]));
         state.velocity.push_back(Vec2(state.velocity[f]));
-        if (!state.rate.empty()) state.rate.push_back(Vec2(state.rate[f]));
+        if (state.has_end_velocities()) state.rate.push_back(Vec2(state.rate[f]));
     }
     state.split_rank[f] = static_cast<Index>(state.split_fans.size());
     state.split_fans.push_back(f);

@@ -85,9 +85,9 @@ struct State {
     double last_step = 0;  // [s] size of the last step; 0 at the start
     std::int64_t n_steps = 0;
     std::vector<Vec2> displacement;     // [m] per node
-    std::vector<Vec2> velocity;         // [m/s] per node; explicit bulk: at the middle of the last step
-    std::vector<Vec2> rate;             // [m/s] per node, implicit bulk: mean over the last step; empty at the start.
-                                        // bulk = "auto": empty where the next step is explicit
+    std::vector<Vec2> velocity;         // [m/s] per node: at `time` with has_end_velocities(), else of the leapfrog, at
+                                        // the middle of the last step
+    std::vector<Vec2> rate;             // [m/s] per node: mean over the last step with has_end_velocities(), else empty
     std::vector<Index> node_of_corner;  // per corner
     std::vector<Index> split_fans;      // in any order
     std::vector<Index> first_point;     // per split fan, in that order: into `points`
@@ -122,6 +122,8 @@ struct State {
         return {point.gap + normal.dot(jump), turned_left(normal).dot(jump)};
     }
 
+    /// The last step was one of the implicit scheme; with bulk = "auto", so is the next one.
+    bool has_end_velocities() const { return !rate.empty(); }
     /// [-] phi of the points of a fan.
     double strength_factor(Index fan) const { return incubation.empty() ? 1 : incubation[fan].factor; }
     bool has_retired(Index point) const { return !retired.empty() && retired[point] == Retirement::retired; }
@@ -153,13 +155,13 @@ void split(const Model& model, Index fan, State& state);
 /// Large rotations: R of the polar decomposition of the sum of m F over the corners of the fan (F = R U of their
 /// triangles, m their masses). The identity if rotations are small, and on a support, which does not turn.
 Rotation fan_frame(const Model& model, const State& state, const Fan& fan);
-/// Likewise of the two triangles beside a point: of a split fan whose parts turn by themselves.
+/// Mean rotation of the two triangles beside a point of a split fan, whose parts turn by themselves.
 Rotation point_frame(const Model& model, const State& state, const FanPoint& point);
 
 /// [N] Of a load of factor 1. A stress on a face has the traction sigma n of the present edge: with large rotations
 /// -t/2 sigma turned(e + u_b - u_a) on both ends a and b of the edge e, of which the first part is load.force.
 inline Vec2 force_of(const Model& model, const CornerLoad& load, const State& state) {
-    if (load.face_stress < 0) return load.force;
+    if (!load.follows_face()) return load.force;
     const auto& [ends, stress] = model.face_stresses[load.face_stress];
     const Vec2 moved = state.displacement_of(ends[1]) - state.displacement_of(ends[0]);
     return load.force - 0.5 * model.thickness * stress_times(stress, turned_left(moved));
@@ -172,7 +174,7 @@ inline const CohesiveLaw& law_of(const Model& model, const State& state, const F
 }
 /// The laws of the points at the temperatures of the state, which a checkpoint does not hold.
 void fit_laws(const Model& model, State& state);
-/// Of a point; null in a bonded fan.
+/// State of a point; null in a bonded fan.
 const PointState* state_of(const Model& model, const State& state, Index point);
 
 /// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.

@@ -41,14 +41,14 @@ State all_bonded(const State& state, const Model& to) {
     State next;
     next.time = state.time, next.last_step = state.last_step, next.n_steps = state.n_steps;
     next.displacement.assign(to.fans.size(), Vec2::Zero()), next.velocity = next.displacement;
-    if (!state.rate.empty()) next.rate = next.displacement;
+    if (state.has_end_velocities()) next.rate = next.displacement;
     next.node_of_corner = to.fan_of_corner;
     next.split_rank.assign(to.fans.size(), -1);
     next.reaction.assign(to.prescribed.size(), Vec2::Zero());
     return next;
 }
 
-/// Of a model of first order without excavations, where every vertex has one.
+/// Fan of each vertex; the model has first order and no excavations, so that every vertex has one.
 std::vector<Index> fans_at_vertices(const Model& model) {
     std::vector<Index> fans(model.mesh.vertices.size(), -1);
     for (Index f = 0; f < std::ssize(model.fans); ++f) fans[model.fans[f].vertex] = f;
@@ -80,7 +80,7 @@ State carried_over(const Model& from, const State& state, const Model& to) {
         if (vanished(c)) continue;
         const Index old = state.node_of_corner[c], node = next.node_of_corner[c];
         next.displacement[node] = state.displacement[old], next.velocity[node] = state.velocity[old];
-        if (!state.rate.empty()) next.rate[node] = state.rate[old];
+        if (state.has_end_velocities()) next.rate[node] = state.rate[old];
         if (const Index motion = to.prescribed_of_corner[c]; motion >= 0)
             next.reaction[motion] = state.reaction[from.prescribed_of_corner[c]];
     }

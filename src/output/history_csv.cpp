@@ -31,11 +31,16 @@ bool next_line(std::istream& in, std::string& line) {
 
 bool History::has(const std::string& column) const { return std::ranges::count(columns, column) > 0; }
 
-std::vector<double> History::column(const std::string& name) const {
+std::size_t History::place_of(const std::string& name) const {
     const auto j = static_cast<std::size_t>(std::ranges::find(columns, name) - columns.begin());
     if (j == columns.size())
         throw UserError("damaged-file",
                         (file.empty() ? "a history" : "`" + file + "`") + " has no column `" + name + "`");
+    return j;
+}
+
+std::vector<double> History::column(const std::string& name) const {
+    const std::size_t j = place_of(name);
     std::vector<double> values;
     for (const auto& row : rows) values.push_back(row.at(j));
     return values;

@@ -16,7 +16,8 @@ struct History {
     std::string file = {};  // that it was read from; empty for the table of a run in progress
 
     bool has(const std::string& column) const;
-    /// Throws UserError for an unknown name.
+    /// Place of a column in a row. Throws UserError for an unknown name, as the next one.
+    std::size_t place_of(const std::string& column) const;
     std::vector<double> column(const std::string& name) const;
 
     void serialize(auto& archive) { archive(columns, rows); }

@@ -162,7 +162,7 @@ void Recorder::finish(const State& now, bool ended_early) {
 void Recorder::watch_deformation(const State& now, double speed) {
     deformation_.look_at_obstacles(now);
     const double reached = now.time * (1 + 1e-12), path = now.last_step * speed;
-    const bool always = options_.end > 0 && reached >= options_.end, explicit_bulk = now.rate.empty();
+    const bool always = options_.end > 0 && reached >= options_.end, explicit_bulk = !now.has_end_velocities();
     const auto is_due = [&](Watch& watch, double far, std::int64_t n_steps) {
         watch.path += path;
         return always || (!(watch.path < far) && now.n_steps >= watch.step + (explicit_bulk ? n_steps : 1));
@@ -205,14 +205,17 @@ void Recorder::write_fragments(const State& now) {
 void Recorder::write_arms() {
     if (cracks_.arms().arms().empty()) return;
     const CrackHistory::Past past = cracks_.conclude();
-    std::vector<std::vector<double>>& rows = tables_.all().cracks.rows;
+    History& table = tables_.all().cracks;
+    std::vector<std::vector<double>>& rows = table.rows;
     const std::size_t n_earlier = past.all.size() - rows.size();  // of the run from which this one started
     for (std::size_t i = n_earlier; i < past.all.size(); ++i) {
-        std::vector<double>& row = rows[i - n_earlier];
+        const auto value = [&](const char* column) -> double& { return rows[i - n_earlier][table.place_of(column)]; };
         const Vec2 place = past.tip[i] ? past.tip[i]->position : Vec2(none, none);
         const double speed = past.tip[i] ? past.tip[i]->speed : none, c_R = options_.context.rayleigh_speed;
-        row[1] = past.main[i], row[2] = std::max(row[2], past.all[i]);
-        row[7] = place.x(), row[8] = place.y(), row[9] = speed, row[10] = c_R > 0 ? speed / c_R : none;
+        value("main_length") = past.main[i];
+        value("crack_length") = std::max(value("crack_length"), past.all[i]);
+        value("tip_x") = place.x(), value("tip_y") = place.y();
+        value("tip_speed") = speed, value("tip_speed_over_cR") = c_R > 0 ? speed / c_R : none;
     }
     tables_.write("cracks.csv", histories().cracks);
     tables_.write("arms.csv", cracks_.arm_table());

@@ -184,7 +184,7 @@ private:
     std::vector<Vec2> released_;  // [N] R per corner
 };
 
-/// Of the points of split fans that the successor has no more.
+/// Adds the surface of the points of split fans that the successor has no more.
 void add_lost_surface(const Model& model, const State& state, const Model& rest, ExcavationEnergies& energies) {
     StepReport lost;
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
@@ -263,7 +263,8 @@ Excavated excavate(const Model& model, const State& state, std::span<const Index
 void release(std::span<const CornerLoad> forces, double time, double ramp, Model& model) {
     const auto history = static_cast<Index>(model.histories.size());
     model.histories.push_back({.time = {time, time + ramp}, .value = {1, 0}});
-    for (const CornerLoad& at : forces) model.corner_loads.push_back(at), model.corner_loads.back().history = history;
+    for (const CornerLoad& at : forces)
+        model.corner_loads.push_back({.corner = at.corner, .history = history, .force = at.force, .is_release = true});
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
 }
 

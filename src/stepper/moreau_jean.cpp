@@ -24,7 +24,7 @@ MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model
 }
 
 bool MoreauJean::is_implicit(const State& begin) const {
-    return changes() ? has_end_velocities(begin) : implicit_ != nullptr;
+    return changes() ? begin.has_end_velocities() : implicit_ != nullptr;
 }
 
 void MoreauJean::make_scheme(bool implicit) {
@@ -35,7 +35,7 @@ void MoreauJean::make_scheme(bool implicit) {
     if (give_up_ != nullptr) give_up_when(give_up_);
 }
 
-/// That of a first implicit step after explicit ones reverses no rate of a contact (scheme_change.hpp).
+/// theta of a first implicit step after explicit ones reverses no rate of a contact (scheme_change.hpp).
 double MoreauJean::theta_of(const State& begin, double h) const {
     if (begin.split_fans.empty() || !begins_implicit_stage(begin, h)) return options_.theta;
     double restitution = 0;

@@ -44,9 +44,6 @@ struct SchemeChangeOptions {
 /// [-] Of the step before: the length of the step that ends a stage of the leapfrog.
 inline constexpr double closing_part = 1. / 1024;
 
-/// Whether the next step from a state is one of the implicit scheme.
-inline bool has_end_velocities(const State& state) { return !state.rate.empty(); }
-
 /// Whether an implicit step over h [s] from a state is the first one after explicit steps: others are at most twice as
 /// long as the step before.
 inline bool begins_implicit_stage(const State& state, double h) {
@@ -55,7 +52,7 @@ inline bool begins_implicit_stage(const State& state, double h) {
 
 /// A state with velocities of this moment goes on with explicit steps.
 void begin_leapfrog(State& state);
-/// Likewise with implicit steps.
+/// A state with velocities of the middle of its step goes on with implicit steps.
 void begin_theta_scheme(State& state);
 
 enum class StepFault { none, motion, cohesive_work };

@@ -47,7 +47,7 @@ std::string_view describe(CutbackReason reason) { return reason_texts[static_cas
 void StepControl::start_from(const StepControl& earlier, const State& start) {
     change_.start_from(earlier.change_);
     if (limits_.changes()) {
-        if (!has_end_velocities(start)) begin_stage(limits_.change.explicit_step, limits_.change.explicit_step);
+        if (!start.has_end_velocities()) begin_stage(limits_.change.explicit_step, limits_.change.explicit_step);
         return;
     }
     intact_ = earlier.intact_;
@@ -105,7 +105,7 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
     if (limits_.changes()) {
         // right after a change of scheme a body at rest has rates near rounding, which another step may resolve
         if (report.residual > max_residual) return because(CutbackReason::not_converged);
-        switch (has_end_velocities(begin) ? change_.fault(report) : StepFault::none) {
+        switch (begin.has_end_velocities() ? change_.fault(report) : StepFault::none) {
             case StepFault::motion: return because(CutbackReason::motion);
             case StepFault::cohesive_work: return because(CutbackReason::cohesive_work);
             case StepFault::none: return std::nullopt;
@@ -123,7 +123,7 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
     const bool rejected = report.rejection != Rejection::none || (cut && is_of_contact(cut->reason)),
                several_solutions = cut && cut->reason == CutbackReason::assumption_1,
                breaks = !rejected && (report.softened > 0 || report.released > 0),
-               is_large = limits_.changes() && has_end_velocities(begin);
+               is_large = limits_.changes() && begin.has_end_velocities();
     if ((breaks || several_solutions) && !limits_.changes()) {
         largest_ = std::min(largest_, limits_.cracking);
         intact_ = false;
@@ -163,7 +163,7 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
     return cut;
 }
 
-/// Of an implicit step that does not count.
+/// After a rejected implicit step: a shorter one, or explicit steps.
 void StepControl::shorten_or_change(Cutback& cut) {
     change_.rejected(cut.time, cut.from);
     if (cut.reason == CutbackReason::not_converged || cut.reason == CutbackReason::jammed) {
@@ -184,7 +184,7 @@ void StepControl::shorten_or_change(Cutback& cut) {
 }
 
 bool StepControl::ends_explicit_stage(const State& now) const {
-    return limits_.changes() && !has_end_velocities(now) && now.last_step > 0 && change_.is_quiet(now.time);
+    return limits_.changes() && !now.has_end_velocities() && now.last_step > 0 && change_.is_quiet(now.time);
 }
 
 void StepControl::begin_implicit_stage(const State& now, const StepReport& closing) {

@@ -2,7 +2,7 @@
 #include "app/program.hpp"
 
 #include "app/run/run_text.hpp"
-#include "app/run/step_plan.hpp"
+#include "app/setup/step_plan.hpp"
 #include "base/text.hpp"
 #include "scenario/read_scenario.hpp"
 

@@ -1,7 +1,7 @@
 // Mistakes that can be read are refused with a place when the mesh and the model are made, or can be run.
 #include "support/mutations.hpp"
 
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
 #include "scenario/built_in.hpp"
 
 #include <doctest/doctest.h>

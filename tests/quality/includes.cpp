@@ -31,9 +31,11 @@ const std::map<std::string, int> layer_of{{"base", 0},
                                           {"figures", 10},
                                           {"record", 11},
                                           {"scenario", 12},
-                                          {"app/run", 13},
-                                          {"app/ensemble", 14},
-                                          {"app", 15}};
+                                          {"app/setup", 13},
+                                          {"app/check", 14},
+                                          {"app/run", 15},
+                                          {"app/ensemble", 16},
+                                          {"app", 17}};
 
 /// What a file includes in quotes or brackets, as written.
 std::vector<std::string> includes(const File& file, char open) {

@@ -103,7 +103,7 @@ Vibration vibrate(Stages stages) {
     const double h = 0.8 * run.stepper.stable_step(), H = period / 400, before = momentum(run);
     double pushed = 0;  // [s] for which the force has given its impulse
     const auto go = [&](bool implicit, double until) {
-        if (implicit && !has_end_velocities(run.now)) {
+        if (implicit && !run.now.has_end_velocities()) {
             if (run.now.last_step > 0) {
                 pushed += 0.5 * (1 + closing_part) * run.now.last_step;
                 change_to_implicit(run);
@@ -111,7 +111,7 @@ Vibration vibrate(Stages stages) {
                 begin_theta_scheme(run.now);
             }
         }
-        if (!implicit && has_end_velocities(run.now)) begin_leapfrog(run.now);
+        if (!implicit && run.now.has_end_velocities()) begin_leapfrog(run.now);
         while (run.now.time < until - 1e-9) {
             const double step = std::min(implicit ? H : h, until - run.now.time);
             pushed += implicit ? step : 0.5 * (run.now.last_step + step);
@@ -126,7 +126,7 @@ Vibration vibrate(Stages stages) {
             break;
         case Stages::both_from_implicit: go(true, 0.3 * period), go(false, 0.7 * period), go(true, period); break;
     }
-    if (!has_end_velocities(run.now)) {
+    if (!run.now.has_end_velocities()) {
         pushed += 0.5 * (1 + closing_part) * run.now.last_step;
         change_to_implicit(run);
     }
@@ -204,7 +204,7 @@ TEST_CASE("scheme change: a bar that is pulled slowly breaks in explicit steps b
     CHECK(changes[0].time <= 5000 + 0.5 * 70 / 4);  // with theta = 1/2 the law holds in the middle of a step
     CHECK(changes[0].time > 5000 - 2 * 200 * stable);
     CHECK(changes[1].time - changes[0].time >= 200 * stable + 4);
-    CHECK(has_end_velocities(run.body.now));
+    CHECK(run.body.now.has_end_velocities());
     const EnergyRow& row = run.body.ledger.row();
     CHECK(row.dissipated == doctest::Approx(G_c * height).epsilon(1e-12));
     CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
@@ -219,7 +219,7 @@ TEST_CASE("scheme change: the same steps from a state in the middle of either st
     REQUIRE(reference.control.changes().size() == 2);
     for (const double until : {30.0, 52.0, 70.0}) {  // before the break, just after it, and quiet again
         whole.run_until(until);
-        CHECK(has_end_velocities(whole.body.now) == (until != 52.0));
+        CHECK(whole.body.now.has_end_velocities() == (until != 52.0));
         Changing rest(ModelInput(input), limits, scheme);  // new schemes, with nothing but state and control
         rest.body.now = whole.body.now;
         rest.control = whole.control;
@@ -327,7 +327,7 @@ TEST_CASE("scheme change: a bar with a soft joint is pulled through all of its s
         }
         const int before = run.n_steps;
         run.run_until(end);
-        CHECK(has_end_velocities(run.body.now));
+        CHECK(run.body.now.has_end_velocities());
         CHECK(run.control.changes().size() == (starts_explicit ? 1 : 0));
         CHECK(run.n_steps - before < (starts_explicit ? 1000 : 420));
         CHECK(run.body.ledger.row().dissipated == doctest::Approx(G_c * height).epsilon(1e-12));

@@ -1,9 +1,9 @@
 // Each run is a process of its own: it has its own processor time and memory, and several run at the same time.
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/checkpoint.hpp"
-#include "app/run/process.hpp"
 #include "app/run/report.hpp"
 #include "app/run/run_directory.hpp"
+#include "app/setup/process.hpp"
 #include "base/child_process.hpp"
 #include "base/display_unit.hpp"
 #include "base/error.hpp"

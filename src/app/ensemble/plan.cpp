@@ -2,7 +2,7 @@
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/continuation.hpp"
 #include "app/run/report.hpp"
-#include "app/run/step_plan.hpp"
+#include "app/setup/step_plan.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "record/html.hpp"

@@ -1,7 +1,7 @@
 // The runs of an ensemble as a script that submits them to Slurm.
+#include "app/check/cost.hpp"
+#include "app/check/findings.hpp"
 #include "app/ensemble/ensemble.hpp"
-#include "app/run/cost.hpp"
-#include "app/run/findings.hpp"
 #include "app/run/report.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"

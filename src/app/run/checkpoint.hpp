@@ -3,8 +3,8 @@
 //
 // Their files (record/checkpoint_file.hpp) are written under a temporary name and renamed, so a killed run leaves two
 // whole ones.
-#include "app/run/adaptation.hpp"
-#include "app/run/excavations.hpp"
+#include "app/setup/adaptation.hpp"
+#include "app/setup/excavations.hpp"
 #include "base/stopwatch.hpp"
 #include "record/checkpoint_file.hpp"
 #include "record/recorder.hpp"
@@ -50,7 +50,7 @@ public:
     /// can be used.
     std::string read(RunMemory& memory);
     void remove() const;
-    /// Of a finished run: the newest is kept as checkpoint.end.
+    /// After a finished run the newest is kept as checkpoint.end.
     void keep_for_later_end() const;
 
     static bool exist_in(const std::filesystem::path& directory);

@@ -1,7 +1,7 @@
 #include "app/run/continuation.hpp"
 
 #include "app/run/checkpoint.hpp"
-#include "app/run/step_plan.hpp"
+#include "app/setup/step_plan.hpp"
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 #include "scenario/write_scenario.hpp"

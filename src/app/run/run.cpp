@@ -1,16 +1,16 @@
 #include "app/run/run.hpp"
 
-#include "app/run/adaptation.hpp"
+#include "app/check/findings.hpp"
 #include "app/run/checkpoint.hpp"
 #include "app/run/continuation.hpp"
-#include "app/run/excavations.hpp"
-#include "app/run/findings.hpp"
-#include "app/run/process.hpp"
 #include "app/run/report.hpp"
 #include "app/run/run_directory.hpp"
 #include "app/run/run_text.hpp"
-#include "app/run/setup.hpp"
 #include "app/run/start_state.hpp"
+#include "app/setup/adaptation.hpp"
+#include "app/setup/excavations.hpp"
+#include "app/setup/process.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
@@ -172,7 +172,7 @@ TimeSpent Run::spent() const {
             .steps = earlier.steps + stepping_.cpu() - (recorder_.time().cpu - earlier_output_)};
 }
 
-/// Of this moment.
+/// Memory for a checkpoint of this moment.
 RunMemory Run::memory() {
     recorder_.flush_files();
     flush_to_disk(setup_.directory / "log.txt");
@@ -183,7 +183,7 @@ RunMemory Run::memory() {
 
 void Run::save() { checkpoints_.write(memory()); }
 
-/// That are lost or damaged.
+/// Files that are lost or damaged.
 std::vector<std::string> Run::missing_files() const {
     std::vector<std::string> files = recorder_.missing_files();
     for (const auto& more : {states_.missing(), lost_of_log_}) files.insert(files.end(), more.begin(), more.end());
@@ -225,7 +225,7 @@ void Run::excavate() {
     recorder_.after_excavation(energies);
 }
 
-/// A look at the mesh, which is refined where that is due, or where a step would break it at a coarse place.
+/// Refines the mesh where that is due, or where a step would break it at a coarse place.
 void Run::adapt(const std::optional<Vec2>& also) {
     const Stopwatch watch;
     if (std::optional<RefinedMesh> mesh = adaptation_.look(setup_.model, now_, also))
@@ -431,7 +431,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
         place.log().close();
         return exit_code(record);
     } catch (const std::bad_alloc&) {
-        record.status = "failed", record.reason = "there was not enough memory; a larger mesh.size needs less";
+        record.status = "failed", record.reason = "out of memory: increase mesh.size";
         write_whole_file(directory / "run.json", run_json(record), true);
         throw;
     } catch (const OutputError& error) {

@@ -1,6 +1,7 @@
 #pragma once
 // One run of a scenario, from its text to its figures.
 #include "app/run/dump_lcp.hpp"
+#include "app/setup/process.hpp"
 #include "scenario/read_scenario.hpp"
 
 #include <filesystem>
@@ -8,16 +9,6 @@
 #include <vector>
 
 namespace knap {
-
-/// Exit codes of every command.
-enum ExitCode {
-    exit_done = 0,
-    exit_internal = 1,
-    exit_bad_input = 2,
-    exit_failed = 3,
-    exit_expectation = 4,
-    exit_interrupted = 130
-};
 
 struct RunOptions {
     std::filesystem::path output;      // empty: runs/<name>

@@ -203,10 +203,10 @@ void StartState::drop_heat(const Model& model) {
 void StartState::begin_bulk(const Scenario& scenario, const Model& model) {
     const SchemeOptions& scheme = scenario.time.scheme;
     if (!scheme.takes_implicit_steps()) {
-        if (has_end_velocities(now)) begin_leapfrog(now);
+        if (now.has_end_velocities()) begin_leapfrog(now);
         return;
     }
-    if (scheme.takes_explicit_steps() || has_end_velocities(now) || now.last_step == 0) return;
+    if (scheme.takes_explicit_steps() || now.has_end_velocities() || now.last_step == 0) return;
     SchemeOptions leapfrog = scheme;
     leapfrog.bulk = BulkScheme::explicit_lumped, leapfrog.cohesion = CohesionScheme::explicit_beta;
     State closed = now;

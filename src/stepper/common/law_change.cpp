@@ -14,7 +14,7 @@ double stored(const CohesiveLaw& law, double beta, double kappa, const Vec2& u) 
 void account_law_change(const Model& model, const State& begin, StepReport& report) {
     const Temperatures &before = *begin.temperature_before, &now = *begin.temperature;
     if (&before == &now) return;
-    const double half_a_step = begin.rate.empty() ? 0.5 * begin.last_step : 0;  // [s]
+    const double half_a_step = begin.has_end_velocities() ? 0 : 0.5 * begin.last_step;  // [s]
     const auto velocity = [&](Index corner) -> Vec2 {
         return corner == rigid_support ? Vec2::Zero() : begin.velocity[begin.node_of_corner[corner]];
     };

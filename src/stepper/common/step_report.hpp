@@ -60,9 +60,9 @@ struct StepReport {
     double residual = 0;                 // [-] largest residual of the interface laws, scaled
     double penetration = 0;              // [m] largest
     double contact_residual = 0;         // [-] largest of contacts between free faces, over their speeds
-    Vec2 residual_place = Vec2::Zero();  // [m] of it, in the deformed body
+    Vec2 residual_place = Vec2::Zero();  // [m] of the worst residual, in the deformed body
     double contact_depth = 0;            // [-] largest penetration of a free face over the length of its edge
-    Vec2 depth_place = Vec2::Zero();     // [m] of it, in the deformed body
+    Vec2 depth_place = Vec2::Zero();     // [m] of the largest depth, in the deformed body
     double largest_speed = 0;            // [m/s]
     double approach = 0;                 // [m/s] largest with which obstacles or free faces meet in the step
     Vec2 approach_place = Vec2::Zero();  // [m] of it, in the deformed body
@@ -155,7 +155,7 @@ struct StepReport {
     void add_contact_residual(double error, const Vec2& place) {
         if (error > contact_residual) contact_residual = error, residual_place = place;
     }
-    /// Of a contact with this gap [m] that changes by `rate` [m/s], over a step of h [s].
+    /// Notes a contact whose gap [m] changes by `rate` [m/s], over a step of h [s].
     void add_approach(double gap, double h, double rate, const Vec2& place) {
         if (gap + h * rate <= 0 && -rate > approach) approach = -rate, approach_place = place;
     }

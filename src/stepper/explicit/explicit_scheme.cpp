@@ -423,7 +423,7 @@ void ExplicitScheme::account_loads(std::span<const CornerLoad> loads, const Expl
         const Pair force = amplitude_[load.history] * force_at_once(model_, load, begin);
         const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
         const Pair before = knap::load(begin.velocity[from]), after = knap::load(end.velocity[to]);
-        (model_.is_release(load) ? excavation : external) += step.kick_time * dot(force, 0.5 * (before + after));
+        (load.is_release ? excavation : external) += step.kick_time * dot(force, 0.5 * (before + after));
         if (model_.large_rotation) strain += half_drift * dot(force, after), rotation -= half_last * dot(force, before);
         else strain += 0.5 * dot(force, knap::load(end.displacement[to]));
         if (change != 0) step_change += change * dot(force, after - before);

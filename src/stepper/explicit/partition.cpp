@@ -50,7 +50,7 @@ void order_split_fans(const Model& model, State& state, State& before) {
             state.node_of_corner[corner] = static_cast<Index>(node);
             state.displacement[node] = before.displacement[from];
             state.velocity[node] = before.velocity[from];
-            if (!state.rate.empty()) state.rate[node] = before.rate[from];
+            if (state.has_end_velocities()) state.rate[node] = before.rate[from];
             ++node;
         }
         std::copy_n(before.points.begin() + before.first_point[before.split_rank[f]], fan.n_points,

@@ -84,7 +84,7 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     obstacles_.begin_theta(begin, h, step_.theta);
     contacts_.find(begin, h, obstacles_.rate(), {});
     // guesses: rates of the last step, since velocities oscillate with theta = 1/2; tractions of the last step
-    const std::vector<Vec2>& rate = begin.rate.empty() ? begin.velocity : begin.rate;
+    const std::vector<Vec2>& rate = begin.has_end_velocities() ? begin.rate : begin.velocity;
     corner_rate_.clear();
     for (const Index node : begin.node_of_corner) corner_rate_.push_back(Vec2(rate[node]));
     active_.assign(model_.fans.size(), 0);

@@ -1,6 +1,6 @@
 #include "matrices.hpp"
 
-#include "app/run/setup.hpp"
+#include "app/setup/setup.hpp"
 #include "scenario/read_scenario.hpp"
 #if __has_include("element/triangle_matrices.hpp")
 #include "element/triangle_matrices.hpp"

@@ -1,9 +1,9 @@
 // What a mesh says of a scenario before it runs: loads that contradict each other, jumps, what lies outside, what makes
 // a run endless.
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
+#include "app/check/cost.hpp"
 #include "app/program.hpp"
-#include "app/run/cost.hpp"
-#include "app/run/setup.hpp"
+#include "app/setup/setup.hpp"
 #include "base/stopwatch.hpp"
 #include "output/history_csv.hpp"
 #include "scenario/read_scenario.hpp"

@@ -1,4 +1,4 @@
-#include "app/run/step_plan.hpp"
+#include "app/setup/step_plan.hpp"
 
 #include "analysis/energy_ledger.hpp"
 #include "analysis/rest_watch.hpp"

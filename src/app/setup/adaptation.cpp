@@ -1,6 +1,6 @@
-#include "app/run/adaptation.hpp"
+#include "app/setup/adaptation.hpp"
 
-#include "app/run/setup.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "stepper/moreau_jean.hpp"

@@ -1,6 +1,4 @@
-#include "app/run/process.hpp"
-
-#include "app/run/run.hpp"
+#include "app/setup/process.hpp"
 
 #ifdef __GLIBC__
 #include <malloc.h>

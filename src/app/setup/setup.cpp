@@ -1,4 +1,4 @@
-#include "app/run/setup.hpp"
+#include "app/setup/setup.hpp"
 
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"

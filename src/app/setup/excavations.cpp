@@ -1,4 +1,4 @@
-#include "app/run/excavations.hpp"
+#include "app/setup/excavations.hpp"
 
 #include "analysis/probes.hpp"
 #include "base/display_unit.hpp"

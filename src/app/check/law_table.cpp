@@ -1,4 +1,4 @@
-#include "app/run/law_table.hpp"
+#include "app/check/law_table.hpp"
 
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"

@@ -5,6 +5,16 @@
 
 namespace knap {
 
+/// Exit codes of every command.
+enum ExitCode {
+    exit_done = 0,
+    exit_internal = 1,
+    exit_bad_input = 2,
+    exit_failed = 3,
+    exit_expectation = 4,
+    exit_interrupted = 130
+};
+
 /// Sets the number of OpenMP threads of all loops and returns it. 0: that of OMP_NUM_THREADS, else of
 /// SLURM_CPUS_PER_TASK, else one per processor.
 int use_threads(int n_requested);

@@ -1,7 +1,7 @@
-#include "app/run/heat_scales.hpp"
+#include "app/check/heat_scales.hpp"
 
-#include "app/run/findings.hpp"
-#include "app/run/setup.hpp"
+#include "app/check/findings.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "mesh/polygon.hpp"

@@ -11,7 +11,7 @@
 // smaller steps agree where their viscosity b3 h is the same, so this is a motion of the body and not of the scheme):
 //
 //     zeta < k (2 - S)^2 (F_T/N)^2,     k = 0.26 where the ground deforms, 0.07 on a rigid one; at most 0.055
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
 
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
@@ -136,7 +136,7 @@ private:
         const State start = initial_state(model_);
         for (const CornerLoad& load : model_.corner_loads) {
             const Index piece = piece_of(load.corner);
-            if (model_.is_release(load) || !contacts_.contains(piece)) continue;
+            if (load.is_release || !contacts_.contains(piece)) continue;
             forces_[piece].try_emplace(load.history, Vec2::Zero()).first->second += force_of(model_, load, start);
         }
         for (Index c = 0; c < mesh_.n_corners(); ++c) {

@@ -1,5 +1,5 @@
 // Warnings about slender parts of first order with few edges across: constant strains cannot bend.
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
 
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"

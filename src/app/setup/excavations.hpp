@@ -1,6 +1,7 @@
 #pragma once
 // The excavations of a run: which triangles vanish when, and what a continued run needs to know of those that happened.
-#include "app/run/findings.hpp"
+#include "model/model.hpp"
+#include "scenario/read_scenario.hpp"
 #include "stepper/excavation.hpp"
 
 namespace knap {

@@ -1,7 +1,7 @@
 // Warnings about loads that rise faster than the mesh carries a wave.
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
 
-#include "app/run/setup.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/selections.hpp"

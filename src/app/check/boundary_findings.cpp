@@ -1,7 +1,7 @@
 // Errors and warnings about supports, rigid obstacles and fluids on their mesh.
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
 
-#include "app/run/setup.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/body_in_obstacles.hpp"

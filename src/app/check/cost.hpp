@@ -7,7 +7,7 @@
 //     output           numbers of frames, figures and triangles, times constants of the gallery and the machine's speed
 //
 // Within a factor of 2 for the scenarios of the gallery; beyond that for bodies that fragment early or never break.
-#include "app/run/step_plan.hpp"
+#include "app/setup/step_plan.hpp"
 #include "model/model.hpp"
 #include "scenario/scenario.hpp"
 

@@ -1,6 +1,6 @@
-#include "app/run/cost.hpp"
+#include "app/check/cost.hpp"
 
-#include "app/run/adaptation.hpp"
+#include "app/setup/adaptation.hpp"
 #include "base/display_unit.hpp"
 #include "base/stopwatch.hpp"
 #include "figures/figures.hpp"

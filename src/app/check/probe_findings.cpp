@@ -1,7 +1,7 @@
 // Warnings about what probes watch.
 #include "analysis/nearest.hpp"
-#include "app/run/findings.hpp"
-#include "app/run/setup.hpp"
+#include "app/check/findings.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/selections.hpp"

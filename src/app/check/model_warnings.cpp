@@ -1,9 +1,9 @@
 // Warnings about a scenario on its mesh.
-#include "app/run/excavations.hpp"
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
+#include "app/setup/excavations.hpp"
 
-#include "app/run/heat_scales.hpp"
-#include "app/run/setup.hpp"
+#include "app/check/heat_scales.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/union_find.hpp"

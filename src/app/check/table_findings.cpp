@@ -1,9 +1,9 @@
 // Warnings about tables over time that steps do not resolve, tables over temperature that the run does not
 // reach, and fields of temperature that the mesh does not resolve.
-#include "app/run/findings.hpp"
+#include "app/check/findings.hpp"
 
-#include "app/run/heat_scales.hpp"
-#include "app/run/setup.hpp"
+#include "app/check/heat_scales.hpp"
+#include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "heat/conduction.hpp"

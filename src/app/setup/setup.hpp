@@ -1,6 +1,6 @@
 #pragma once
 // From a scenario to a model, and properties of both that are known before a run.
-#include "app/run/step_plan.hpp"
+#include "app/setup/step_plan.hpp"
 #include "mesh/mesh_report.hpp"
 #include "model/model.hpp"
 #include "record/recorder.hpp"
@@ -17,7 +17,7 @@ Model build_model(const Scenario& scenario);
 /// strength_by_law of the specimen and the first law that acts within a material and may break.
 LawStrength law_strength(const Scenario& scenario);
 
-/// Of a run, with its works and those of the runs from which it starts.
+/// Options of the recorder of a run, with its works and those of the runs from which it starts.
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
                                  const std::filesystem::path& directory, bool resumes, bool continues_other_run);
 
@@ -38,7 +38,7 @@ struct Resolution {
     /// [m] The part in which the traction falls fastest; a mesh that does not resolve it breaks edge by edge.
     double steep_zone() const { return process_zone / steepness; }
 };
-/// Of the pairs of materials with a common interface in the mesh; compared with Scenario::finest_edge().
+/// Resolution of the pairs of materials with a common interface in the mesh; compared with Scenario::finest_edge().
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh);
 
 /// The sets of inclusions and joints, and what the snap of a body did, a line each: "  inclusions[0]  30 placed, 12.3 %

@@ -1,6 +1,6 @@
 #pragma once
 // A scenario compared with its mesh before a run: errors and warnings at the lines of the keys concerned.
-#include "app/run/cost.hpp"
+#include "app/check/cost.hpp"
 #include "model/model.hpp"
 #include "scenario/read_scenario.hpp"
 
@@ -33,7 +33,7 @@ std::vector<Diagnostic> findings_of_probes(const ReadResult& read, const Model& 
 /// Warnings: supports between bodies that touch.
 std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
 
-/// Of pairs of which one is free: errors where they overlap at the start, warnings where they may meet. Errors where a
+/// Pairs of which one is free: errors where they overlap at the start, warnings where they may meet. Errors where a
 /// free one meets what is held.
 std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model);
 

@@ -9,7 +9,7 @@
 
 namespace knap {
 
-/// Of one material; times are those of the heat, time_factor times those of the motion.
+/// Scales of one material; times are those of the heat, time_factor times those of the motion.
 struct HeatScales {
     std::string material;
     double diffusivity;  // [m2/s] kappa_T = k/(rho c), the largest of the tables
