@@ -354,7 +354,7 @@ TEST_CASE("a run whose memory runs out on the way is a failed one") {
     REQUIRE(std::filesystem::exists(record));
     const std::string json = text_of(record);
     CHECK(json.find("\"status\": \"failed\"") != json.npos);
-    CHECK(json.find("not enough memory") != json.npos);
+    CHECK(json.find("out of memory") != json.npos);
 }
 #endif
 
