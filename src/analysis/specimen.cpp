@@ -85,8 +85,14 @@ Specimen::Specimen(const Model& model, const Reactions& reactions, const Specime
         stress_per_force_ = 3 * options.span / (2 * height * height * model.thickness);
         strain_per_travel_ = 6 * height / (options.span * options.span);
     }
-    if (options.axial) axial_ = Gauge(model, reactions, *options.axial, axis, height);
-    if (options.lateral) lateral_ = Gauge(model, reactions, *options.lateral, across, width);
+    size_[axis] = height, size_[across] = width;
+    renew(model);
+}
+
+void Specimen::renew(const Model& model) {
+    const int axis = options_.axis;
+    if (options_.axial) axial_ = Gauge(model, reactions_, *options_.axial, axis, size_[axis]);
+    if (options_.lateral) lateral_ = Gauge(model, reactions_, *options_.lateral, 1 - axis, size_[1 - axis]);
 }
 
 std::span<const Measure<SpecimenMoment>> stress_strain_columns() {

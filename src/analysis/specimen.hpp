@@ -80,6 +80,8 @@ class Specimen {
 public:
     /// Throws UserError for a driver without prescribed motion, or a gauge without length.
     Specimen(const Model& model, const Reactions& reactions, const SpecimenOptions& options);
+    /// The model has changed: by a refined mesh, or an excavation.
+    void renew(const Model& model);
 
     /// At the start of the run, then after every step.
     void begin(const State& start);
@@ -114,6 +116,7 @@ private:
     std::size_t driver_;  // into Reactions::at
     double outwards_;     // direction from the middle of the body to the driver, along the axis
     double stress_per_force_, strain_per_travel_, sign_;
+    Vec2 size_;  // [m]
     Gauge axial_, lateral_;
     SpecimenMoment last_;                     // at the end of the last step
     Mean lines_, windows_;                    // since the last line and the last window

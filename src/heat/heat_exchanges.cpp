@@ -16,11 +16,11 @@ HeatExchanges::HeatExchanges(const Model& model) : model_(model) {
             prescription_.resize(mesh.n_corners(), nullptr);
             const std::vector<char> selected = selected_corners(mesh, exchange.on);
             for (Index c = 0; c < mesh.n_corners(); ++c)
-                if (selected[c]) prescription_[c] = &exchange;
+                if (selected[c] && !model.has_vanished(mesh.triangle_of(c))) prescription_[c] = &exchange;
         } else if (exchange.kind == Kind::source) {
             give_heat_ = true;
             for (const Index t : selected_triangles(mesh, exchange.on))
-                for (Index k = 0; k < n; ++k) {
+                for (Index k = 0; k < n && !model.has_vanished(t); ++k) {
                     const double volume = corner_share(mesh.order, k, mesh.area(t) * model_.thickness);
                     all_.push_back({n * t + k, 0, exchange.value * volume, &exchange});
                 }

@@ -52,6 +52,10 @@ public:
     RefinedMesh replaced() const;
 
 private:
+    /// Material and grain.
+    std::pair<Index, Index> label_of(Index triangle) const {
+        return {mesh_.region[triangle], mesh_.grain.empty() ? -1 : mesh_.grain[triangle]};
+    }
     /// Along the sides of old triangles, that triangle to the left; by numbers of points.
     struct Line {
         Index from, to;
@@ -135,7 +139,7 @@ void Patch::find_lines() {
         if (first != second) {
             lines_.push_back(found);
             rim_.insert(directed_key(found.from, found.to));
-        } else if (edge.joint >= 0 || mesh_.region[edge.triangle[0]] != mesh_.region[edge.triangle[1]]) {
+        } else if (edge.joint >= 0 || label_of(edge.triangle[0]) != label_of(edge.triangle[1])) {
             divide(found);
         }
     }
@@ -338,7 +342,9 @@ std::vector<Index> Patch::fill() {
         relax(part_);
         for (Index t = 0; t < part_.n_triangles(); ++t) {
             const Place place = old_->place_of(part_.centroid(t));
-            part_.region.push_back(mesh_.region[place.triangle < 0 ? triangles_.front() : place.triangle]);
+            const Index there = place.triangle < 0 ? triangles_.front() : place.triangle;
+            part_.region.push_back(mesh_.region[there]);
+            if (!mesh_.grain.empty()) part_.grain.push_back(mesh_.grain[there]);
         }
         std::vector<std::uint8_t> leave_out(points_.size(), 0);
         for (Index t = 0; t < part_.n_triangles(); ++t)
@@ -393,15 +399,20 @@ RefinedMesh Patch::replaced() const {
     for (Index t = 0; t < mesh_.n_triangles(); ++t) {
         if (in_patch_[t]) continue;
         mesh.triangles.push_back(mesh_.triangles[t]), mesh.region.push_back(mesh_.region[t]);
+        if (!mesh_.grain.empty()) mesh.grain.push_back(mesh_.grain[t]);
         found.triangle_before.push_back(t);
     }
     for (Index t = 0; t < part_.n_triangles(); ++t) {
         std::array<Index, 3> corners = part_.triangles[t];
         for (Index& v : corners) v = vertex_of[v];
         mesh.triangles.push_back(corners), mesh.region.push_back(part_.region[t]);
+        if (!mesh_.grain.empty()) mesh.grain.push_back(part_.grain[t]);
         found.triangle_before.push_back(-1);
     }
+    const std::vector<Index> grain = std::move(mesh.grain);
     const CurveOrder order = order_along_curve(mesh);
+    for (const Index t : order.triangle)
+        if (!grain.empty()) mesh.grain.push_back(grain[t]);
     std::vector<VertexOrigin> origin(mesh.n_vertices());
     for (std::size_t v = 0; v < order.vertex.size(); ++v)
         if (order.vertex[v] >= 0) origin[order.vertex[v]] = found.origin[v];

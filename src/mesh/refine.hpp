@@ -44,8 +44,7 @@ struct RefinedMesh {
     std::vector<VertexOrigin> origin;    // per vertex
 };
 
-/// Nothing where no triangle is too large, or where none can be refined. Of meshes of first order without grains and
-/// parts. The same bits for the same input.
+/// Nothing where no triangle is too large or none can be refined. Of first order, without parts. Input gives the bits.
 std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested);
 
 /// [m] Radius of the circle through the corners of a triangle.

@@ -104,6 +104,8 @@ State carried_over(const Model& from, const State& state, const Model& to) {
 
 State carried_over(const Model& from, const State& state, const Model& to, const RefinedMesh& refined) {
     State next = all_bonded(state, to);
+    next.obstacles = state.obstacles;
+    if (!state.incubation.empty()) next.incubation.resize(to.fans.size());
     const auto corner_before = [&](Index corner) {
         const Index t = refined.triangle_before[to.mesh.triangle_of(corner)];
         return t < 0 ? -1 : 3 * t + to.mesh.place_in_triangle(corner);
@@ -117,10 +119,16 @@ State carried_over(const Model& from, const State& state, const Model& to, const
                 const Index node = state.node_of_corner[3 * origin.triangle + k];
                 next.displacement[f] += origin.weight[k] * state.displacement[node];
                 next.velocity[f] += origin.weight[k] * state.velocity[node];
+                if (next.incubation.empty()) continue;
+                const Incubation& memory = state.incubation[from.fan_of_corner[3 * origin.triangle + k]];
+                next.incubation[f].memory += origin.weight[k] * memory.memory;
+                next.incubation[f].utilisation += origin.weight[k] * memory.utilisation;
+                next.incubation[f].time += origin.weight[k] * memory.time;
             }
             continue;
         }
         const Index old = old_fans[origin.vertex];
+        if (!next.incubation.empty()) next.incubation[f] = state.incubation[old];
         next.displacement[f] = state.displacement[old], next.velocity[f] = state.velocity[old];
         if (state.split_rank[old] < 0) continue;
         split(to, f, next);
@@ -145,6 +153,27 @@ State carried_over(const Model& from, const State& state, const Model& to, const
     for (Index c = 0; c < to.mesh.n_corners(); ++c)
         if (const Index motion = to.prescribed_of_corner[c], old = corner_before(c); motion >= 0 && old >= 0)
             next.reaction[motion] = state.reaction[from.prescribed_of_corner[old]];
+    if (!state.temperature) return next;
+    const auto on_new_mesh = [&](const Temperatures& before) -> SharedTemperatures {
+        if (!to.heat->conduction) return field_at(to, before.time);
+        std::vector<double> of_corner(to.mesh.n_corners(), 0.0);
+        for (Index c = 0; c < to.mesh.n_corners(); ++c) {
+            const VertexOrigin& origin = refined.origin[to.mesh.triangles[c / 3][c % 3]];
+            if (const Index old = corner_before(c); old >= 0) of_corner[c] = before.of_corner[old];
+            else if (origin.triangle < 0)
+                of_corner[c] = before.of_corner[from.corners(from.fans[old_fans[origin.vertex]])[0]];
+            else
+                for (int k = 0; k < 3; ++k)
+                    of_corner[c] += origin.weight[k] * before.of_corner[3 * origin.triangle + k];
+        }
+        const auto made = make_temperatures(to, before.time, std::move(of_corner));
+        made->heat = before.heat, made->heat_in = before.heat_in, made->heat_moved = before.heat_moved;
+        made->heat_scale = before.heat_scale, made->range = before.range, made->overshoot = before.overshoot;
+        return made;
+    };
+    const bool same = state.temperature == state.temperature_before || !state.temperature_before;
+    next.temperature = on_new_mesh(*state.temperature);
+    next.temperature_before = same ? next.temperature : on_new_mesh(*state.temperature_before);
     return next;
 }
 

@@ -15,8 +15,8 @@ Model without(Model model, std::span<const Index> triangles);
 /// The same motion, cohesion and contacts of all corners and points that `to` still has. Scalars are copied.
 State carried_over(const Model& from, const State& state, const Model& to);
 
-/// On a refined mesh: what came apart has not changed there, and new vertices, which are bonded, get linear means.
-/// Without obstacles, heat, incubation and contacts between free faces.
+/// On a refined mesh: what came apart has not changed there, and new vertices, which are bonded, get linear means, also
+/// of temperatures that conduction has led there. Without contacts between free faces.
 State carried_over(const Model& from, const State& state, const Model& to, const RefinedMesh& refined);
 
 }  // namespace knap

@@ -112,6 +112,7 @@ void Recorder::model_changed() {
 void Recorder::renew_observers() {
     statuses_.renew();
     reactions_.renew();
+    if (specimen_) specimen_->renew(model_);
     deformation_.renew();
     ledger_.renew(model_, weakest_point(model_));
 }

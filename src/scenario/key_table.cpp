@@ -168,10 +168,14 @@ void add_keys_of_body(KeyTable& t) {
     t.number("unit", "m", "length of one unit of the coordinates in mesh.file, as in \"1 mm\"; default 1 m")
         .at_least(1e-12).at_most(1e6);
     t.text("cracks", "physical curves of mesh.file inside the body that are closed initial cracks").list();
+    t.list("mesh.joint[]", "a physical curve of mesh.file inside the body that is a joint");
+    t.text("curve", "name of the physical curve").required();
+    t.text("interface", "name of its interface law").required();
+    t.in("mesh");
 
     t.table("adapt", "refinement of the mesh during the run, where interfaces may break soon: mesh.size is the size of "
         "all else, and mesh.grading holds between. Where the forecast of knap check finds no gain, the mesh is uniform "
-        "from the start. Explicit bulk, first order, small rotations");
+        "from the start");
     t.number("size", "m", "mean edge length where interfaces may break").above(0).required().to(&AdaptOptions::size);
     t.number("load", "", "part of the strength, as the stress of a triangle in its worst direction, from which it is "
         "to be fine").above(0).below(1).otherwise("0.3").to(&AdaptOptions::load);
@@ -291,7 +295,7 @@ void add_keys_of_microstructure(KeyTable& t) {
         .at_least(0).otherwise("0").to(&CohesiveLaw::relaxation_time);
     t.number("incubation_time", "s", "a vertex inside the body splits only once the overload of its interfaces, which "
         "a memory of this time follows, has reached 1; it then has the strength and fracture energy times the overload "
-        "of that moment. Explicit bulk; not on supports and initial cracks. 0: at once")
+        "of that moment. In explicit steps; not on supports and initial cracks. 0: at once")
         .at_least(0).otherwise("0").to(&CohesiveLaw::incubation_time);
     t.number("gamma", "", "shear strength over tensile strength, without friction. Sliding alone costs G_c (1 + "
         "friction/gamma); 0: cohesion in mode I only").at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
@@ -336,7 +340,7 @@ void add_keys_of_loads(KeyTable& t) {
         "fall there; with [contact]").at_least(0).otherwise("0").to(&Support::beyond);
 
     t.list("absorb[]", "an absorbing boundary: waves leave the body as if it went on (viscous: traction -rho c_p v_n "
-        "along the normal, -rho c_s v_t along the edge); also with a stress or traction; explicit bulk only");
+        "along the normal, -rho c_s v_t along the edge); also with a stress or traction");
     add_place(t, "absorb[]", "place: a boundary, a box, a body, or what they have in common; required");
 
     t.list("load[]", "a load or prescribed motion: exactly one of traction, pressure, stress, force, velocity, "
@@ -413,8 +417,7 @@ void add_keys_of_loads(KeyTable& t) {
     t.list("excavation[]", "a region of the body that vanishes at a time, given by points, by centre and radius, or "
         "by a box, in the undeformed body: what is there at the start vanishes, wherever it has moved. The mesh "
         "follows its outline. Until then it is ordinary material; then the forces that it exerted on the rest decrease "
-        "linearly to zero, and the new faces are free. Its loads and supports vanish with it; "
-        "explicit bulk only");
+        "linearly to zero, and the new faces are free. Its loads and supports vanish with it");
     t.number("points", "m", "corners in order").points();
     add_arcs(t, "excavation[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a disc").pair();

@@ -59,7 +59,7 @@ void add_keys_of_run(KeyTable& t) {
         "integral, or one quadrature point at the centroid; the last two with the implicit bulk only")
         .otherwise("lumped").to(&SchemeOptions::mass,
                                 {MassMatrix::lumped, MassMatrix::consistent, MassMatrix::one_point});
-    t.number("damping", "Hz", "mass-proportional damping alpha of explicit steps, in 1/s: forces -alpha m v; "
+    t.number("damping", "Hz", "mass-proportional damping alpha, in 1/s: forces -alpha m v; "
         "vibrations decay as exp(-alpha t/2), a drift of a body that is held as exp(-alpha t)")
         .at_least(0).otherwise("0").to(&SchemeOptions::damping);
     t.word("damping_of", {"vibration", "motion"}, "what time.damping acts on in pieces that nothing holds: v minus the "

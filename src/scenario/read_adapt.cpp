@@ -1,4 +1,5 @@
 // [adapt]: refinement of the mesh during the run, and what it does not go together with.
+#include "base/union_find.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>
@@ -6,38 +7,51 @@
 namespace knap {
 namespace {
 
-/// Parts of a scenario whose place on a refined mesh is not defined yet.
-void refuse_others(Reading& reading, const Table& table) {
+/// Bodies with names, or parts of a file that share no nodes.
+bool has_several_bodies(const Scenario& scenario) {
+    if (!scenario.given) return !scenario.bodies.empty() && !scenario.bodies.front().name.empty();
+    const Mesh& mesh = scenario.given->mesh;
+    UnionFind pieces(mesh.n_triangles());
+    for (const InteriorEdge& edge : mesh.interior_edges) pieces.join(edge.triangle[0], edge.triangle[1]);
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        if (pieces.find(t) != pieces.find(0)) return true;
+    return false;
+}
+
+void exclude_others(Reading& reading, const Table& table) {
     const Scenario& scenario = reading.scenario;
-    const auto refuse = [&](bool is_there, const std::string& what, const std::string& cure) {
-        if (is_there) table.error("exclusive-keys", "", "does not go together with " + what, cure);
+    const auto exclude = [&](bool is_there, const std::string& other, const std::string& cure) {
+        if (is_there) table.exclude("", "[adapt]", other, cure);
     };
-    const char* fine_from_start = "[[mesh.refine]] makes a region fine from the start";
-    refuse(scenario.time.scheme.takes_implicit_steps(), "implicit steps of time.bulk", "bulk = \"explicit\"");
-    refuse(scenario.order == 2, "mesh.order = 2", "triangles of first order");
-    refuse(scenario.large_rotation, "rotation = \"large\" and [contact]", fine_from_start);
-    refuse(scenario.given != nullptr, "mesh.file", "a shape that is meshed here");
-    refuse(!scenario.bodies.empty() && !scenario.bodies.front().name.empty(), "[[body]]", fine_from_start);
-    refuse(!scenario.supports.empty(), "[[support]]", "prescribed motions");
-    refuse(!scenario.obstacles.empty(), "[[obstacle]]", "loads or prescribed motions");
-    refuse(!scenario.rocks.empty() || !scenario.maps.empty(), "grains and maps of materials", fine_from_start);
-    refuse(scenario.heat.has_value(), "[heat]", fine_from_start);
-    refuse(!scenario.excavations.empty(), "[[excavation]]", fine_from_start);
-    refuse(!scenario.crack_pressures.empty(), "[[pressure]]", fine_from_start);
-    refuse(scenario.specimen.has_value(), "[specimen]", fine_from_start);
-    refuse(scenario.time.rest.ends_run, "time.until = \"rest\"", "time.end alone");
-    refuse(std::ranges::any_of(scenario.probes,
-                               [](const ProbeOptions& probe) {
-                                   using Watch = ProbeOptions::Watch;
-                                   return probe.watch == Watch::interface || probe.watch == Watch::tip;
-                               }),
-           "a probe of an interface or of a tip", "a probe of a place or of a stress");
-    for (const NamedLaw& law : scenario.laws) {
-        refuse(law.scatter.any() && law.scatter.correlation == 0,
-               "strengths that scatter from interface to interface (`" + law.name + "`)",
-               "`interface." + law.name + ".scatter.correlation`, a length over which strengths are alike");
-        refuse(law.law.breakable() && law.law.incubation_time > 0, "an incubation_time", fine_from_start);
-    }
+    const std::string fine_from_start = "[[mesh.refine]] makes a region fine from the start";
+    const BulkScheme bulk = scenario.time.scheme.bulk;
+    exclude(bulk != BulkScheme::explicit_lumped, std::string("bulk = \"") + name_of(bulk) + "\"",
+            "bulk = \"explicit\"");
+    exclude(scenario.order == 2, "mesh.order = 2", "triangles of first order");
+    exclude(scenario.large_rotation, "rotation = \"large\"", fine_from_start);
+    exclude(has_several_bodies(scenario), "[[body]]", fine_from_start);
+    exclude(!scenario.excavations.empty(), "[[excavation]]", fine_from_start);
+    exclude(std::ranges::any_of(scenario.probes,
+                                [](const ProbeOptions& probe) {
+                                    using Watch = ProbeOptions::Watch;
+                                    return probe.watch == Watch::interface || probe.watch == Watch::tip;
+                                }),
+            "a probe of an interface or of a tip", "a probe of a place or of a stress");
+    for (const NamedLaw& law : scenario.laws)
+        exclude(law.scatter.any() && law.scatter.correlation == 0, "scatter",
+                "`interface." + law.name + ".scatter.correlation`, a length over which strengths are alike");
+}
+
+/// What came apart at the start keeps its triangles.
+void warn_of_what_stays(Reading& reading, const Table& table) {
+    if (reading.table("mesh").given("cracks"))
+        table.warning("adapt", "", "leaves the triangles at the cracks of mesh.file as they are, also at their tips",
+                      "small triangles there in the file");
+    for (const Support& support : reading.scenario.supports)
+        if (support.glued && support.law >= 0 && reading.scenario.laws[support.law].law.breakable())
+            return table.warning("adapt", "",
+                                 "leaves the triangles on a glued [[support]] as they are, so it breaks in large ones",
+                                 "[[mesh.refine]] along the support");
 }
 
 /// The vertices at the ends of cracks split at the start, so they must be fine then.
@@ -62,13 +76,17 @@ void read_adapt(Reading& reading) {
     if (!table.given()) return;
     Scenario& scenario = reading.scenario;
     table.fill(scenario.adapt);
-    refuse_others(reading, table);
-    if (!scenario.adapt.active() || scenario.bodies.empty()) return;  // reported
-    scenario.adapt.coarse = scenario.mesh.size, scenario.adapt.grading = scenario.mesh.grading;
-    if (scenario.adapt.size >= scenario.mesh.size)
-        table.error("bad-value", "size", "is not below mesh.size, the size where nothing breaks",
+    exclude_others(reading, table);
+    warn_of_what_stays(reading, table);
+    const Mesh* given = scenario.given ? &scenario.given->mesh : nullptr;
+    if (!scenario.adapt.active() || (scenario.bodies.empty() && given == nullptr)) return;  // reported
+    scenario.adapt.coarse = given ? mean_edge(*given) : scenario.mesh.size,
+    scenario.adapt.grading = scenario.mesh.grading;
+    if (scenario.adapt.size >= scenario.adapt.coarse)
+        table.error("bad-value", "size",
+                    "is not below mesh.size, the size where nothing breaks (of a file: its mean edge)",
                     "mesh.size = 8 to 16 times adapt.size");
-    refine_crack_ends(scenario.adapt, scenario.bodies.front());
+    for (Body& body : scenario.bodies) refine_crack_ends(scenario.adapt, body);
 }
 
 }  // namespace knap

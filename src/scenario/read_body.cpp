@@ -19,7 +19,7 @@ void check_shape_is_given(const Table& domain, const Table& mesh) {
     if (!domain.given("shape") && (!domain.given() || domain.has("")))
         domain.error("missing-key", domain.given() ? "shape" : "", "is missing",
                      "shape: rectangle, polygon, disc; several bodies, [[body]]; or a mesh of your own, mesh.file");
-    for (const char* key : {"unit", "cracks"})
+    for (const char* key : {"unit", "cracks", "joint"})
         if (mesh.given(key))
             mesh.error("exclusive-keys", key, "belongs to mesh.file", "a shape has [[domain.crack]], and units itself");
 }
@@ -42,9 +42,7 @@ void check_nothing_else(Reading& reading) {
             reading.table("mesh").error("exclusive-keys", key, "has no meaning with mesh.file",
                                         "the file defines the body and its mesh");
     for (const char* list : {"body", "bodies"})
-        for (const Table& table : reading.list(list))
-            table.error("exclusive-keys", "", "has no meaning with mesh.file",
-                        "a file may have several bodies: parts that share no nodes");
+        for (const Table& table : reading.list(list)) table.exclude("", "[[body]]", "mesh.file", "one of them");
 }
 
 void read_refined_place(const Table& table) {

@@ -52,8 +52,8 @@ void read_contact(Reading& reading) {
     if (reading.table("domain").text("rotation") == "small")  // any other word has its own error
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
     if (reading.scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)
-        table.error("exclusive-keys", "", "needs the explicit cohesion",
-                    "time.cohesion = \"explicit\", and the explicit bulk");
+        table.exclude("", "[contact]", "cohesion = \"implicit\"",
+                      "time.cohesion = \"explicit\", and the explicit bulk");
     warn_of_supports(reading);
     const std::vector<std::string> materials = reading.scenario.material_names();
     const std::size_t n = materials.size();

@@ -45,15 +45,8 @@ void read_excavation(const Table& table, const MeshOptions& sizes, TimeOptions& 
 void read_excavations(Reading& reading) {
     const std::vector<Table> tables = reading.list("excavation");
     if (tables.empty()) return;
-    const Table& first = tables.front();
-    if (reading.scenario.time.scheme.takes_implicit_steps())
-        first.error("exclusive-keys", "", "needs the explicit bulk", "time.bulk = \"explicit\"");
     if (reading.table("specimen").given())
-        first.error("exclusive-keys", "", "has no meaning with [specimen]: a specimen keeps its shape",
-                    "probes and reactions watch what remains");
-    if (!reading.scenario.crack_pressures.empty())
-        first.error("exclusive-keys", "", "has no meaning with [[pressure]]: a fluid in cracks would flow out",
-                    "one of them");
+        tables.front().exclude("", "[[excavation]]", "[specimen]", "probes and reactions watch what remains");
     const MeshOptions sizes = sizes_of(reading.scenario.mesh, reading.scenario.given.get());
     for (const Table& table : tables)
         read_excavation(table, sizes, reading.scenario.time, reading.scenario.bodies, reading.scenario.excavations);

@@ -271,9 +271,6 @@ void read_heat(Reading& reading) {
         !presses)
         table.warning("no-expansion", "", "strains nothing: no material has an expansion",
                       "expansion in [material.NAME]");
-    if (reading.values.has("excavation"))
-        table.error("exclusive-keys", "", "does not go together with [[excavation]]",
-                    "cracked interfaces or a region of small E in its place");
     if (heat.field.frozen) {
         refuse_with_frozen(reading);
         reading.scenario.heat = std::move(heat);

@@ -76,9 +76,8 @@ CohesiveLaw read_law(const Table& table) {
     if (law.softening && !has_cohesion)
         table.error("exclusive-keys", "softening", "belongs to a law with cohesion, and this one has no strength");
     if (law.relaxation_time > 0 && law.softening && std::isinf(law.softening->slope(law.softening->n_pieces() - 1)))
-        table.error("exclusive-keys", "relaxation_time",
-                    "continues the last piece of the softening, and this one drops from a traction to 0 at once",
-                    "a slope at the end of the softening, for example plateau = 0.9");
+        table.exclude("relaxation_time", "relaxation_time", "plateau = 1",
+                      "a slope at the end of the softening, for example plateau = 0.9");
     for (const char* key : {"relaxation_time", "incubation_time"})
         if (table.number(key).value_or(0) > 0 && !has_cohesion)
             table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has no strength");
@@ -123,7 +122,7 @@ public:
             if (with_grains) grain_[materials[a]] = a, known_.push_back(materials[a]);
         }
         if (with_grains) known_.emplace_back("within");
-        for (const char* list : {"support", "joints"})
+        for (const char* list : {"support", "mesh.joint", "joints"})
             for (const Table& table : reading.list(list)) free_names_.insert(table.text("interface"));
     }
 
@@ -207,20 +206,20 @@ void read_materials(Reading& reading) {
 }
 
 void check_softening(Reading& reading) {
-    if (reading.scenario.time.scheme.takes_implicit_steps())
+    if (!reading.scenario.time.scheme.takes_explicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)
-                table.error("exclusive-keys", "incubation_time",
-                            "needs the explicit bulk: an implicit step may be longer than the overload lasts",
-                            "bulk = \"explicit\" in [time]");
+                table.exclude("incubation_time", "incubation_time", "bulk = \"implicit\"",
+                              "bulk = \"explicit\" or \"auto\" in [time]");
     if (reading.scenario.time.scheme.cohesion != CohesionScheme::implicit_beta) return;
     std::size_t i = 0;
     for (const Table& table : reading.list("interface")) {
         const auto& softening = reading.scenario.laws[i++].law.softening;
         if (softening && std::isinf(softening->steepest()))
-            table.error("exclusive-keys", "softening",
-                        "has a traction that drops at once, and an implicit cohesion needs a slope",
-                        "plateau = 0.9 or a point farther on in the table, or cohesion = \"explicit\" in [time]");
+            table.exclude("softening", "plateau = 1",
+                          reading.scenario.time.scheme.bulk == BulkScheme::automatic ? "bulk = \"auto\""
+                                                                                     : "cohesion = \"implicit\"",
+                          "plateau = 0.9 or a point farther on in the table, or cohesion = \"explicit\" in [time]");
     }
 }
 
@@ -229,11 +228,12 @@ void read_laws(Reading& reading) {
     std::vector<Index>& of_joint = reading.scenario.law_of_joint;
     std::vector<Support>& supports = reading.scenario.supports;
     std::size_t joint = 0;
-    for (const Table& table : reading.list("joints")) {
-        if (!table.has("interface")) continue;
-        const Index law = named_law(table).value_or(-1);
-        if (joint < of_joint.size()) of_joint[joint++] = law;
-    }
+    for (const char* list : {"mesh.joint", "joints"})
+        for (const Table& table : reading.list(list)) {
+            if (!table.has("interface")) continue;
+            const Index law = named_law(table).value_or(-1);
+            if (joint < of_joint.size()) of_joint[joint++] = law;
+        }
     for (std::size_t i = 0; i < supports.size(); ++i) {
         const Table table = reading.table(item("support", i));
         Support& support = supports[i];

@@ -48,21 +48,34 @@ std::vector<Index> materials_of_groups(const Table& table, const std::vector<Gms
     return of_group;
 }
 
-void mark_cracks(const Table& table, GmshMesh& read) {
+/// mark(edge) for the edges on a physical curve inside the body.
+void mark_curve(const Table& table, const Node& name, GmshMesh& read, const auto& mark) {
     std::vector<std::string> known;
     for (const GmshGroup& group : read.inner_groups) known.push_back(group.name);
-    for (const Node& name : table.items("cracks")) {
-        const auto group = std::ranges::find(known, name.text) - known.begin();
-        const bool on_boundary = std::ranges::count(read.mesh.boundary_names, name.text) > 0;
-        if (group == std::ssize(known))
-            table.reading().findings.error("unknown-name",
-                                           "there is no physical curve `" + name.text + "` inside the body", name,
-                                           on_boundary     ? "it lies on the boundary"
-                                           : known.empty() ? "there is none"
-                                                           : "known: " + joined(known),
-                                           did_you_mean(name.text, known));
-        for (const InnerLine& line : read.inner_lines)
-            if (line.group == group) read.mesh.interior_edges[line.edge].cracked = true;
+    const auto group = std::ranges::find(known, name.text) - known.begin();
+    const bool on_boundary = std::ranges::count(read.mesh.boundary_names, name.text) > 0;
+    if (group == std::ssize(known))
+        table.reading().findings.error("unknown-name", "there is no physical curve `" + name.text + "` inside the body",
+                                       name,
+                                       on_boundary     ? "it lies on the boundary"
+                                       : known.empty() ? "there is none"
+                                                       : "known: " + joined(known),
+                                       did_you_mean(name.text, known));
+    for (const InnerLine& line : read.inner_lines)
+        if (line.group == group) mark(read.mesh.interior_edges[line.edge]);
+}
+
+/// Cracks, and joints, whose laws read_laws finds.
+void mark_curves(const Table& table, GmshMesh& read) {
+    for (const Node& name : table.items("cracks"))
+        mark_curve(table, name, read, [](InteriorEdge& edge) { edge.cracked = true; });
+    std::vector<Index>& of_joint = table.scenario().law_of_joint;
+    for (const Table& joint : table.list("joint")) {
+        if (!joint.has("interface")) continue;  // reported
+        of_joint.push_back(-1);
+        if (joint.has("curve"))
+            mark_curve(table, table.reading().values.place_of(joint.path("curve")), read,
+                       [&](InteriorEdge& edge) { edge.joint = static_cast<Index>(of_joint.size()) - 1; });
     }
 }
 
@@ -86,7 +99,7 @@ void read_mesh_file(Reading& reading) {
     std::optional<GmshMesh> read = parse_mesh(table, *bytes);
     if (!read) return;
     const std::vector<Index> material = materials_of_groups(table, read->surface_groups);
-    mark_cracks(table, *read);
+    mark_curves(table, *read);
     Mesh& mesh = read->mesh;
     const double unit = table.number("unit").value_or(1);
     for (Vec2& x : mesh.vertices) x *= unit;

@@ -20,8 +20,8 @@ constexpr int max_colour_distance = 80;  // of a pixel from its colour, in the R
 Body* body_of(const Table& set) {
     std::vector<Body>& bodies = set.scenario().bodies;
     if (set.reading().table("mesh").given("file")) {
-        set.error("exclusive-keys", "", "has no meaning with mesh.file",
-                  "the file defines the body; grains and maps are allowed");
+        set.exclude("", set.path().starts_with("joints") ? "[[joints]]" : "[[inclusions]]", "mesh.file",
+                    "curves and surfaces of the file ([[mesh.joint]]), or grains and maps");
         return nullptr;
     }
     std::vector<std::string> names;

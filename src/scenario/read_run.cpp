@@ -43,14 +43,16 @@ void check_theta(const Table& time) {
         check("obstacle `" + obstacle.name + "`", obstacle.contact.restitution);
 }
 
-/// Both implicit schemes are linear in the displacement.
+/// "bulk = \"auto\""
+std::string bulk_of(const SchemeOptions& scheme) { return std::string("bulk = \"") + name_of(scheme.bulk) + "\""; }
+
 void check_large_rotation(const Table& domain) {
     const Scenario& scenario = domain.scenario();
-    const auto error = [&](const std::string& text, const std::string& cure) {
-        domain.error("exclusive-keys", "rotation", "= \"large\" " + text, cure + ", or rotation = \"small\"");
+    const auto exclude = [&](const std::string& other, const std::string& cure) {
+        domain.exclude("rotation", "rotation = \"large\"", other, cure + ", or rotation = \"small\"");
     };
-    if (scenario.order == 2) error("is for triangles of first order", "mesh.order = 1");
-    if (scenario.time.scheme.takes_implicit_steps()) error("needs the explicit bulk", "time.bulk = \"explicit\"");
+    if (scenario.order == 2) exclude("mesh.order = 2", "mesh.order = 1");
+    if (scenario.time.scheme.takes_implicit_steps()) exclude(bulk_of(scenario.time.scheme), "time.bulk = \"explicit\"");
 }
 
 /// Faces that rub while the body flutters slip where their mean force would hold them, so viscosity is on there, unless
@@ -82,8 +84,8 @@ void read_viscosity(Reading& reading) {
         if (!material.has_viscosity()) continue;
         const char* key = material.shear_viscosity > 0 ? "shear_viscosity" : "bulk_viscosity";
         if (only_implicit)
-            table.error("exclusive-keys", key, "needs explicit steps: implicit ones have none",
-                        "bulk = \"explicit\" or \"auto\", or theta > 0.5, which damps short waves too");
+            table.exclude(key, "bulk_viscosity", "bulk = \"implicit\"",
+                          "bulk = \"explicit\" or \"auto\", or theta > 0.5");
         if (cuts_order_2)
             table.error("exclusive-keys", key, "does not go together with [[excavation]] and triangles of second order",
                         "mesh.order = 1, or remove one of them");
@@ -92,17 +94,11 @@ void read_viscosity(Reading& reading) {
 
 /// bulk = "auto": both schemes have a lumped mass, and each its own cohesion.
 void read_automatic(const Table& table, SchemeOptions& scheme) {
-    if (table.given("cohesion"))
-        table.error(
-            "exclusive-keys", "cohesion",
-            "belongs to one bulk: with bulk = \"auto\" implicit steps have the implicit cohesion, explicit ones "
-            "the explicit",
-            "remove it");
+    if (table.given("cohesion")) table.exclude("cohesion", "cohesion", "bulk = \"auto\"", "remove it");
     table.leave_out("cohesion");
     scheme.cohesion = CohesionScheme::implicit_beta;
     if (scheme.mass != MassMatrix::lumped)
-        table.error("exclusive-keys", "mass", "that is not lumped needs the implicit bulk alone",
-                    "bulk = \"implicit\", or remove mass");
+        table.exclude("mass", "mass = \"consistent\"", "bulk = \"auto\"", "bulk = \"implicit\", or remove mass");
 }
 
 /// Two keys of [time] that mean nothing without `other`; the first one has a default.
@@ -125,12 +121,6 @@ void read_time(const Table& table, TimeOptions& time) {
     if (!time.rest.ends_run) refuse_without("until = \"rest\"", {"rest_below", "rest_for"}, table);
     const bool explicit_bulk = !scheme.takes_implicit_steps();
     if (!explicit_bulk || scheme.cohesion == CohesionScheme::implicit_beta) check_theta(table);
-    if (!scheme.takes_explicit_steps() && scheme.damping > 0)
-        table.error("exclusive-keys", "damping", "belongs to the explicit bulk",
-                    "remove it, with theta > 0.5 if the scheme is to damp, or bulk = \"explicit\"");
-    if (!explicit_bulk && !scheme.absorbing.empty())
-        table.error("exclusive-keys", "bulk", "= \"" + table.text("bulk") + "\" has no absorbing boundaries",
-                    "remove [[absorb]], or bulk = \"explicit\"");
     if (scheme.damping == 0) {
         if (table.given("damping_of"))
             table.error("exclusive-keys", "damping_of", "belongs to time.damping", "add damping to [time]");

@@ -3,6 +3,7 @@
 #include "base/whole_file.hpp"
 #include "record/outputs.hpp"
 #include "scenario/built_in.hpp"
+#include "scenario/exclusions.hpp"
 #include "scenario/units.hpp"
 
 #include <algorithm>
@@ -145,6 +146,14 @@ void Table::error(const std::string& code, std::string_view key, const std::stri
 void Table::warning(const std::string& code, std::string_view key, const std::string& text, const std::string& note,
                     const std::string& hint) const {
     reading_.findings.warning(code, message(key, text), reading_.values.place_of(path(key)), note, hint);
+}
+
+void Table::exclude(std::string_view key, std::string_view one, std::string_view other, const std::string& cure) const {
+    const std::size_t value = one.find(" =");
+    const std::string text = value < one.size() ? std::string(one.substr(value + 1)) + " " : "";
+    error("exclusive-keys", key,
+          text + "does not go together with " + std::string(other) + ": " + std::string(reason_against(one, other)),
+          cure);
 }
 
 std::optional<std::string> Table::one_of(const std::vector<std::string>& names, bool needed) const {

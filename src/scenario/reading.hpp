@@ -98,6 +98,10 @@ public:
     void warning(const std::string& code, std::string_view key, const std::string& text, const std::string& note = {},
                  const std::string& hint = {}) const;
 
+    /// The error that two parts of the scenario do not go together, with the reason in exclusions.hpp, at
+    /// a key of this table, of which `one` tells.
+    void exclude(std::string_view key, std::string_view one, std::string_view other, const std::string& cure) const;
+
     /// The name of the only given one of some keys; an error if there are more, or none although one is `needed`.
     std::optional<std::string> one_of(const std::vector<std::string>& names, bool needed) const;
     /// Number of the material that a key names; none, and an error, if there is no such material.

@@ -3,6 +3,7 @@
 #include "base/text.hpp"
 #include "record/outputs.hpp"
 #include "scenario/built_in.hpp"
+#include "scenario/exclusions.hpp"
 #include "scenario/keys.hpp"
 #include "scenario/units.hpp"
 
@@ -91,6 +92,15 @@ std::string block_markdown(std::string_view block) {
     const std::string anchor(block.empty() ? "top" : block);
     return "\n<a id=\"" + anchor + "\"></a>\n\n## " + heading_of(block) + "\n\n" + meaning + "\n\n" +
            example_of(block) + "\n| key | value | | meaning |\n|---|---|---|---|\n" + rows;
+}
+
+std::string pairs_markdown() {
+    std::string rows;
+    for (const auto& [one, other, because] : exclusions())
+        rows += "| `" + std::string(one) + "` | `" + std::string(other) + "` | " + std::string(because) + " |\n";
+    return "\n<a id=\"pairs\"></a>\n\n## Pairs that do not go together\n\nAll others do. With [contact] rotations are "
+           "large, with a mass that is not lumped the bulk is implicit.\n\n| | | because |\n|---|---|---|\n" +
+           rows;
 }
 
 // ---- JSON
@@ -210,7 +220,8 @@ std::string schema_markdown() {
     }
     return "# Keys of a scenario\n\nWritten by `knap schema --markdown`. The outputs of a run are in "
            "[OUTPUTS.md](OUTPUTS.md).\nBlocks: " +
-           joined(contents, ",\n") + ";\n[units](#units), [names](#names).\n" + sections +
+           joined(contents, ",\n") + ";\n[pairs that do not go together](#pairs), [units](#units), [names](#names).\n" +
+           sections + pairs_markdown() +
            "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, "
            "`\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" +
            units_markdown() +

@@ -69,6 +69,7 @@ struct EnergyParts {
 /// Energies as of leapfrog_energies, added up in blocks: the rounding of many refinements must not add up in the
 /// balance.
 LeapfrogEnergies energies_of(const Model& model, const State& state) {
+    if (model.heat) return leapfrog_energies(model, state);
     constexpr std::size_t block = 1024;  // corners
     const ElasticForces elastic(model.mesh, model.materials, model.plane, model.thickness);
     std::vector<Vec2> before = state.displacement, force(model.mesh.n_corners());
@@ -125,10 +126,13 @@ std::vector<double> requested_sizes(const Model& model, const State& state, cons
     std::vector<Eigen::Vector3d> stresses;  // [Pa] per triangle
     stresses.reserve(mesh.triangles.size());
     for (Index t = 0; t < mesh.n_triangles(); ++t) stresses.push_back(stress(model, state, t));
-    std::vector<Index> law(mesh.n_triangles(), -1);  // of the weakest interface that may get any direction
+    const auto law_of_interface = [&](std::size_t i) -> const CohesiveLaw& {
+        return model.laws_follow_temperature ? state.temperature->laws[2 * i] : model.laws[model.interfaces[i].law];
+    };
+    std::vector<const CohesiveLaw*> law(mesh.n_triangles());  // of the weakest interface that may get any direction
     for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
         const Interface& interface = model.interfaces[i];
-        const CohesiveLaw& own = model.laws[interface.law];
+        const CohesiveLaw& own = law_of_interface(i);
         if (interface.cracked || !can_break(own)) continue;
         const auto [a, b] = interface.triangle;
         const bool on_line =
@@ -137,13 +141,13 @@ std::vector<double> requested_sizes(const Model& model, const State& state, cons
             if (t == rigid_support) continue;
             if (on_line) {
                 if (load_factor(stresses[t], interface.normal, own) > options.load) mark(t);
-            } else if (law[t] < 0 || own.sigma_c < model.laws[law[t]].sigma_c) {
-                law[t] = interface.law;
+            } else if (law[t] == nullptr || own.sigma_c < law[t]->sigma_c) {
+                law[t] = &own;
             }
         }
     }
     for (Index t = 0; t < mesh.n_triangles(); ++t)
-        if (law[t] >= 0 && load_factor(stresses[t], model.laws[law[t]]) > options.load) mark(t);
+        if (law[t] != nullptr && load_factor(stresses[t], *law[t]) > options.load) mark(t);
     if (also) {
         const auto nearest =
             std::ranges::min_element(mesh.vertices, {}, [&](const Vec2& x) { return (x - *also).squaredNorm(); });
@@ -204,6 +208,8 @@ AdaptedModel adapt(const Model& model, const State& state, const AdaptOptions& o
     next.state = carried_over(model, state, next.model, refined);
     restore_momentum_and_energy(model, state, next.model, refined, next.state);
     next.energies = energies_of(next.model, next.state);
+    for (std::size_t o = 0; o < model.obstacles.size(); ++o)
+        next.energies.kinetic += kinetic_energy(model.obstacles[o], state.obstacles[o].velocity);
     next.angular_momentum_change = angular_momentum(next.model, next.state) - angular_momentum(model, state);
     return next;
 }

@@ -1,12 +1,15 @@
 #include "stepper/excavation.hpp"
 
+#include "element/bulk_viscosity.hpp"
 #include "element/shape_functions.hpp"
 #include "model/successor.hpp"
+#include "stepper/common/crack_forces.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/contact/face_contacts.hpp"
 #include "stepper/explicit/explicit_step.hpp"
 #include "stepper/explicit/free_pieces.hpp"
+#include "stepper/implicit/carried_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -46,21 +49,10 @@ public:
           begin_(begin),
           end_(end),
           vanishes_(vanishes),
-          kick_time_(0.5 * (begin.last_step + end.last_step)),
-          damping_(0.5 * kick_time_ * scheme.damping),
-          absorbing_(model, scheme.absorbing),
-          pieces_(model, scheme, absorbing_.dashpots()),
           released_(model.mesh.n_corners(), Vec2::Zero()) {
-        carried_ = pieces_.carried(begin, damping_, moments_);
-        elastic_energy(model, begin, given_);
-        for (const CornerLoad& load : model.corner_loads)
-            given_[load.corner] += model.histories[load.history].over_kick(begin.time, begin.last_step, end.last_step) *
-                                   knap::force_of(model, load, begin);
-        visit_contact_forces(model, begin, end, [&](const FaceContactState&, Index corner, const Vec2& force) {
-            if (model.ground_at(corner) == nullptr) given_[corner] += force;
-        });
+        if (end.has_end_velocities()) find_impulses_of_theta_scheme(scheme);
+        else find_forces_of_leapfrog(scheme);
         for (std::size_t c = 0; c < contacts.size(); ++c) released_[c] = contacts[c];
-        if (!end.viscous_stress.empty()) add_viscosity();
     }
 
     std::vector<CornerLoad> loads() {
@@ -72,6 +64,55 @@ public:
     }
 
 private:
+    /// F - K u - m a
+    void find_forces_of_leapfrog(const SchemeOptions& scheme) {
+        const double kick_time = 0.5 * (begin_.last_step + end_.last_step), damping = 0.5 * kick_time * scheme.damping;
+        const std::vector<Dashpot> dashpots = dashpots_on(model_, scheme.absorbing);
+        FreePieces pieces(model_, scheme, dashpots);
+        std::vector<PieceMotion> moments;
+        const Vec2* carried = pieces.carried(begin_, damping, moments);
+        elastic_energy(model_, begin_, exerted_);
+        CrackForces fluids(model_);
+        const auto add = [&](std::span<const CornerLoad> loads) {
+            for (const CornerLoad& load : loads)
+                exerted_[load.corner] +=
+                    model_.histories[load.history].over_kick(begin_.time, begin_.last_step, end_.last_step) *
+                    knap::force_of(model_, load, begin_);
+        };
+        add(model_.corner_loads), add(fluids.find(begin_));
+        visit_contact_forces(model_, begin_, end_, [&](const FaceContactState&, Index corner, const Vec2& force) {
+            if (model_.ground_at(corner) == nullptr) exerted_[corner] += force;
+        });
+        if (!end_.viscous_stress.empty()) add_viscosity();
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+            const Vec2 before = begin_.velocity[begin_.node_of_corner[c]],
+                       after = end_.velocity[end_.node_of_corner[c]];
+            const double mass = model_.corner_mass[c] / kick_time;
+            exerted_[c] -= damped_impulse(mass, before, after, damping);
+            if (carried != nullptr) exerted_[c] += mass * (1 + damping) * carried[begin_.node_of_corner[c]];
+        }
+    }
+
+    /// -r(w)/(theta h), with r of implicit_bulk.hpp.
+    void find_impulses_of_theta_scheme(const SchemeOptions& scheme) {
+        StepContext step{{.h = end_.last_step, .theta = scheme.theta}, &begin_, end_.temperature};
+        ImplicitBulk bulk(model_, scheme.mass, scheme.damping, scheme.absorbing);
+        bulk.begin_step(step);
+        std::vector<std::uint8_t> split;
+        for (const Index rank : end_.split_rank) split.push_back(rank >= 0);
+        CornerPartition nodes;
+        partition_corners(model_, split, nodes);
+        std::vector<Vec2> of_corner, of_node;
+        for (const Index node : end_.node_of_corner) of_corner.push_back(end_.rate[node]);
+        bulk.set_nodes(nodes, of_corner, of_node);
+        CarriedMotion carried(model_, scheme, bulk);
+        carried.begin(step);
+        while (carried.has_pieces() && !carried.agrees(of_corner)) {
+        }  // a projection: at the second time
+        bulk.impulse(of_node, exerted_);
+        for (Vec2& force : exerted_) force /= -step.kick();
+    }
+
     /// -V (s cof F + F q) grad l_k at the three corners of every triangle, s and q the viscous stresses at the start of
     /// the trial step.
     void add_viscosity() {
@@ -85,7 +126,7 @@ private:
             q << stress[1], stress[2], stress[2], -stress[1];
             const Eigen::Matrix2d P = stress[0] * cofactor + F * q;
             const double volume = model_.mesh.area(t) * model_.thickness;
-            for (Index k = 0; k < 3; ++k) given_[3 * t + k] -= volume * P * gradient[k];
+            for (Index k = 0; k < 3; ++k) exerted_[3 * t + k] -= volume * P * gradient[k];
         }
     }
 
@@ -145,14 +186,7 @@ private:
         const auto corners = model_.corners(fan);
         const auto points = model_.points(fan);
         Vec2 missing = Vec2::Zero();
-        for (Index i = first; i < first + n; ++i) {
-            const Index c = at(corners, i);
-            const Vec2 before = begin_.velocity[begin_.node_of_corner[c]],
-                       after = end_.velocity[end_.node_of_corner[c]];
-            const double mass = model_.corner_mass[c] / kick_time_;
-            missing += given_[c] - damped_impulse(mass, before, after, damping_);
-            if (carried_ != nullptr) missing += mass * (1 + damping_) * carried_[begin_.node_of_corner[c]];
-        }
+        for (Index i = first; i < first + n; ++i) missing += exerted_[at(corners, i)];
         std::array<const FanPoint*, 2> ends{};
         int n_ends = 0;
         double area = 0;
@@ -175,14 +209,27 @@ private:
     const Model& model_;
     const State &begin_, &end_;
     std::span<const std::uint8_t> vanishes_;
-    double kick_time_, damping_;  // [s], [-]
-    AbsorbingBoundary absorbing_;
-    FreePieces pieces_;
-    std::vector<PieceMotion> moments_;
-    const Vec2* carried_ = nullptr;
-    std::vector<Vec2> given_;     // [N] F - K u per corner, with contacts of free faces
+    std::vector<Vec2> exerted_;   // [N] per corner, on its neighbours: what is left of its loads and stresses
     std::vector<Vec2> released_;  // [N] R per corner
 };
+
+/// A thermal strain would move what is gone.
+SharedTemperatures without_strain_of_vanished(const Model& model, Temperatures temperatures) {
+    const std::size_t n = temperatures.strain.size() / model.mesh.n_triangles();
+    for (std::size_t i = 0; i < temperatures.strain.size(); ++i)
+        if (model.has_vanished(static_cast<Index>(i / n))) temperatures.strain[i] = 0;
+    return std::make_shared<Temperatures>(std::move(temperatures));
+}
+
+/// [J] Of the bodies: 1/2 v' M v.
+double kinetic_energy_of(const Model& model, const State& state, MassMatrix mass) {
+    std::vector<Vec2> velocity, momentum;
+    for (const Index node : state.node_of_corner) velocity.push_back(state.velocity[node]);
+    ImplicitBulk(model, mass).momentum(velocity, momentum);
+    double energy = 0;
+    for (std::size_t c = 0; c < velocity.size(); ++c) energy += 0.5 * velocity[c].dot(momentum[c]);
+    return energy;
+}
 
 /// Adds the surface of the points of split fans that the successor has no more.
 void add_lost_surface(const Model& model, const State& state, const Model& rest, ExcavationEnergies& energies) {
@@ -199,7 +246,8 @@ void add_lost_surface(const Model& model, const State& state, const Model& rest,
                 return corner == rigid_support ? Vec2::Zero() : state.velocity[state.node_of_corner[corner]];
             };
             const Vec2 n = point_frame(model, state, points[j]).turned(points[j].normal),
-                       half = 0.5 * state.last_step * (rate(points[j].after) - rate(points[j].before));
+                       half = (state.has_end_velocities() ? 0 : 0.5) * state.last_step *
+                              (rate(points[j].after) - rate(points[j].before));
             const Vec2 middle = u - Vec2(n.dot(half), turned_left(n).dot(half));
             account_cohesion(points[j], law,
                              {.area = points[j].area * state.strength_factor(state.split_fans[s]),
@@ -221,6 +269,23 @@ std::vector<CornerLoad> released_forces(const Model& model, const State& begin, 
                                         const SchemeOptions& scheme, std::span<const std::uint8_t> vanishes,
                                         std::span<const Vec2> contacts) {
     return ReleasedForces(model, begin, end, scheme, vanishes, contacts).loads();
+}
+
+std::vector<CornerLoad> released_pressures(const Model& model, const State& state, const Model& rest_model,
+                                           const State& rest) {
+    if (model.crack_fluids.empty()) return {};
+    std::vector<Vec2> lost(model.mesh.n_corners(), Vec2::Zero());
+    const auto add = [&](const Model& of, const State& in, double sign) {
+        CrackForces fluids(of);
+        for (const CornerLoad& load : fluids.find(in))
+            lost[load.corner] += sign * of.histories[load.history](in.time) * load.force;
+    };
+    add(model, state, 1), add(rest_model, rest, -1);
+    std::vector<CornerLoad> loads;
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        if (!lost[c].isZero(0) && !rest_model.has_vanished(model.mesh.triangle_of(c)))
+            loads.push_back({.corner = c, .history = -1, .force = lost[c]});
+    return loads;
 }
 
 std::vector<Vec2> lasting_contacts(const Model& model, MoreauJean& stepper, const State& begin, const State& trial,
@@ -248,13 +313,22 @@ std::vector<Vec2> lasting_contacts(const Model& model, MoreauJean& stepper, cons
     return std::move(mean[0]);
 }
 
-Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles) {
+Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles, MassMatrix mass) {
     Excavated rest{.model = without(model, triangles)};
     rest.state = carried_over(model, state, rest.model);
+    for (SharedTemperatures* temperature : {&rest.state.temperature, &rest.state.temperature_before})
+        if (*temperature) *temperature = without_strain_of_vanished(rest.model, **temperature);
+    if (state.temperature == state.temperature_before) rest.state.temperature_before = rest.state.temperature;
     add_lost_surface(model, state, rest.model, rest.energies);
-    const LeapfrogEnergies energies = leapfrog_energies(rest.model, rest.state);
-    rest.state.elastic_energy = energies.elastic, rest.state.elastic_work = energies.work;
-    rest.energies.kinetic = energies.kinetic, rest.energies.strain = energies.strain;
+    if (state.has_end_velocities()) {
+        std::vector<Vec2> force;
+        rest.energies.strain = elastic_energy(rest.model, rest.state, force);
+        rest.energies.kinetic = kinetic_energy_of(rest.model, rest.state, mass);
+    } else {
+        const LeapfrogEnergies energies = leapfrog_energies(rest.model, rest.state);
+        rest.state.elastic_energy = energies.elastic, rest.state.elastic_work = energies.work;
+        rest.energies.kinetic = energies.kinetic, rest.energies.strain = energies.strain;
+    }
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         rest.energies.kinetic += kinetic_energy(model.obstacles[o], state.obstacles[o].velocity);
     return rest;

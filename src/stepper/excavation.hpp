@@ -1,5 +1,5 @@
 #pragma once
-// Excavation: triangles vanish between two steps of the explicit scheme.
+// Excavation: triangles vanish between two steps.
 //
 // The forces R that they exerted on the corners that stay act on as loads, which the caller multiplies by a factor that
 // decreases from 1 to 0. R follows from a trial step of the whole body, from v to v+, over the time k (damping alpha):
@@ -8,7 +8,7 @@
 //                        of this step and the one before, zero where the signs differ: an impact is no lasting force
 //     in a bonded fan    per run of corners that vanish, with the forces F - K u on them
 //                            sum of R = sum of F - K u - m ((1 + d) v+ - (1 - d) v - 2 d W)/k,     d = k alpha/2
-//                        (W: free_pieces.hpp) as the tractions of the mean stress at the two ends of the run; they
+//                        (implicit: -r(w)/(theta h)) as the tractions of the mean stress at the two ends; they
 //                        are not in equilibrium,
 //                        and what is missing is shared by the areas of the ends
 //
@@ -19,7 +19,10 @@
 //
 // A prescribed component of a fan has no R, since the drive of each corner carries its part.
 //
-// The energies of what stays are those of the leapfrog (common/elastic_energy.hpp), so that the energy identity goes on
+// A fluid in cracks flows on as its source says; where it pressed on a face that stays and does no more, its force is
+// released with the others. Heat does not cross the new faces, and what left keeps its own.
+//
+// The energies of what stays are those of the scheme (common/elastic_energy.hpp), so that the energy identity goes on
 // with the energy that left as one more term.
 #include "stepper/moreau_jean.hpp"
 
@@ -38,6 +41,10 @@ std::vector<CornerLoad> released_forces(const Model& model, const State& begin, 
                                         const SchemeOptions& scheme, std::span<const std::uint8_t> vanishes,
                                         std::span<const Vec2> contacts = {});
 
+/// [N] Likewise of fluids in cracks that the model `rest_model` without the region has no more.
+std::vector<CornerLoad> released_pressures(const Model& model, const State& state, const Model& rest_model,
+                                           const State& rest);
+
 /// [J] Of what stays, and of the points that vanish.
 struct ExcavationEnergies {
     double kinetic = 0, strain = 0;
@@ -49,8 +56,9 @@ struct Excavated {
     State state;
     ExcavationEnergies energies;
 };
-/// Without the released forces.
-Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles);
+/// Without the released forces. `mass`: of implicit steps.
+Excavated excavate(const Model& model, const State& state, std::span<const Index> triangles,
+                   MassMatrix mass = MassMatrix::lumped);
 
 /// Adds released forces to the loads, with a history of their own: 1 at `time`, 0 after the ramp [s].
 void release(std::span<const CornerLoad> forces, double time, double ramp, Model& model);

@@ -41,13 +41,13 @@ public:
     /// Ends a long step early, by StepGivenUp. Without it every step is completed.
     void give_up_when(GiveUp condition);
 
-    double stable_step() const;      // [s] of explicit steps; infinite without them
-    FactorSize factor_size() const;  // of the implicit scheme
+    bool is_implicit(const State& begin) const;           // the next step
+    double theta_of(const State& begin, double h) const;  // [-] of an implicit one
+    double stable_step() const;                           // [s] of explicit steps; infinite without them
+    FactorSize factor_size() const;                       // of the implicit scheme
 
 private:
     bool changes() const { return options_.bulk == BulkScheme::automatic; }
-    bool is_implicit(const State& begin) const;
-    double theta_of(const State& begin, double h) const;
     void make_scheme(bool implicit);
     StepScheme& scheme_of(const State& begin, double h);
     StepReport advance(const State& begin, double h, State& end);

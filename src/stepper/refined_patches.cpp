@@ -34,7 +34,7 @@ double power(const Model& model, const State& state, Index triangle, const Eigen
     return density * model.mesh.area(triangle) * model.thickness;
 }
 
-/// [J] 1/2 v' M v + 1/2 (u - h v)' K u of one triangle.
+/// [J] 1/2 v' M v + 1/2 int sigma : (eps(u - h v) - e) of one triangle, e its thermal strain.
 double leapfrog_energy(const Model& model, const State& state, Index triangle) {
     const PerCorner v = velocities(state, triangle);
     PerCorner before;
@@ -43,7 +43,9 @@ double leapfrog_energy(const Model& model, const State& state, Index triangle) {
         before[k] = state.displacement_of(3 * triangle + k) - state.last_step * v[k];
         kinetic += 0.5 * model.corner_mass[3 * triangle + k] * v[k].squaredNorm();
     }
-    return kinetic + 0.5 * power(model, state, triangle, gradient(model.mesh, triangle, before));
+    Eigen::Matrix2d strain = gradient(model.mesh, triangle, before);
+    if (state.temperature) strain -= state.temperature->strain[triangle] * Eigen::Matrix2d::Identity();
+    return kinetic + 0.5 * power(model, state, triangle, strain);
 }
 
 /// [m/s] Per vertex.

@@ -121,6 +121,23 @@ TEST_CASE("refined mesh: fine where requested with the lines and borders of the 
     }
 }
 
+TEST_CASE("refined mesh: grains of one material keep their borders as materials do") {
+    Mesh old = plate();
+    std::swap(old.grain, old.region), old.region.assign(old.n_triangles(), 0);  // the region on the right is a grain
+    std::vector<std::uint8_t> frozen(old.n_triangles(), 0);
+    const std::vector<double> size = sizes_around(old, {0.7, 0.25});
+    const auto refined = knap::refined(old, {.size = size, .frozen = frozen, .seed = 3});
+    REQUIRE(refined);
+    const Mesh& mesh = refined->mesh;
+    REQUIRE(mesh.grain.size() == mesh.triangles.size());
+    REQUIRE(mesh.n_triangles() > 2 * old.n_triangles());
+    for (Index t = 0; t < mesh.n_triangles(); ++t) CHECK(mesh.grain[t] == (mesh.centroid(t).x() > 0.7));
+    for (const InteriorEdge& e : mesh.interior_edges)
+        if (!mesh.within_grain(e))
+            for (const Index v : mesh.side_vertices(e.triangle[0], e.side[0]))
+                CHECK(std::abs(mesh.vertices[v].x() - 0.7) < 1e-12);
+}
+
 TEST_CASE("refined mesh: nothing happens where it is fine enough or frozen") {
     const Mesh old = plate();
     std::vector<double> size(old.n_vertices(), coarse);

@@ -222,7 +222,7 @@ TEST_CASE("contact: what cannot be") {
     CHECK(mistakes(one + "[contact]\n").empty());
     reports(samples::least + "[contact]\n", "exclusive-keys", "`contact` needs large rotations", 16);
     reports(changed("end = 80e-6", "end = 80e-6\ncohesion = \"implicit\"", one) + "[contact]\n", "exclusive-keys",
-            "needs the explicit cohesion");
+            "does not go together with cohesion = \"implicit\": contacts");
     reports(one + "[contact]\nfriction = -1\n", "out-of-range", "at least 0");
     const std::string pair = "[contact]\n[[contact.pair]]\nfriction = 0.1\n";
     reports(one + pair, "missing-key", "`contact.pair[0].materials` is missing");

@@ -283,11 +283,12 @@ centre = ["1 mm", "2 mm"]
 radius = "10 mm"
 )");
 
-const std::string mesh_file =
-    samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
-                     "[mesh]\nfile = \"" KNAP_SOURCE_DIR
-                     "/tests/mesh/data/block_41_ascii.msh\"\n"
-                     "unit = \"1 mm\"\ncracks = [\"crack\"]\n[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
+const std::string mesh_file = samples::changed(
+    "[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
+    "[mesh]\nfile = \"" KNAP_SOURCE_DIR
+    "/tests/mesh/data/block_41_ascii.msh\"\n"
+    "unit = \"1 mm\"\ncracks = [\"crack\"]\n[[mesh.joint]]\ncurve = \"crack\"\ninterface = \"default\"\n"
+    "[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
 
 const std::string scene = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([[body]]
 shape = "rectangle"
@@ -927,6 +928,8 @@ const Case cases[] = {
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
+    {mesh_file, "mesh.joint[0].curve", "\"crack\""},
+    {mesh_file, "mesh.joint[0].interface", "\"default\""},
     {rock, "interface.default.softening", "\"power\""},
     {rock, "interface.default.exponent", "3"},
     {rock, "interface.default.unloading", "\"secant\""},

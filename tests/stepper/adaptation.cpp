@@ -8,6 +8,7 @@
 #include "model/successor.hpp"
 #include "stepper/moreau_jean.hpp"
 #include "support/bodies.hpp"
+#include "support/obstacle_shapes.hpp"
 #include "support/relative.hpp"
 #include "support/verification.hpp"
 
@@ -118,6 +119,42 @@ TEST_CASE("adaptation: a rigid rotation stays one") {
     const double inertia = 2500 * 0.03 * 0.02 / 12 * (0.03 * 0.03 + 0.02 * 0.02);
     CHECK(next->angular_momentum_change < 0);
     CHECK(next->angular_momentum_change > -0.02 * 40 * inertia);
+}
+
+TEST_CASE("adaptation: temperatures and obstacles and memories of incubation go through a refinement") {
+    for (const bool conducts : {false, true}) {
+        ModelInput input = plate({.sigma_c = 1e9, .G_c = 10, .incubation_time = 1e-6});
+        Heat heat;
+        heat.conduction = conducts;
+        heat.field.value = Expression("100 + 2e3*x - 1e3*y");
+        heat.materials = {{.expansion = {.coefficient = 1e-5}, .conductivity = 2, .heat_capacity = 800}};
+        input.heat = std::make_shared<Heat>(heat);
+        input.obstacles = {boulder({0.05, 0.01}, 0.01, {1, 2})};
+        ModelInput on_mesh = input;
+        on_mesh.mesh = plate_mesh();
+        const Model model = make_model(on_mesh);
+        const auto u = [](const Vec2& x) -> Vec2 { return {1e-3 * x.x(), 1e-3 * x.y() + 1e-4 * x.x()}; };
+        State state = state_of(model, 1e-8, u, [](const Vec2&) -> Vec2 { return {3, -2}; });
+        for (std::size_t f = 0; f < model.fans.size(); ++f)
+            state.incubation[f].memory = 10 * model.mesh.vertices[model.fans[f].vertex].x();
+        const auto next = adapted(model, state, requested_at(model.mesh, {0.015, 0.01}), input, 1);
+        REQUIRE(next);
+        const Mesh& mesh = next->model.mesh;
+        REQUIRE(mesh.n_triangles() > 3 * model.mesh.n_triangles());
+        for (Index c = 0; c < mesh.n_corners(); ++c) {
+            const Vec2& x = mesh.corner(c);
+            CHECK(std::abs(next->state.temperature->of_corner[c] - (100 + 2e3 * x.x() - 1e3 * x.y())) < 1e-10);
+            CHECK(std::abs(next->state.incubation[next->model.fan_of_corner[c]].memory - 10 * x.x()) < 1e-13);
+        }
+        CHECK(next->state.obstacles[0].velocity == Vec3(1, 2, 0));
+        // the strain is linear in x, which means over triangles know up to their size
+        const LeapfrogEnergies before = leapfrog_energies(model, state);
+        const double of_obstacle = kinetic_energy(model.obstacles[0], Vec3(1, 2, 0));
+        CHECK(next->energies.kinetic == relative(before.kinetic + of_obstacle, 1e-3));
+        CHECK(next->energies.strain == relative(before.strain, 1e-2));
+        const LeapfrogEnergies after = leapfrog_energies(next->model, next->state);
+        CHECK(next->energies.strain == relative(after.strain, 1e-13));
+    }
 }
 
 TEST_CASE("adaptation: a load on an edge that is divided stays and so do materials") {

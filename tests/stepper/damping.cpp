@@ -105,11 +105,126 @@ TEST_CASE("damping: a free oscillation decays by half of it and to second order"
     CHECK(std::abs(finest) < 2e-4);
 }
 
+TEST_CASE("damping: implicit steps decay as their equation says and to second order and lose what they book") {
+    const auto error_at = [](double h, double theta) {
+        Run run(oscillator(), {.bulk = BulkScheme::implicit_theta, .theta = theta, .damping = alpha});
+        const Index apex = run.now.node_of_corner[2];
+        run.now.velocity[apex].x() = 1;
+        Balance balance(0.5);
+        double u = 0, v = 1, lost = 0;
+        const double until = 10, omega = std::sqrt(1 - 0.25 * alpha * alpha), d = theta * h * alpha;
+        for (int i = 0; i < std::lround(until / h); ++i) {
+            const double w = (v - theta * h * u) / (1 + d + theta * theta * h * h);  // of mass and stiffness 1
+            u += h * w, v = (w - (1 - theta) * v) / theta, lost += h * alpha * w * w;
+            StepReport report = run.step(h);
+            report.external_work -= report.scheme_dissipation;
+            balance.add(report);
+        }
+        CHECK(run.now.displacement[apex].x() == doctest::Approx(u).epsilon(1e-12));
+        CHECK(run.now.velocity[apex].x() == doctest::Approx(v).epsilon(1e-12));
+        CHECK(-balance.damping() == doctest::Approx(lost).epsilon(1e-12));
+        CHECK(balance.error() < 1e-13);
+        return u - std::exp(-0.5 * alpha * until) * std::sin(omega * until) / omega;
+    };
+    const double coarse = error_at(0.1, 0.5), fine = error_at(0.05, 0.5);
+    CHECK(coarse / fine == doctest::Approx(4).epsilon(0.02));
+    error_at(3, 1), error_at(50, 0.5);
+}
+
+TEST_CASE("damping: implicit steps leave a free piece its flight and its spin and take its vibration") {
+    for (const double h : {0.01, 0.5}) {
+        ModelInput input = free_block(1, CohesiveLaw::unbreakable());
+        input.loads = {load(Load::Kind::acceleration, "", 0.0, -10.0)};
+        input.initial_velocities = {{.on = {}, .value = {3, 1}, .spin = 2.0}};
+        input.obstacles = {boulder({5, 5}, 1, {3, 1})};
+        SchemeOptions scheme{.bulk = BulkScheme::implicit_theta, .damping = 5};
+        if (h > 0.1) scheme.mass = MassMatrix::consistent;
+        Run run(input, scheme);
+        double energy = 0, mass = 0, spin_of_wave = 0, inertia = 0;  // of a wave along x
+        Vec2 centre = Vec2::Zero(), momentum = Vec2::Zero();
+        for (const Fan& fan : run.model.fans)
+            mass += fan.mass, centre += fan.mass * run.model.mesh.vertices[fan.vertex];
+        for (std::size_t f = 0; f < run.model.fans.size(); ++f) {
+            const Fan& fan = run.model.fans[f];
+            const Vec2 x = run.model.mesh.vertices[fan.vertex], wave(0.1 * std::cos(std::numbers::pi * x.x()), 0),
+                       y = x - centre / mass;
+            run.now.velocity[f] += wave;
+            energy += 0.5 * fan.mass * wave.squaredNorm(), momentum += fan.mass * wave;
+            spin_of_wave += fan.mass * cross(y, wave), inertia += fan.mass * y.squaredNorm();
+        }
+        const double vibration =
+            energy - 0.5 * momentum.squaredNorm() / mass - 0.5 * spin_of_wave * spin_of_wave / inertia;
+        const auto angular = [&] {  // about the centre, of the undeformed body
+            double sum = 0;
+            for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+                sum += run.model.corner_mass[c] *
+                       cross(run.model.mesh.corner(c) - Vec2(0.5, 0.5), run.now.velocity[run.now.node_of_corner[c]]);
+            return sum;
+        };
+        const double spin = angular();
+        const Momenta start(run);
+        run.ledger = EnergyLedger(run.model, run.now, scheme.mass);
+        double damping = 0, worst = -1;
+        const int n = static_cast<int>(1 / h);
+        for (int i = 0; i < n; ++i) {
+            run.step(h), damping += run.last.damping_work, worst = std::max(worst, run.last.damping_work);
+            if (i > 2) CHECK(run.last.linear_solves < 40);
+        }
+        const Momenta end(run);
+        CAPTURE(h);
+        CHECK((end.linear - start.linear - Vec2(0, -10 * n * h)).norm() < 1e-10);
+        if (scheme.mass == MassMatrix::lumped) CHECK(std::abs(angular() - spin) < 1e-10);
+        CHECK(worst <= 1e-14);
+        if (scheme.mass == MassMatrix::lumped) CHECK(damping > -1.0001 * vibration);
+        if (h < 0.1) CHECK(damping < -0.98 * vibration);  // exp(-alpha t) is left
+        CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
+        REQUIRE(run.now.free_pieces.size() == 1);
+        CHECK(run.now.free_pieces[0].mass == doctest::Approx(1));
+        CHECK(run.now.obstacles[0].velocity.y() == doctest::Approx(1 - 10 * n * h).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("damping: in implicit steps a piece at rest bears its weight and one that slides is braked by friction") {
+    for (const DampingOf of : {DampingOf::vibration, DampingOf::motion})
+        for (const double slope : {0.0, 0.2}) {  // [rad]
+            ModelInput input = free_block(1, CohesiveLaw::unbreakable());
+            input.materials[0].E = 1e4;
+            input.obstacles = {platen({0, 0}, {0, 1}, {.friction = 0.1})};
+            const double g = 10, weight = g * std::cos(slope),
+                         push = g * std::sin(slope) - (slope > 0 ? 0.1 * weight : 0);
+            input.loads = {load(Load::Kind::acceleration, "", g * std::sin(slope), -weight)};
+            Run run(input, {.bulk = BulkScheme::implicit_theta, .theta = 1, .damping = 10, .damping_of = of});
+            const double h = 0.02;
+            for (int i = 0; i < 20; ++i) run.step(h);
+            const double before = Momenta(run).linear.x();
+            for (int i = 0; i < 20; ++i) {
+                run.step(h);
+                CHECK(run.last.damping_work <= 1e-12);
+                CHECK(run.now.obstacles[0].reaction.y() == doctest::Approx(-weight).epsilon(1e-3));
+            }
+            CAPTURE(slope);
+            const double gained = Momenta(run).linear.x() - before;
+            if (of == DampingOf::vibration) CHECK(gained == doctest::Approx(push * 20 * h).epsilon(1e-3));
+            else if (slope > 0) CHECK(Momenta(run).linear.x() == doctest::Approx(push / 10).epsilon(0.02));
+            CHECK(run.ledger.largest_residual() < 1e-11 * run.ledger.largest_energy());
+        }
+}
+
 TEST_CASE("damping: a free disc falls as its discrete equation says and its energy is accounted for") {
     ModelInput input = free_block(1, {});
     input.obstacles = {boulder({5, 5}, 1, {0.5, 0})};
     input.obstacles[0].initial_velocity.z() = 2;
     input.loads = {load(Load::Kind::acceleration, "", 0.0, -10.0)};
+    {
+        Run run(input, {.bulk = BulkScheme::implicit_theta, .damping = alpha, .damping_of = DampingOf::motion});
+        for (int i = 0; i < 10; ++i) run.step(0.1);
+        const double kept = std::pow((1 - 0.05 * alpha) / (1 + 0.05 * alpha), 10);  // (1 - d)/(1 + d) in a step
+        const Vec3& v = run.now.obstacles[0].velocity;
+        CHECK(v.z() == doctest::Approx(2 * kept).epsilon(1e-12));
+        CHECK(v.y() == doctest::Approx(-10 / alpha * (1 - kept)).epsilon(1e-12));
+        CHECK(run.mean_velocity([](Index) { return true; }).y() == doctest::Approx(v.y()).epsilon(1e-12));
+        CHECK(run.ledger.largest_residual() < 1e-13 * run.ledger.largest_energy());
+    }
     Run run(input, {.damping = alpha, .damping_of = DampingOf::motion});
     const double h = 1e-3, start = 0.5 * 0.25 + 0.5 * 0.5 * 4;  // inertia m r^2/2
     Balance balance(start);

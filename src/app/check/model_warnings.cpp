@@ -331,7 +331,8 @@ public:
                 "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
                 "\"implicit\"");
         const double explicit_step = plan.limits.changes() ? plan.limits.change.explicit_step : plan.limits.largest;
-        if (const double part = scenario_.time.scheme.damping * explicit_step; part > 1)
+        if (const double part = scenario_.time.scheme.damping * explicit_step;
+            part > 1 && scenario_.time.scheme.takes_explicit_steps())
             add("time.damping", "too-large",
                 formatted("`time.damping` = %.6g Hz takes %.3g times the velocity in a step of %.3g s%s",
                           scenario_.time.scheme.damping, part, explicit_step,

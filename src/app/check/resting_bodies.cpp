@@ -17,8 +17,8 @@
 #include "base/formatted.hpp"
 #include "model/time_tables.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
+#include "stepper/common/pieces_of_body.hpp"
 #include "stepper/contact/face_contacts.hpp"
-#include "stepper/explicit/free_pieces.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -99,8 +99,7 @@ private:
             std::ranges::none_of(model_.fan_points, may_slide))
             return;
         const State start = initial_state(model_);
-        const AbsorbingBoundary absorbing(model_, time_.scheme.absorbing);
-        pieces_ = pieces_of_body(model_, start, absorbing.dashpots());
+        pieces_ = pieces_of_body(model_, start, dashpots_on(model_, time_.scheme.absorbing));
         if (std::ranges::all_of(pieces_.held, [](auto held) { return held; })) return;
         for (const FanPoint& point : model_.fan_points)
             if (may_slide(point))

@@ -98,6 +98,11 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
     if (scheme.bulk != BulkScheme::implicit_theta)
         throw UserError("exclusive-keys", "--dump-lcp stores the complementarity problem of the implicit bulk",
                         "set time.bulk = \"implicit\"");
+    if (scheme.damping > 0 && scheme.damping_of == DampingOf::vibration)
+        throw UserError("exclusive-keys",
+                        "--dump-lcp stores one problem of a step, and with time.damping of vibrations the motion of "
+                        "free pieces is found by several",
+                        "use damping_of = \"motion\", or no damping");
     if (!StepLcp::fits(model, scheme))
         throw UserError("exclusive-keys",
                         "--dump-lcp stores a linear problem, and with an implicit cohesion the ramps of unloading = "

@@ -123,7 +123,6 @@ private:
 
 void Run::resume(const std::string& text) {
     const std::string warning = checkpoints_.read(memory_);
-    fit_laws(setup_.model, now_);
     if (now_.time - now_.last_step >= setup_.options.until)  // its last step may have ended there
         throw UserError("until-passed",
                         "the run in `" + setup_.directory.string() + "` is already at t = " + shortest(now_.time) +
@@ -131,6 +130,7 @@ void Run::resume(const std::string& text) {
                         "give a later --until, or none, to continue; or start it again with --force");
     excavations_.repeat(setup_.model);
     adaptation_.repeat(setup_.model);
+    fit_laws(setup_.model, now_);
     next_ = now_;  // its nodes are those of the present model
     tells_damping_ = damping_text(scheme(), setup_.model, now_, 0).empty();
     renew_stepper();
@@ -221,7 +221,9 @@ void Run::excavate() {
                                   ", where a region is to vanish: see its place " + place_text(trial.where));
     ExcavationEnergies energies;
     report(excavations_.prepare(setup_.model, *stepper_, now_, next_, h));
-    replace_model([&] { log_.add(excavations_.perform(next_, scheme(), setup_.model, now_, energies)); });
+    SchemeOptions of_trial = scheme();
+    of_trial.theta = stepper_->theta_of(now_, h);
+    replace_model([&] { log_.add(excavations_.perform(next_, of_trial, setup_.model, now_, energies)); });
     recorder_.after_excavation(energies);
 }
 
@@ -242,7 +244,8 @@ void Run::adapt(const std::optional<Vec2>& also) {
 /// One attempt of a step: the state advances, or stays where the step is cut back. Throws SimulationError where the run
 /// cannot continue.
 void Run::step() {
-    const double h = stepper_->step_size(now_, control_.next(now_));
+    double h = stepper_->step_size(now_, control_.next(now_));
+    if (stepper_->is_implicit(now_)) h = excavations_.step_size(now_, h);
     const StepReport report = stepper_->step(now_, h, next_);
     if (report.rejection == Rejection::too_coarse) return adapt(report.where);
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {

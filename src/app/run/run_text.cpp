@@ -192,13 +192,13 @@ std::string scheme_text(const TimeOptions& time, bool is_viscous) {
             "changes: implicit bulk (theta %g) and beta in large steps while the body is quiet%s, explicit bulk and "
             "beta where it is not%s%s",
             scheme.theta, time.start_in_equilibrium ? ", from equilibrium" : "",
-            scheme.damping > 0 ? "; mass-proportional damping of explicit steps" : "",
-            is_viscous ? "; viscosity of explicit steps" : "");
+            scheme.damping > 0 ? "; mass-proportional damping" : "", is_viscous ? "; viscosity of explicit steps" : "");
     if (scheme.bulk == BulkScheme::implicit_theta)
         return formatted(
             "implicit bulk (theta %g, %s mass%s), %s; all interfaces together: method of multipliers, sparse "
-            "factorisations",
-            scheme.theta, name_of(scheme.mass), time.start_in_equilibrium ? ", from equilibrium" : "", beta);
+            "factorisations%s",
+            scheme.theta, name_of(scheme.mass), time.start_in_equilibrium ? ", from equilibrium" : "", beta,
+            scheme.damping > 0 ? "; mass-proportional damping" : "");
     return formatted("explicit lumped bulk, %s; one exact problem per vertex that may open%s%s", beta,
                      scheme.damping > 0 ? "; mass-proportional damping" : "", is_viscous ? "; viscosity" : "");
 }

@@ -40,7 +40,9 @@ FutureMesh future_mesh(const Mesh& mesh, const std::vector<double>& sizes, doubl
 /// it costs to refine all of it: a coarse body that does not break carries the loads for that time.
 bool loads_need_all_of_it(const Scenario& scenario, double area) {
     Scenario coarse = scenario;
-    for (MeshOptions* mesh : {&coarse.mesh, &coarse.bodies.front().mesh}) {
+    std::vector<MeshOptions*> meshes{&coarse.mesh};
+    for (Body& body : coarse.bodies) meshes.push_back(&body.mesh);
+    for (MeshOptions* mesh : meshes) {
         mesh->refine.clear();  // small triangles would need small steps
         mesh->size = std::max(scenario.mesh.size, std::sqrt(n_triangles_of(area, 1) / rehearsal_size));
     }
@@ -85,8 +87,9 @@ AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh) {
     const FutureMesh uniform = future_mesh(mesh, std::vector<double>(mesh.vertices.size(), adapt.size), adapt.size);
     const double across = bounding_box(mesh.vertices).extent().maxCoeff();
     AdaptationForecast expected{.area = uniform.area, .uniform = uniform.n};
-    for (const Crack& crack : scenario.bodies.front().shape.cracks)
-        if (crack.joint < 0) expected.crack += across - bounding_box(crack.points).extent().maxCoeff();
+    for (const Body& body : scenario.bodies)
+        for (const Crack& crack : body.shape.cracks)
+            if (crack.joint < 0) expected.crack += across - bounding_box(crack.points).extent().maxCoeff();
     if (expected.crack <= 0) expected.crack = across;
     const auto after = [&](double advance) {
         return mesh.n_triangles() + n_triangles_of(std::min(uniform.area, width * advance), adapt.size);
@@ -100,7 +103,7 @@ std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse
     AdaptOptions& adapt = scenario.adapt;
     if (!adapt.active()) return {};
     const AdaptationForecast expected = forecast(scenario, coarse);
-    if (expected.uniform > adapt.limit) return {};
+    if (expected.uniform > adapt.limit || scenario.given) return {};
     const bool short_zone = expected.gain >= pays_from;
     if (short_zone && !loads_need_all_of_it(scenario, expected.area)) return {};
     scenario.mesh.size = adapt.size;

@@ -41,7 +41,8 @@ public:
 
     void serialize(auto& archive) {
         archive(next_look_, mesh_state_, counts_);
-        if (options_.active()) archive(mesh_);
+        if (!options_.active()) return;
+        archive(mesh_, mesh_.grain);
     }
 
 private:

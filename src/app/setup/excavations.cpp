@@ -167,6 +167,12 @@ std::string Excavations::moved_warning(const Model& model, const State& now) con
         place_text(place).c_str());
 }
 
+double Excavations::step_size(const State& now, double h) const {
+    constexpr double nearly = 1e-3;  // [-] of a step
+    const double left = done_.size() < planned_.size() ? planned_[done_.size()].at - now.time : infinity;
+    return left > nearly * h && left < h ? left : h;
+}
+
 /// [0/1] Per triangle: it vanishes next.
 std::vector<std::uint8_t> Excavations::next_region(const Model& model) const {
     std::vector<std::uint8_t> vanishes(model.mesh.n_triangles(), 0);
@@ -186,13 +192,14 @@ std::string Excavations::perform(const State& trial, const SchemeOptions& scheme
     Done done{.time = now.time};
     double area = 0;
     for (const Index t : planned.triangles) area += model.mesh.area(t);
-    const std::vector<CornerLoad> forces = released_forces(model, now, trial, scheme, next_region(model), contacts_);
+    std::vector<CornerLoad> forces = released_forces(model, now, trial, scheme, next_region(model), contacts_);
+    Excavated rest = excavate(model, now, planned.triangles, scheme.mass);
+    std::ranges::copy(released_pressures(model, now, rest.model, rest.state), std::back_inserter(forces));
     Vec2 total = Vec2::Zero();
     for (const CornerLoad& at : forces) {
         total += at.force;
         if (planned.ramp > 0) done.corner.push_back(at.corner), done.force.push_back(at.force);
     }
-    Excavated rest = excavate(model, now, planned.triangles);
     model = std::move(rest.model), now = std::move(rest.state), energies = rest.energies;
     done_.push_back(std::move(done));
     release_forces(done_.size() - 1, model);

@@ -25,6 +25,8 @@ public:
 
     /// One vanishes at this state.
     bool is_due(const State& now) const;
+    /// [s] At most `h`: a large step ends at the next one, or nearly there.
+    double step_size(const State& now, double h) const;
     /// Before the next one, at the trial step of h [s] from `now` to `trial`: the forces of faces that touch its
     /// region, by further trial steps. Returns a warning where its triangles have left their place by more than an
     /// edge.

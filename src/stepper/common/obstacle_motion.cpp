@@ -34,8 +34,8 @@ void ObstacleMotion::begin_explicit(const State& begin, double kick_time, double
     begin_step(begin, {.begin = begin.time, .h = drift_time, .central_differences = true});
 }
 
-void ObstacleMotion::begin_theta(const State& begin, double h, double theta) {
-    theta_scheme_ = true, theta_ = theta, kick_time_ = drift_time_ = h, damping_ = 0;
+void ObstacleMotion::begin_theta(const State& begin, double h, double theta, double damping) {
+    theta_scheme_ = true, theta_ = theta, kick_time_ = drift_time_ = h, damping_ = damping;
     begin_step(begin, {.begin = begin.time, .h = h, .theta = theta});
 }
 
@@ -54,8 +54,8 @@ void ObstacleMotion::begin_step(const State& begin, const StepTimes& times) {
             const Drive& drive = obstacle.drive[k];
             if (obstacle.is_free(k)) {
                 const double mass = (1 + damping_) * obstacle.inertia_of(k);
-                rate_[o][k] =
-                    (1 - damping_) / (1 + damping_) * state.velocity[k] + theta_ * kick_time_ / mass * force_[o][k];
+                const double kept = (theta_scheme_ ? 1 : 1 - damping_) / (1 + damping_);
+                rate_[o][k] = kept * state.velocity[k] + theta_ * kick_time_ / mass * force_[o][k];
             } else {
                 const PrescribedRate given = prescribed_rate(drive.kind == Drive::Kind::displacement, drive.value,
                                                              drive.history, state.moved[k], times);
@@ -89,7 +89,8 @@ void ObstacleMotion::finish(const State& begin, const std::vector<Vec3>& wrench,
             if (obstacle.is_free(k)) report.external_work += kick_time_ * force_[o][k] * work_rate;
             else account_drive(-wrench[o][k], work_rate, report);
             if (obstacle.is_free(k))
-                report.damping_work -= 2 * damping_ * obstacle.inertia_of(k) * work_rate * work_rate;
+                report.damping_work -=
+                    (theta_scheme_ ? damping_ / theta_ : 2 * damping_) * obstacle.inertia_of(k) * work_rate * work_rate;
             if (obstacle.is_free(k) && theta_scheme_)
                 report.scheme_dissipation += (theta_ - 0.5) * obstacle.inertia_of(k) * change * change;
         }

@@ -3,8 +3,8 @@
 //
 //     M (V+ - V) = k F + Q(W),     W = theta V+ + (1 - theta) V,     Q: wrench of the impulses of the body at W
 //
-// The explicit bulk has theta = 1 and k = (previous h + h)/2, and its damping alpha adds -k alpha M (V + V+)/2 to the
-// right; the implicit bulk has k = h. The body is solved exactly for
+// The explicit bulk has theta = 1 and k = (previous h + h)/2, and damping alpha adds -k alpha M (V + V+)/2 there;
+// the implicit bulk has k = h, and -k alpha M W there. The body is solved exactly for
 // given rates, so Q is piecewise linear: Newton's method on the few free components, with a slope by differences.
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
@@ -18,9 +18,10 @@ class ObstacleMotion {
 public:
     explicit ObstacleMotion(const Model& model) : model_(model) {}
 
-    /// Set the rates without contacts; final in prescribed components. All times in s; `damping` [-]: k alpha/2.
+    /// Set the rates without contacts; final in prescribed components. All times in s; `damping` [-]: k alpha/2, of the
+    /// implicit bulk theta h alpha.
     void begin_explicit(const State& begin, double kick_time, double drift_time, double damping);
-    void begin_theta(const State& begin, double h, double theta);
+    void begin_theta(const State& begin, double h, double theta, double damping);
 
     /// [N s, N s, N m s] of the contacts on each obstacle at rate().
     using Response = std::function<void(std::vector<Vec3>& wrench)>;

@@ -18,8 +18,8 @@ constexpr const char* name_of(CohesionScheme cohesion) {
     return cohesion == CohesionScheme::implicit_beta ? "implicit" : "explicit";
 }
 
-/// What damping acts on in pieces that nothing holds: their vibration alone (stepper/explicit/free_pieces.hpp), or
-/// their motion as a whole too.
+/// What damping acts on in pieces that nothing holds: their vibration alone (explicit/free_pieces.hpp,
+/// implicit/carried_motion.hpp), or their motion as a whole too.
 enum class DampingOf { vibration, motion };
 
 struct SchemeOptions {
@@ -27,9 +27,9 @@ struct SchemeOptions {
     CohesionScheme cohesion = CohesionScheme::explicit_beta;
     double theta = 0.5;                    // [-] in [1/2, 1/(1 + e)], of the implicit bulk and of the implicit cohesion
     MassMatrix mass = MassMatrix::lumped;  // of the implicit bulk
-    double damping = 0;                    // [1/s] alpha of the forces -alpha M v, of the explicit bulk
+    double damping = 0;                    // [1/s] alpha of the forces -alpha M v
     DampingOf damping_of = DampingOf::vibration;
-    std::vector<Selection> absorbing;  // boundaries that let waves out, of the explicit bulk
+    std::vector<Selection> absorbing;  // boundaries that let waves out
     bool respect_assumption_1 = true;  // reject steps with several solutions; false: continue with one of them
 
     bool takes_implicit_steps() const { return bulk != BulkScheme::explicit_lumped; }

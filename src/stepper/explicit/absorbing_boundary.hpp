@@ -1,29 +1,14 @@
 #pragma once
-// Absorbing boundaries: dashpots that take up waves as the body would if it went on (J. Lysmer and R. L. Kuhlemeyer,
-// J. Eng. Mech. Div. ASCE 95, EM4 (1969) 859). Exact for plane waves of normal incidence; others return in part.
-//
-//     traction = -rho c_p v_n n - rho c_s v_t t
-//     M (v+ - v) = k (F - C (v + v+)/2) + H' P          C: lumped at the corners of the boundary
-//
-// At the mean velocity they never give energy back and leave the stable step as it is.
+// Absorbing boundaries (stepper/common/dashpots.hpp) in the explicit scheme, at the mean velocity of the step.
+#include "stepper/common/dashpots.hpp"
 #include "stepper/explicit/explicit_step.hpp"
-
-#include <Eigen/Core>
-
-#include <span>
 
 namespace knap {
 
-/// On a corner: the force -C v.
-struct Dashpot {
-    Index fan, corner;
-    Eigen::Matrix2d C;  // [kg/s] symmetric
-};
-
 class AbsorbingBoundary {
 public:
-    /// Throws UserError where a selection is empty, and where a support holds or a motion leads the boundary.
-    AbsorbingBoundary(const Model& model, const std::vector<Selection>& on);
+    AbsorbingBoundary(const Model& model, const std::vector<Selection>& on)
+        : model_(model), dashpots_(dashpots_on(model, on)) {}
 
     const std::vector<Dashpot>& dashpots() const { return dashpots_; }  // in the order of (fan, corner)
 
@@ -49,8 +34,6 @@ public:
     void account(const ExplicitStep& step, StepReport& report) const;
 
 private:
-    void add(const BoundaryEdge& edge);
-
     const Model& model_;
     std::vector<Dashpot> dashpots_;
 };

@@ -15,23 +15,10 @@
 //
 // so nothing is lost, and p follows J by the time d h (1e-6 of a step is usual); likewise L. A piece at rest bears its
 // weight and no more. With small rotations x is the place in the undeformed body, as in the elastic forces.
-//
-// A piece is a largest set of triangles that points with cohesion, unbreakable ones, or a vertex that is not split yet
-// connect. It is held where such
-// a point joins it to a support, where a component of its motion is prescribed, and where waves leave it through an
-// absorbing boundary (the ground goes on there). Contacts, with supports, obstacles or other pieces, hold nothing.
-#include "model/state.hpp"
+#include "stepper/common/pieces_of_body.hpp"
 #include "stepper/common/step_scheme.hpp"
-#include "stepper/explicit/absorbing_boundary.hpp"
 
 namespace knap {
-
-/// Which triangles are of one piece.
-struct PiecesOfBody {
-    std::vector<Index> first;        // per triangle: the lowest one of its piece
-    std::vector<std::uint8_t> held;  // [0/1] per triangle: something holds its piece, or it has vanished
-};
-PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<const Dashpot> dashpots);
 
 class FreePieces {
 public:

@@ -25,19 +25,20 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     if (beta < no_cohesion) beta = 0;
     const PointState* known = state_of(model, *step.begin, at.point);
     const double kappa = known ? law.ramp(beta, known->largest_opening) : 0;
-    ActivePoint made{.sides = nodes.sides(model, fan_point),
-                     .fan = fan,
-                     .normal = at.normal,
-                     .law = {.u_N = u.x(),
-                             .u_T = u.y(),
-                             .strength = beta > 0 ? step.kick() * at.area * law.sigma_c : 0,
-                             .cohesion = beta,
-                             .material = &law,
-                             .ramp = kappa > steepest_ramp * law.delta_c() ? kappa : 0,
-                             .friction = law.friction,
-                             .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
-                                                            touching_gap(model, *step.begin, at)),
-                             .step = &step}};
+    ActivePoint made{
+        .sides = nodes.sides(model, fan_point),
+        .fan = fan,
+        .normal = at.normal,
+        .law = {.u_N = u.x(),
+                .u_T = u.y(),
+                .strength = beta > 0 ? step.kick() * at.area * step.begin->strength_factor(fan) * law.sigma_c : 0,
+                .cohesion = beta,
+                .material = &law,
+                .ramp = kappa > steepest_ramp * law.delta_c() ? kappa : 0,
+                .friction = law.friction,
+                .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
+                                               touching_gap(model, *step.begin, at)),
+                .step = &step}};
     apply_prescribed(nodes, made);
     made.law.set_staircase();
     return made;

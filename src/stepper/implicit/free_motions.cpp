@@ -21,34 +21,16 @@ void FreeMotions::set(const CornerPartition& nodes) {
     const Index per_triangle = model_.mesh.corners_per_triangle();
     for (Index c = 0; c < n_corners; ++c)
         joined.join(nodes.node_of_corner[c], nodes.node_of_corner[c - c % per_triangle]);
-    pieces_.clear(), piece_of_node_.assign(nodes.n_nodes(), -1);
+    Index n = 0;
+    piece_of_node_.assign(nodes.n_nodes(), -1);
     for (Index i = 0; i < nodes.n_nodes(); ++i) {
         const Index first = joined.find(i);  // the lowest
-        if (first == i) piece_of_node_[i] = static_cast<Index>(pieces_.size()), pieces_.emplace_back();
-        else piece_of_node_[i] = piece_of_node_[first];
+        piece_of_node_[i] = first == i ? n++ : piece_of_node_[first];
     }
-    const auto piece_of = [&](Index corner) -> Piece& { return pieces_[piece_of_node_[nodes.node_of_corner[corner]]]; };
-    std::vector<double> mass(pieces_.size(), 0);
-    for (Index c = 0; c < n_corners; ++c) {
-        mass[&piece_of(c) - pieces_.data()] += model_.corner_mass[c];
-        piece_of(c).centre += model_.corner_mass[c] * model_.mesh.corner(c);
-    }
-    for (std::size_t p = 0; p < pieces_.size(); ++p) pieces_[p].centre /= mass[p];
-    for (Index c = 0; c < n_corners; ++c)
-        piece_of(c).length = std::max(piece_of(c).length, (model_.mesh.corner(c) - piece_of(c).centre).norm());
-    momentum_.resize(n_corners);
-    for (int k = 0; k < 3; ++k) {
-        std::vector<Vec2> motion;
-        for (Index c = 0; c < n_corners; ++c) motion.push_back(piece_of(c).motion(k, model_.mesh.corner(c)));
-        bulk_.momentum(motion, of_corner_);
-        for (Index c = 0; c < n_corners; ++c) momentum_[c][k] = of_corner_[c];
-    }
-    inertia_.assign(pieces_.size(), Eigen::Matrix3d::Zero());
-    for (Index c = 0; c < n_corners; ++c)
-        for (int k = 0; k < 3; ++k)
-            for (int l = 0; l < 3; ++l)
-                inertia_[&piece_of(c) - pieces_.data()](k, l) +=
-                    piece_of(c).motion(k, model_.mesh.corner(c)).dot(momentum_[c][l]);
+    std::vector<Index> piece_of_corner;
+    for (Index c = 0; c < n_corners; ++c) piece_of_corner.push_back(piece_of_node_[nodes.node_of_corner[c]]);
+    rigid_.find(model_, bulk_, std::move(piece_of_corner), n);
+    places_.assign(n, {});
 }
 
 void FreeMotions::add_term(Index node, const Vec2& along, std::vector<Term>& terms) const {
@@ -56,7 +38,7 @@ void FreeMotions::add_term(Index node, const Vec2& along, std::vector<Term>& ter
     const Vec2 place = model_.mesh.corner(nodes_->corner_of_node[node]);
     const auto found = std::ranges::find(terms, p, &Term::piece);
     Term& term = found == terms.end() ? terms.emplace_back(Term{p, Eigen::Vector3d::Zero()}) : *found;
-    for (int k = 0; k < 3; ++k) term.along[k] += along.dot(pieces_[p].motion(k, place));
+    for (int k = 0; k < 3; ++k) term.along[k] += along.dot(rigid_.pieces[p].motion(k, place));
 }
 
 template <class Visit>
@@ -64,6 +46,9 @@ void FreeMotions::for_each_restraint(const std::vector<ActivePoint>& points, con
     for (Index i = 0; i < nodes_->n_nodes(); ++i)
         for (int k = 0; k < 2; ++k)
             if (nodes_->prescribed[i][k]) terms_.clear(), add_term(i, Vec2::Unit(k), terms_), visit(terms_);
+    for (const Dashpot& dashpot : bulk_.dashpots())
+        for (int k = 0; k < 2; ++k)
+            terms_.clear(), add_term(nodes_->node_of_corner[dashpot.corner], Vec2::Unit(k), terms_), visit(terms_);
     for (const ActivePoint& point : points) {
         const Eigen::Matrix2d D = tangent(point.law, point.multipliers, point.response, Softening::now);
         for (int row = 0; row < 2; ++row) {
@@ -77,29 +62,29 @@ void FreeMotions::for_each_restraint(const std::vector<ActivePoint>& points, con
 }
 
 bool FreeMotions::find(const std::vector<ActivePoint>& points) {
-    UnionFind joined(pieces_.size());
+    UnionFind joined(places_.size());
     for_each_restraint(points, [&](const std::vector<Term>& terms) {
         for (const Term& term : terms) joined.join(terms.front().piece, term.piece);
     });
     groups_.clear();
-    for (std::size_t p = 0; p < pieces_.size(); ++p) {
+    for (std::size_t p = 0; p < places_.size(); ++p) {
         const Index first = joined.find(static_cast<Index>(p));
         if (first == static_cast<Index>(p))
-            pieces_[p].group = static_cast<Index>(groups_.size()), groups_.emplace_back();
-        Group& group = groups_[pieces_[p].group = pieces_[first].group];
-        pieces_[p].first = static_cast<Index>(group.n), group.n += 3;
+            places_[p].group = static_cast<Index>(groups_.size()), groups_.emplace_back();
+        Group& group = groups_[places_[p].group = places_[first].group];
+        places_[p].first = static_cast<Index>(group.n), group.n += 3;
     }
     std::vector<Eigen::MatrixXd> restraints, inertia;  // C' C of C x = 0, and R' M R
     for (const Group& group : groups_) {
         restraints.push_back(Eigen::MatrixXd::Zero(group.n, group.n));
         inertia.push_back(Eigen::MatrixXd::Zero(group.n, group.n));
     }
-    for (std::size_t p = 0; p < pieces_.size(); ++p)
-        inertia[pieces_[p].group].block<3, 3>(pieces_[p].first, pieces_[p].first) = inertia_[p];
+    for (std::size_t p = 0; p < places_.size(); ++p)
+        inertia[places_[p].group].block<3, 3>(places_[p].first, places_[p].first) = rigid_.inertia[p];
     for_each_restraint(points, [&](const std::vector<Term>& terms) {
         for (const Term& a : terms)
             for (const Term& b : terms)
-                restraints[pieces_[a.piece].group].block<3, 3>(pieces_[a.piece].first, pieces_[b.piece].first) +=
+                restraints[places_[a.piece].group].block<3, 3>(places_[a.piece].first, places_[b.piece].first) +=
                     a.along * b.along.transpose();
     });
     bool any = false;
@@ -141,19 +126,19 @@ void FreeMotions::find_free(Group& group, const Eigen::MatrixXd& restraints, con
 
 void FreeMotions::remove_resultants(const std::vector<Vec2>& rate, std::vector<Vec2>& impulse) const {
     bulk_.external_impulse(rate, of_corner_);
-    std::vector<Eigen::Vector3d> resultant(pieces_.size(), Eigen::Vector3d::Zero());
+    std::vector<Eigen::Vector3d> resultant(places_.size(), Eigen::Vector3d::Zero());
     const auto add = [&](Index node, const Vec2& place, const Vec2& internal) {
         for (int k = 0; k < 3; ++k)
-            resultant[piece_of_node_[node]][k] += internal.dot(pieces_[piece_of_node_[node]].motion(k, place));
+            resultant[piece_of_node_[node]][k] += internal.dot(rigid_.pieces[piece_of_node_[node]].motion(k, place));
     };
     for (Index i = 0; i < nodes_->n_nodes(); ++i) add(i, model_.mesh.corner(nodes_->corner_of_node[i]), impulse[i]);
     for (Index c = 0; c < model_.mesh.n_corners(); ++c)
         add(nodes_->node_of_corner[c], model_.mesh.corner(c), -of_corner_[c]);
-    for (std::size_t p = 0; p < pieces_.size(); ++p) resultant[p] = inertia_[p].ldlt().solve(resultant[p]).eval();
+    for (std::size_t p = 0; p < places_.size(); ++p) resultant[p] = rigid_.inertia[p].ldlt().solve(resultant[p]).eval();
     for (Index c = 0; c < model_.mesh.n_corners(); ++c)
         for (int k = 0; k < 3; ++k)
             impulse[nodes_->node_of_corner[c]] -=
-                resultant[piece_of_node_[nodes_->node_of_corner[c]]][k] * momentum_[c][k];
+                resultant[piece_of_node_[nodes_->node_of_corner[c]]][k] * rigid_.momentum[c][k];
 }
 
 double FreeMotions::complete(const std::vector<ActivePoint>& points, const std::vector<Vec2>& rate,
@@ -163,13 +148,13 @@ double FreeMotions::complete(const std::vector<ActivePoint>& points, const std::
     for (const Group& group : groups_) lack.push_back(Eigen::VectorXd::Zero(group.n));
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const Index node = nodes_->node_of_corner[c];
-        const Piece& piece = pieces_[piece_of_node_[node]];
+        const Place& piece = places_[piece_of_node_[node]];
         Vec2 impulse = of_corner_[c];
         for (int k = 0; k < 2; ++k)
             if (nodes_->prescribed[node][k]) impulse[k] = 0;
         for (int k = 0; k < 3; ++k)
             lack[piece.group][piece.first + k] -=
-                impulse.dot(piece.motion(k, model_.mesh.corner(c))) + momentum_[c][k].dot(change[node]);
+                impulse.dot(rigid_.motion(c, k, model_.mesh.corner(c))) + rigid_.momentum[c][k].dot(change[node]);
     }
     for (std::size_t g = 0; g < groups_.size(); ++g) lack[g] = groups_[g].free.transpose() * lack[g];
     for (const ActivePoint& point : points)
@@ -180,10 +165,10 @@ double FreeMotions::complete(const std::vector<ActivePoint>& points, const std::
             const Vec2 along = point.out_of_frame(Vec2::Unit(k));
             point.sides.for_each_node([&](Index node, double weight) { add_term(node, weight * along, terms_); });
             if (terms_.empty()) continue;
-            const Index g = pieces_[terms_.front().piece].group;  // without a slope its sides may be of two groups
+            const Index g = places_[terms_.front().piece].group;  // without a slope its sides may be of two groups
             Eigen::VectorXd of_point = Eigen::VectorXd::Zero(groups_[g].free.cols());
             for (const Term& term : terms_) {
-                const Piece& piece = pieces_[term.piece];
+                const Place& piece = places_[term.piece];
                 if (piece.group == g) of_point += groups_[g].free.middleRows<3>(piece.first).transpose() * term.along;
                 else
                     lack[piece.group] +=
@@ -198,10 +183,11 @@ double FreeMotions::complete(const std::vector<ActivePoint>& points, const std::
                             ? Eigen::VectorXd(groups_[g].free * groups_[g].inertia.solve(lack[g]))
                             : Eigen::VectorXd::Zero(groups_[g].n));
     for (Index i = 0; i < nodes_->n_nodes(); ++i) {
-        const Piece& piece = pieces_[piece_of_node_[i]];
+        const Place& piece = places_[piece_of_node_[i]];
+        const Index corner = nodes_->corner_of_node[i];
         Vec2 sum = Vec2::Zero();
         for (int k = 0; k < 3; ++k)
-            sum += added[piece.group][piece.first + k] * piece.motion(k, model_.mesh.corner(nodes_->corner_of_node[i]));
+            sum += added[piece.group][piece.first + k] * rigid_.motion(corner, k, model_.mesh.corner(corner));
         for (int k = 0; k < 2; ++k)
             if (nodes_->prescribed[i][k]) sum[k] = 0;
         change[i] += sum;

@@ -16,6 +16,7 @@
 // N are those combinations of R that move no prescribed component, and no point in a direction in which its law has a
 // slope.
 #include "stepper/implicit/active_point.hpp"
+#include "stepper/implicit/rigid_pieces.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -41,15 +42,9 @@ public:
                     std::vector<Vec2>& change) const;
 
 private:
-    /// x, y, and a rotation about its centre with the speed of a place at the distance `length`.
-    struct Piece {
-        Vec2 centre = Vec2::Zero();  // [m]
-        double length = 0;           // [m]
-        Index group = -1;            // pieces that points join
-        Index first = 0;             // of its three motions in the group
-        Vec2 motion(int k, const Vec2& place) const {
-            return k < 2 ? Vec2(Vec2::Unit(k)) : Vec2(turned_left(place - centre) / length);
-        }
+    struct Place {
+        Index group = -1;  // pieces that points join
+        Index first = 0;   // of its three motions in the group
     };
     struct Group {
         Eigen::Index n = 0;                    // rigid motions of its pieces
@@ -71,10 +66,9 @@ private:
     const ImplicitBulk& bulk_;
     const CornerPartition* nodes_ = nullptr;
     std::vector<Index> piece_of_node_;
-    std::vector<Piece> pieces_;
+    RigidPieces rigid_;
+    std::vector<Place> places_;  // per piece
     std::vector<Group> groups_;
-    std::vector<Eigen::Matrix3d> inertia_;       // [kg] per piece
-    std::vector<std::array<Vec2, 3>> momentum_;  // [kg] per corner: M times the motions of its piece
     mutable std::vector<Vec2> of_corner_;
     mutable std::vector<Term> terms_;
 };

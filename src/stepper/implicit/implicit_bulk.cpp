@@ -21,11 +21,22 @@ ElementMatrix theta_element(const Model& model, Index t, double stiffness_factor
     return M_hat;
 }
 
-ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass)
+void add_dashpots(const Model& model, Index triangle, std::span<const Dashpot> dashpots, double factor,
+                  ElementMatrix& M_hat) {
+    const Index n = model.mesh.corners_per_triangle(), first = n * triangle;
+    for (auto at = std::ranges::lower_bound(dashpots, first, {}, &Dashpot::corner);
+         at != dashpots.end() && at->corner < first + n; ++at)
+        M_hat.block<2, 2>(2 * (at->corner - first), 2 * (at->corner - first)) += factor * at->C;
+}
+
+ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass, double damping, const std::vector<Selection>& absorbing)
     : model_(model),
       mass_(mass),
+      damping_(damping),
+      dashpots_(dashpots_on(model, absorbing)),
       crack_forces_(model),
       forces_(model.mesh, model.materials, model.plane, model.thickness) {
+    std::ranges::sort(dashpots_, {}, &Dashpot::corner);
     const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
         const Elastic& material = model.materials[model.mesh.region[t]];
@@ -47,7 +58,7 @@ double ImplicitBulk::corner_inertia(Index corner) const {
     const double mass = mass_ == MassMatrix::lumped ? model_.corner_mass[corner]
                                                     : mass_matrix(model_.mesh.order, mass_)(k, k) *
                                                           model_.triangle_mass(model_.mesh.triangle_of(corner));
-    return mass + step_->stiffness_factor() * corner_stiffness_[corner];
+    return mass_factor() * mass + step_->stiffness_factor() * corner_stiffness_[corner];
 }
 
 double ImplicitBulk::elastic_impulse(Index corner, double speed) const {
@@ -68,7 +79,12 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     for (const TimeFunction& history : model_.histories)
         amplitude_.push_back(history.over_step(begin.time, begin.time + step.h, step.theta));
     std::ranges::fill(load_, Vec2::Zero());
-    for (const CornerLoad& load : model_.corner_loads) load_[load.corner] += amplitude_[load.history] * load.force;
+    released_.clear();
+    for (const CornerLoad& load : model_.corner_loads) {
+        load_[load.corner] += amplitude_[load.history] * load.force;
+        if (load.is_release)
+            released_.push_back({.corner = load.corner, .force = amplitude_[load.history] * load.force});
+    }
     for (const CornerLoad& load : crack_forces_.find(begin))
         load_[load.corner] += amplitude_[load.history] * load.force;
     elastic_force(begin.displacement, begin.node_of_corner, begin_force_);
@@ -84,7 +100,8 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     double force2 = 0;  // [N^2] the largest
     for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
         const double speed = begin.velocity[begin.node_of_corner[c]].norm();
-        begin_impulse_ = std::max({begin_impulse_, model_.corner_mass[c] * speed, elastic_impulse(c, speed)});
+        begin_impulse_ =
+            std::max({begin_impulse_, mass_factor() * model_.corner_mass[c] * speed, elastic_impulse(c, speed)});
         force2 = std::max({force2, begin_force_[c].squaredNorm(), load_[c].squaredNorm()});
         begin_force_[c] += load_[c];
     }
@@ -114,7 +131,8 @@ void ImplicitBulk::set_nodes(const CornerPartition& nodes, const std::vector<Vec
             }
             rate[i][k] = prescribed[k];
         }
-        const double inertia = model_.corner_mass[corner] + step_->stiffness_factor() * corner_stiffness_[corner];
+        const double inertia =
+            mass_factor() * model_.corner_mass[corner] + step_->stiffness_factor() * corner_stiffness_[corner];
         largest_impulse_ = std::max(largest_impulse_, prescribed.norm() * inertia);
     }
 }
@@ -172,6 +190,20 @@ void ImplicitBulk::impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_
             of_corner[c] = -theta_h * (begin_force_[c] + theta_h * of_corner[c]);
     });
     add_change_of_momentum(rate, of_corner);
+    add_damping(rate, of_corner);
+}
+
+/// [N s] theta h (alpha M (w - W) + C w)
+void ImplicitBulk::add_damping(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
+    const Index* node = nodes_->node_of_corner.data();
+    if (const double d = step_->kick() * damping_; d > 0)
+        add_mass_times(
+            [&](Index c) -> Vec2 {
+                return carried_ ? Vec2(d * (rate[node[c]] - (*carried_)[c])) : Vec2(d * rate[node[c]]);
+            },
+            of_corner);
+    for (const Dashpot& dashpot : dashpots_)
+        of_corner[dashpot.corner] += step_->kick() * dashpot.C * rate[node[dashpot.corner]];
 }
 
 /// [m/s] theta (v+ - v)
@@ -201,6 +233,7 @@ void ImplicitBulk::external_impulse(const std::vector<Vec2>& rate, std::vector<V
     of_corner.clear();
     for (const Vec2& force : load_) of_corner.push_back(-step_->kick() * force);
     add_change_of_momentum(rate, of_corner);
+    add_damping(rate, of_corner);
 }
 
 void ImplicitBulk::sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const {
@@ -258,11 +291,29 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
         for (Index i = 0; i < n; ++i) of_node[i] = h * rate[i];
         report.scheme_dissipation += 2 * (theta - 0.5) * elastic_energy(heats ? &growth : nullptr);
     }
+    if (damping_ > 0) {
+        of_corner.assign(model_.mesh.n_corners(), Vec2::Zero());
+        add_damping(rate, of_corner);
+        double work = 0;  // of damping and dashpots
+        for (std::size_t c = 0; c < of_corner.size(); ++c)
+            work -= of_corner[c].dot(rate[nodes_->node_of_corner[c]]) / theta;
+        report.damping_work += work;
+    }
+    for (const Dashpot& dashpot : dashpots_) {
+        const Vec2& w = rate[nodes_->node_of_corner[dashpot.corner]];
+        const double work = -h * w.dot(dashpot.C * w);
+        report.radiated_work += work;
+        if (damping_ > 0) report.damping_work -= work;
+    }
     momentum(change);
     if (theta > 0.5) report.scheme_dissipation += 2 * (theta - 0.5) * half_product(change);
 
     for (std::size_t c = 0; c < load_.size(); ++c)
         report.external_work += h * load_[c].dot(rate[nodes_->node_of_corner[c]]);
+    for (const CornerLoad& load : released_) {
+        const double work = h * load.force.dot(rate[nodes_->node_of_corner[load.corner]]);
+        report.external_work -= work, report.excavation_work += work;
+    }
     // a prescribed motion works with its reaction, and on the mass where its v+ is not that of the theta scheme
     sum_to_nodes(of_corner, of_node);
     for (Index i = 0; i < n; ++i)

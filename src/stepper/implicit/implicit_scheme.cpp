@@ -27,8 +27,9 @@ constexpr double moved_freely = 1e-10;  // of the rates: less needs no other sol
 ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
     : model_(model),
       options_(options),
-      bulk_(model, options.mass),
-      matrix_(model, options.mass),
+      bulk_(model, options.mass, options.damping, options.absorbing),
+      carried_(model, options, bulk_),
+      matrix_(model, options.mass, bulk_.dashpots()),
       solver_(model, bulk_, matrix_, x_),
       bond_check_(model),
       contacts_(model),
@@ -60,7 +61,7 @@ StepReport ImplicitScheme::solve_step(const State& begin, double h, State& end) 
     StepReport report;
     begin_step(begin, h, end.temperature);  // K u, F_theta, contacts with obstacles, first guesses
     solve_free_obstacles(report);           // rates of obstacles, each trial with a solution of the next line
-    solve_points(report);                   // r(w) = H' q(w): impulses that the bulk needs, and those of the points
+    solve_body(report);                     // r(w) = H' q(w): impulses that the bulk needs, and those of the points
     if (report.rejection == Rejection::none && options_.respect_assumption_1 && solver_.violates_assumption_1())
         report.rejection = Rejection::assumption_1;
     if (report.rejection != Rejection::none) return rejected(report, report.rejection);
@@ -81,7 +82,9 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     step_.h = h;
     moves_freely_ = false, solver_.use(nullptr);
     bulk_.begin_step(step_);
-    obstacles_.begin_theta(begin, h, step_.theta);
+    carried_.begin(step_);
+    obstacles_.begin_theta(begin, h, step_.theta,
+                           options_.damping_of == DampingOf::motion ? step_.kick() * options_.damping : 0);
     contacts_.find(begin, h, obstacles_.rate(), {});
     // guesses: rates of the last step, since velocities oscillate with theta = 1/2; tractions of the last step
     const std::vector<Vec2>& rate = begin.has_end_velocities() ? begin.rate : begin.velocity;
@@ -97,8 +100,10 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
         for (Index j = 0; j < fan.n_points; ++j) {
             const FanPoint& at = model_.fan_points[fan.first_point + j];
             const PointState& known = begin.points[begin.first_point[rank] + j];
-            const double impulse = step_.kick() * at.area;
-            const double strength = known.cohesion > 0 ? impulse * law_of(model_, begin, at).sigma_c : 0;
+            const double impulse = step_.kick() * at.area,
+                         strength = known.cohesion > 0 ? impulse * begin.strength_factor(begin.split_fans[rank]) *
+                                                             law_of(model_, begin, at).sigma_c
+                                                       : 0;
             guess_[fan.first_point + j] = impulse * known.traction + Vec2(strength * known.cohesion, 0);
         }
     }
@@ -131,12 +136,23 @@ void ImplicitScheme::solve_points(StepReport& report) {
     report.rejection = solver_.rejection();
 }
 
+/// With damping of vibrations the rigid motions of free pieces are known only with the solution.
+void ImplicitScheme::solve_body(StepReport& report) {
+    for (int round = 1;; ++round) {
+        solve_points(report);
+        if (!carried_.has_pieces() || report.rejection != Rejection::none) return;
+        read_corner_rates(corner_rate_);
+        if (carried_.agrees(corner_rate_)) return;
+        if (round == CarriedMotion::max_rounds) return void(report.rejection = Rejection::not_converged);
+    }
+}
+
 /// The motion of a free obstacle depends on the body: the body is solved for given rates until both agree.
 void ImplicitScheme::solve_free_obstacles(StepReport& report) {
     if (!contacts_.find_free(touched_)) return;
     const auto response = [&](std::vector<Vec3>& wrench) {
         report.rejection = Rejection::none;  // of the previous trial
-        solve_points(report);
+        solve_body(report);
         wrench = contact_wrenches();
     };
     report.residual = obstacles_.solve(*step_.begin, touched_, {.tolerance = obstacle_tolerance},
@@ -192,10 +208,11 @@ void ImplicitScheme::set_partition() {
     if (partition_.active != active_) partition_corners(model_, active_, partition_);
     bulk_.set_nodes(partition_, corner_rate_, x_.rate);
     make_points();
-    double mass_factor = 1;
+    double mass_factor = bulk_.mass_factor();
     if (moves_freely_) {
         free_motions_.set(partition_);
-        mass_factor = std::max(1.0, FreeMotions::least_inertia * step_.stiffness_factor() * bulk_.largest_stiffness());
+        mass_factor =
+            std::max(mass_factor, FreeMotions::least_inertia * step_.stiffness_factor() * bulk_.largest_stiffness());
     }
     if (matrix_.set(partition_, step_.stiffness_factor(), mass_factor, faces_.sides(partition_)))
         solver_.forget_factor();
@@ -379,6 +396,7 @@ void ImplicitScheme::store(State& end, StepReport& report) const {
     const State& begin = *step_.begin;
     end = begin;
     end.obstacle_contacts.clear();
+    end.free_pieces = carried_.motions();
     end.temperature = step_.end_temperature, end.temperature_before = begin.temperature;
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {
         if (!active_[f] || end.split_rank[f] >= 0 || !opens(f)) continue;
@@ -418,7 +436,7 @@ void ImplicitScheme::store(State& end, StepReport& report) const {
             state.largest_opening = law.largest_opening(state.largest_opening, s);
             // the work of beta_theta over the whole way is that of beta+ and beta on its two parts
             account_cohesion(at, law,
-                             {.area = at.area,
+                             {.area = at.area * begin.strength_factor(end.split_fans[rank]),
                               .before = point.law.cohesion,
                               .after = state.cohesion,
                               .opening = s,

@@ -25,6 +25,7 @@
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
+#include "stepper/implicit/carried_motion.hpp"
 #include "stepper/implicit/face_points.hpp"
 #include "stepper/implicit/free_motions.hpp"
 #include "stepper/implicit/sticking_rates.hpp"
@@ -48,6 +49,7 @@ private:
     StepReport solve_step(const State& begin, double h, State& end);
     void begin_step(const State& begin, double h, SharedTemperatures end_temperature);
     void solve_points(StepReport& report);
+    void solve_body(StepReport& report);
     void solve_free_obstacles(StepReport& report);
     bool needs_free_motions();
     bool move_freely();
@@ -81,6 +83,7 @@ private:
     CornerPartition partition_;
     Iterate x_;  // its points: those of active fans, then faces_ and contacts_ in their orders
     ImplicitBulk bulk_;
+    CarriedMotion carried_;
     ThetaMatrix matrix_;
     AugmentedLagrangian solver_;
     BondCheck bond_check_;

@@ -19,7 +19,7 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
       step_{{.h = h, .theta = options.theta, .implicit_beta = options.cohesion == CohesionScheme::implicit_beta},
             &begin,
             end_temperature ? end_temperature : begin.temperature},
-      bulk_(model, options.mass) {
+      bulk_(model, options.mass, options.damping, options.absorbing) {
     partition_corners(model, std::vector<std::uint8_t>(model.fans.size(), 1), nodes_);
     bulk_.begin_step(step_);
     factorise(options.mass);
@@ -54,6 +54,8 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
 }
 
 bool StepLcp::fits(const Model& model, const SchemeOptions& options) {
+    if (options.damping > 0 && options.damping_of == DampingOf::vibration) return false;  // W follows from the solution
+    if (has_incubation(model)) return false;
     if (options.cohesion == CohesionScheme::explicit_beta) return true;
     return std::ranges::none_of(model.laws, [](const CohesiveLaw& law) { return law.unloading == Unloading::secant; });
 }
@@ -64,7 +66,8 @@ void StepLcp::factorise(MassMatrix mass) {
     const Index n = model_.mesh.corners_per_triangle();
     Triplets entries;
     for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
-        const ElementMatrix M_hat = theta_element(model_, t, step_.stiffness_factor(), mass);
+        ElementMatrix M_hat = theta_element(model_, t, step_.stiffness_factor(), mass, bulk_.mass_factor());
+        add_dashpots(model_, t, bulk_.dashpots(), step_.kick(), M_hat);
         const auto unknown = [&](Index i) { return unknown_[2 * nodes_.node_of_corner[n * t + i / 2] + i % 2]; };
         for (Index i = 0; i < 2 * n; ++i)
             for (Index j = 0; j < 2 * n; ++j)

@@ -15,9 +15,10 @@ constexpr Eigen::Index half_rows_at_once = 64;       // likewise: their product 
 
 }  // namespace
 
-ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass)
+ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Dashpot> dashpots)
     : model_(model),
       mass_(mass),
+      dashpots_(dashpots),
       dissection_(dissect(model)),
       factor_(dissection_, 2 * static_cast<std::size_t>(model.mesh.n_corners())),
       points_of_leaf_(dissection_.parts.size(),
@@ -48,7 +49,9 @@ Index ThetaMatrix::leaf_of_point(Index fan_point) const {
 }
 
 ElementMatrix ThetaMatrix::element(Index triangle) const {
-    return theta_element(model_, triangle, stiffness_factor_, mass_, mass_factor_);
+    ElementMatrix M_hat = theta_element(model_, triangle, stiffness_factor_, mass_, mass_factor_);
+    if (!dashpots_.empty()) add_dashpots(model_, triangle, dashpots_, std::sqrt(stiffness_factor_), M_hat);
+    return M_hat;
 }
 
 double ThetaMatrix::largest_free(const std::vector<Vec2>& of_node, Index node) const {

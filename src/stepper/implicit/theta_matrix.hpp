@@ -1,12 +1,13 @@
 #pragma once
 // The matrix of an implicit step on the free components of the nodes,
 //
-//     A = M + theta^2 h^2 K + G D G',       G' = relative velocities of the points, D = -d(impulse)/d(velocity),
+//     A = (1 + d) M + theta h C + theta^2 h^2 K + G D G',   G': relative velocities of points, D = -d(impulse)/d(rate),
 //
 // factorised and solved. From one factor to the next only what changed is computed anew (frontal_factor.hpp).
 #include "base/grouped.hpp"
 #include "element/mass_matrix.hpp"
 #include "element/triangle_matrices.hpp"
+#include "stepper/common/dashpots.hpp"
 #include "stepper/implicit/corner_partition.hpp"
 #include "stepper/implicit/frontal_factor.hpp"
 #include "stepper/implicit/gmres.hpp"
@@ -19,7 +20,8 @@ namespace knap {
 
 class ThetaMatrix {
 public:
-    ThetaMatrix(const Model& model, MassMatrix mass);
+    /// `dashpots`: C, in the order of the corners; they must outlive this.
+    ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Dashpot> dashpots = {});
 
     /// Nodes, which must outlive their use here, theta^2 h^2 [s2], and M_hat with so many times M. True: M or K or the
     /// nodes, or who meets whom, have changed. `meetings`: sides of contacts between faces, any two nodes of the body.
@@ -98,6 +100,7 @@ private:
 
     const Model& model_;
     MassMatrix mass_;
+    std::span<const Dashpot> dashpots_;
     const CornerPartition* nodes_ = nullptr;
     const Dissection dissection_;
     FrontalFactor factor_;

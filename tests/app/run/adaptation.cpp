@@ -301,14 +301,8 @@ TEST_CASE("adaptation: what it does not go together with") {
     const auto refused = [&](const std::string& text, const char* code, const char* words) {
         check_refused(folder, text, code, words);
     };
-    refused(scene("", "[[obstacle]]\nname = \"ground\"\nkind = \"half plane\"\nat = [0, -1]\nnormal = [0, 1]\n"),
-            "exclusive-keys", "does not go together with [[obstacle]]");
     refused(scene("", "[[excavation]]\nat = \"4 us\"\nbox = [0.02, 0.001, 0.025, 0.003]\n"), "exclusive-keys",
             "does not go together with [[excavation]]");
-    refused(scene("", "[[grains]]\nsize = \"6 mm\"\n"), "exclusive-keys", "grains and maps of materials");
-    refused(
-        scene("", "[specimen]\ntest = \"tension\"\nforce = \"load1\"\naxis = \"y\"\naxial = [\"bottom\", \"top\"]\n"),
-        "exclusive-keys", "does not go together with [specimen]");
     refused(scene("", "[[probe]]\nname = \"edge\"\nat = [0.02, 0.006]\nwatch = \"interface\"\n"), "exclusive-keys",
             "a probe of an interface");
     refused(scene("load = 1.5\n"), "out-of-range", "adapt.load");

@@ -117,7 +117,6 @@ TEST_CASE("excavation: messages") {
             "`absorb[2]` loses all of its boundary");
     refused(scene(box + "[0, 0, 1, 1]\nradius = 1\n"), "exclusive-keys", "only one");
     refused(scene("[[excavation]]\nat = \"4 ms\"\n"), "missing-key", "has none of");
-    refused(scene("", "bulk = \"implicit\"\n"), "exclusive-keys", "needs the explicit bulk");
     refused(scene("[[excavation]]\nat = \"-1 ms\"\nbox = [0, 0, 1, 1]\n"), "out-of-range", "excavation[2].at");
 
     const auto warned = [&](const std::string& text, const char* words) {

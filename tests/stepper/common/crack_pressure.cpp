@@ -6,6 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <numbers>
 
@@ -137,6 +139,45 @@ TEST_CASE("a free block whose crack a fluid drives through keeps its momentum an
             kinetic_scale += run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]].norm();
         CHECK(kinetic_scale > 0);
         CHECK(momentum(run).norm() < 1e-12 * kinetic_scale);
+    }
+}
+
+TEST_CASE("the pressure in a crack follows its faces where the pieces have turned and opened") {
+    for (const double turn : {0.0, 0.7, 2.5}) {  // [rad]
+        ModelInput input = block({{.points = {{0, 0.5}, {1, 0.5}}}}, from_the_left());
+        input.large_rotation = true;
+        input.materials[0].E = 1e-3;  // nothing but the fluid acts
+        Run run(std::move(input));
+        const Eigen::Rotation2Dd R(turn);
+        const Vec2 apart = R * Vec2(1e-3, 2e-2);
+        const auto is_upper = [&](Index c) {
+            const Mesh& mesh = run.model.mesh;
+            return mesh.centroid(mesh.triangle_of(c)).y() > 0.5;
+        };
+        for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
+            const Vec2& x = run.model.mesh.corner(c);
+            const Index node = run.now.node_of_corner[c];
+            run.now.displacement[node] = R * x - x;
+            if (is_upper(c)) run.now.displacement[node] += apart;
+        }
+        const double h = 1e-7;
+        run.step(h);
+        Vec2 upper = Vec2::Zero();
+        double moment = 0, arms = 0;  // about the middle of the upper face, where it is now
+        const Vec2 middle = R * Vec2(0.5, 0.5) + apart;
+        for (Index c = 0; c < run.model.mesh.n_corners(); ++c) {
+            if (!is_upper(c)) continue;
+            const Vec2 p = run.model.corner_mass[c] * run.now.velocity[run.now.node_of_corner[c]];
+            upper += p;
+            const double part = cross(run.model.mesh.corner(c) + run.now.displacement_of(c) - middle, p);
+            moment += part, arms += std::abs(part);
+        }
+        CAPTURE(turn);
+        const Vec2 expected = 0.5 * h * pressure * thickness * (R * Vec2(0, 1));  // the first kick is that of h/2
+        CHECK((upper - expected).norm() < 1e-11 * expected.norm());
+        CHECK(std::abs(moment) < 1e-11 * arms);
+        CHECK(momentum(run).norm() < 1e-12 * expected.norm());
+        CHECK(run.last.external_work > 0);
     }
 }
 

@@ -1,0 +1,66 @@
+#include "scenario/exclusions.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+namespace knap {
+
+std::span<const Exclusion> exclusions() {
+    static constexpr Exclusion rows[] = {
+        {"rotation = \"large\"", "bulk = \"implicit\"",
+         "its steps solve equations that are linear in the displacement"},
+        {"rotation = \"large\"", "bulk = \"auto\"",
+         "its implicit steps solve equations that are linear in the displacement"},
+        {"rotation = \"large\"", "mesh.order = 2",
+         "the frame of an interface is that of two triangles with straight sides and uniform strain, and sides of "
+         "second "
+         "order turn differently from point to point"},
+        {"[contact]", "cohesion = \"implicit\"",
+         "contacts between free faces join vertices, and the iteration for the cohesion at the end of a step is one of "
+         "a single vertex"},
+        {"cohesion", "bulk = \"auto\"", "implicit steps have the implicit cohesion, explicit ones the explicit"},
+        {"mass = \"consistent\"", "bulk = \"auto\"",
+         "both schemes share one mass matrix, and that of explicit steps is lumped"},
+        {"bulk_viscosity", "bulk = \"implicit\"",
+         "it acts on waves of the length of a triangle, which implicit steps do not resolve (theta above 0.5 damps "
+         "them)"},
+        {"incubation_time", "bulk = \"implicit\"", "a step may be longer than the overload lasts"},
+        {"plateau = 1", "cohesion = \"implicit\"",
+         "the traction drops from the strength to 0 at once, and an implicit cohesion needs a slope"},
+        {"plateau = 1", "bulk = \"auto\"",
+         "the traction drops from the strength to 0 at once, and the implicit cohesion of its steps needs a slope"},
+        {"plateau = 1", "relaxation_time", "it continues the last piece of the softening, which has no slope"},
+        {"scatter", "strength = \"as measured\"", "the measured strength is one number"},
+        {"incubation_time", "strength = \"as measured\"", "the measured strength is one number, for all rates"},
+        {"[[body]]", "mesh.file", "each of them defines the bodies (a file may have several, which share no nodes)"},
+        {"[[joints]]", "mesh.file",
+         "traces cut the shape before it is meshed, and the mesh of a file is given; [[mesh.joint]] makes its curves "
+         "joints"},
+        {"[[inclusions]]", "mesh.file", "they cut the shape before it is meshed, and the mesh of a file is given"},
+        {"[[excavation]]", "[specimen]", "its gauges and its stress are those of the whole body"},
+        {"[adapt]", "bulk = \"implicit\"",
+         "a vertex that splits in large triangles rejects the step, and large steps split many"},
+        {"[adapt]", "bulk = \"auto\"",
+         "a vertex that splits in large triangles rejects the step, and large steps split many"},
+        {"[adapt]", "mesh.order = 2", "fields go over to the new mesh as linear ones"},
+        {"[adapt]", "rotation = \"large\"", "momentum and energy go over in the undeformed body"},
+        {"[adapt]", "[[body]]",
+         "bodies that touch have vertices at one place, where a triangulation of new triangles has one"},
+        {"[adapt]", "[[excavation]]", "triangles that vanished keep their numbers, and a new mesh has others"},
+        {"[adapt]", "scatter", "a new interface would draw its strength anew; with a `correlation` it has a place"},
+        {"[adapt]", "a probe of an interface or of a tip", "the edges that it watches are replaced"},
+    };
+    return rows;
+}
+
+std::string_view reason_against(std::string_view one, std::string_view other) {
+    const auto found = std::ranges::find_if(exclusions(), [&](const Exclusion& row) {
+        return (row.one == one && row.other == other) || (row.one == other && row.other == one);
+    });
+    if (found == exclusions().end())
+        throw std::logic_error("no reason against " + std::string(one) + " with " + std::string(other));
+    return found->because;
+}
+
+}  // namespace knap
