@@ -69,9 +69,11 @@ void read_viscosity(Reading& reading) {
     const bool is_on = rubs && !only_implicit && !cuts_order_2 && !fixed_step;
     const std::array<double, 2> otherwise = is_on ? std::array{0., 1.2} : std::array{0., 0.};
     std::size_t i = 0;
+    bool is_missing = false;
     for (const Table& table : reading.list("material")) {
         Elastic& material = scenario.materials[i++].elastic;
         const bool is_given = table.given("bulk_viscosity");
+        is_missing = is_missing || !(is_given || table.given("shear_viscosity"));
         if (!is_given) {
             material.bulk_viscosity = otherwise;
             table.compute("bulk_viscosity",
@@ -90,6 +92,13 @@ void read_viscosity(Reading& reading) {
             table.error("exclusive-keys", key, "does not go together with [[excavation]] and triangles of second order",
                         "mesh.order = 1, or remove one of them");
     }
+    if (rubs && fixed_step && is_missing)
+        reading.table("time").warning(
+            "no-viscosity", "step",
+            "in seconds leaves out the viscosity that bodies in contact have by default, since the step may be too "
+            "large for it: what friction holds may creep",
+            "step = \"0.8 CFL\", or shear_viscosity = 0.1 and bulk_viscosity = [0, 1.2] in [material.*] (the largest "
+            "step is 16 % smaller then); bulk_viscosity = [0, 0] says that none is meant");
 }
 
 /// bulk = "auto": both schemes have a lumped mass, and each its own cohesion.

@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace knap {
 namespace {
@@ -183,6 +184,7 @@ Balance balance_of(const Model& model, const std::vector<Index>& body, Index whi
 void refuse_unheld_bodies(const ReadResult& read, const Model& model) {
     if (!read.scenario.time.start_in_equilibrium) return;
     const auto [body, is_carried] = bodies_of(model);
+    const auto n_bodies = std::set<Index>(body.begin(), body.end()).size();
     std::string first, cure;
     int n_unheld = 0;
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
@@ -191,7 +193,7 @@ void refuse_unheld_bodies(const ReadResult& read, const Model& model) {
         const Eigen::Vector3d unheld = balance.unheld();
         if (unheld.norm() <= 1e-6 * balance.size || n_unheld++ > 0) continue;
         const double gap = clearance(model, body, t);
-        const bool hovers = gap < balance.length;
+        const bool passes = n_bodies > 1 && model.contact_of_pair.empty(), hovers = !passes && gap < balance.length;
         first = formatted(
             "`time.start` requests equilibrium, but nothing holds the body around %s%s: a force of (%.3g, "
             "%.3g) N and a moment of %s of the loads at t = 0 would move it away",
@@ -200,6 +202,7 @@ void refuse_unheld_bodies(const ReadResult& read, const Model& model) {
             unheld.y(),
             readable(std::abs(unheld.z()) > 1e-9 * balance.size ? unheld.z() * balance.length : 0, "N m").c_str());
         if (hovers) cure = "close the gap (faces touch within 1e-5 of an edge), ";
+        if (passes) cure = "let bodies meet each other ([contact]), ";
     }
     if (n_unheld > 1) first += formatted("; so it is with %d more", n_unheld - 1);
     if (n_unheld > 0)

@@ -261,8 +261,8 @@ std::string start_damage_text(const Model& model, const State& start) {
     if (n == 0) return "";
     return formatted(
                "warning[start-damage]: in the equilibrium at t = %s the forces exceed the strength of %d interface "
-               "points, which have softened until it held: the cohesion beta falls to %.3g at ",
-               readable(start.time, "s", 6).c_str(), n, least) +
+               "points, which have softened until it held: the cohesion beta falls by %.3g to %.3g at ",
+               readable(start.time, "s", 6).c_str(), n, 1 - least, least) +
            place_text(where) + "\n";
 }
 

@@ -8,7 +8,9 @@
 namespace knap {
 namespace {
 
-constexpr double held = 1e-12;  // [-] of the mobilities of its corners: a smaller own one is rounding
+// [-] of the mobility that a row has whose parts could all move: a smaller one is the rounding of a share, as where a
+// vertex that is held lies at the held end of an edge, whose other end is free
+constexpr double held = 1e-8, held_body = 1e-12;
 
 }  // namespace
 
@@ -132,15 +134,22 @@ void ContactProblem::assemble() {
         const ClusterContact& c = cluster_.contacts[row];
         if (c.first_coupling == c.last_coupling) cluster_.couple(row, row, Eigen::Matrix2d::Zero());
     }
-    mobility_.assign(cluster_.contacts.size(), 0);
-    for (const Term& term : terms_)
-        mobility_[term.row] += bodies_[body_of(term)].inverse_mass.sum() * term.along_N.squaredNorm();
-    for (const Index row : rows_) mobility_[row] += cluster_.own_of_bodies(row).trace();
+    mobility_.assign(cluster_.contacts.size(), {0, 0});
+    for (const Term& term : terms_) {
+        auto& [largest, along] = mobility_[term.row];
+        largest = std::max(largest, bodies_[body_of(term)].inverse_mass.maxCoeff());
+        along += term.along_N.squaredNorm();
+    }
     cluster_.find_own();
-    for (ContactCoupling& c : cluster_.couplings)
-        if (c.of == c.on)
-            for (int k = 0; k < 2; ++k)
-                if (cluster_.own(c.of)(k, k) <= held * mobility_[c.of]) cluster_.hold(c, k);
+    for (ContactCoupling& c : cluster_.couplings) {
+        if (c.of != c.on) continue;
+        const Eigen::Matrix2d of_bodies = cluster_.own_of_bodies(c.of);
+        const auto& [largest, along] = mobility_[c.of];
+        for (int k = 0; k < 2; ++k)
+            if (cluster_.own(c.of)(k, k) - of_bodies(k, k) <= held * largest * along &&
+                of_bodies(k, k) <= held_body * of_bodies.trace())
+                cluster_.hold(c, k);
+    }
     cluster_.find_own();
     for (const Index row : rows_)
         for (int k = 0; k < 2; ++k)

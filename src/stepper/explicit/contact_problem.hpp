@@ -32,6 +32,8 @@ public:
     /// Contacts in the order in which they were added, without the points.
     std::size_t n_contacts() const { return rows_.size(); }
     ClusterContact& contact(std::size_t i) { return cluster_.contacts[rows_[i]]; }
+    /// False: what it joins is held along the contact, and friction does nothing.
+    bool may_slip(std::size_t i) const { return cluster_.own(rows_[i])(1, 1) > 0; }
     /// The residual of the laws of all rows [m/s]; `speed` and `rounding` [m/s] as there.
     double solve(double speed, double rounding, ClusterEffort effort = ClusterEffort::careful);
     /// [m/s] Of the solution.
@@ -62,7 +64,8 @@ private:
     std::vector<Term> terms_;          // of one row after the other
     std::vector<Index> part_;          // per corner of a fan: the first corner of its part
     std::vector<Vec3> free_of_rigid_;  // [m/s, m/s, rad/s]
-    std::vector<double> mobility_;     // [1/kg] per row: of all that it joins
+    std::vector<std::pair<double, double>>
+        mobility_;  // per row: largest inverse mass [1/kg] of its corners, sum of along^2
     std::vector<std::size_t> end_of_body_;
     std::vector<Index> of_body_;  // places in terms_, of one body after the other
     std::vector<Index> rows_;     // of the contacts

@@ -339,8 +339,8 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
             const Row& row = rows_[cluster.contacts[k]];
             const double of_gap = cluster.contacts[k] < n_faces() ? error : 0;  // else ObstacleContacts clears it
             problem.contact(k).law =
-                contact_law(row.gap, before_[cluster.contacts[k]], row.law.friction, row.law.restitution,
-                            step.drift_time, row.deep, merged * speed + of_gap);
+                contact_law(row.gap, before_[cluster.contacts[k]], problem.may_slip(k) ? row.law.friction : 0,
+                            row.law.restitution, step.drift_time, row.deep, merged * speed + of_gap);
         }
         residual = problem.solve(speed, error, effort_of(round));
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k)
@@ -380,7 +380,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         }
     for (const Index o : cluster.obstacles)
         energy += kinetic_energy(model_.obstacles[o], step.begin.obstacles[o].velocity);
-    if (meets_obstacles) before = std::max(before, speed);
+    before = std::max(before, speed);  // also of what is driven, or falls on what rests
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
         const Vec2 P = impulse_[cluster.contacts[k]], mean = 0.5 * (before_[cluster.contacts[k]] + work.rate[k]);
         injected += positive_work(P, mean), lost += positive_work(-P, mean);
