@@ -263,12 +263,13 @@ double ExplicitScheme::add_thermal_forces(const MeshBlock& block, const Explicit
     const State& begin = step.begin;
     const auto &now = begin.temperature, &after = step.end.temperature,
                &before = begin.last_step == 0 ? now : begin.temperature_before;
-    const double of_end = thermal_->evaluate(block.first, block.last, begin.displacement, begin.node_of_corner,
-                                             now->strain, after->strain, force, fan_is_candidate_);
+    double of_end = thermal_->evaluate(block.first, block.last, begin.displacement, begin.node_of_corner, now->strain,
+                                       after->strain, force, fan_is_candidate_);
     const auto product = [&](const SharedTemperatures& other) {
         return thermal_->product(block.first, block.last, begin.displacement, begin.node_of_corner, now->strain,
                                  other->strain);
     };
+    if (!no_viscous_stress_.empty()) of_end = product(after);  // the forces have a viscous part, which is no sigma_n
     if (before != after) report.thermal_work -= 0.5 * (of_end - product(before));
     if (!model_.large_rotation) {
         report.strain -= 0.5 * of_end;
