@@ -48,7 +48,7 @@ Vec2 stretch_of(const Box& seen, double aspect) {
 
 std::vector<Vec2> obstacle_outline(const Frame& frame, Index obstacle, double magnification) {
     std::vector<Vec2> points;
-    for (Index i = obstacle * n_outline_points; i < (obstacle + 1) * n_outline_points; ++i)
+    for (Index i = obstacle * frame.n_outline(); i < (obstacle + 1) * frame.n_outline(); ++i)
         points.push_back(frame.obstacle_position[i] + magnification * frame.obstacle_displacement[i]);
     return points;
 }

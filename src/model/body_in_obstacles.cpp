@@ -178,7 +178,14 @@ std::optional<StartOverlap> overlap_at_start(const Model& model) {
     });
     for (std::size_t o = 0; o < model.obstacles.size() && !deepest; ++o) {  // no edge crosses them
         const Obstacle& obstacle = model.obstacles[o];
-        if (obstacle.outline.kind == Outline::Kind::half_plane) continue;
+        if (obstacle.outline.kind == Outline::Kind::polyline) {  // below a terrain
+            const ObstacleSurface surface(obstacle.outline, obstacle.start);
+            visit_boundary(mesh, [&](Index a, Index) {
+                const double gap = surface.distance_to(mesh.corner(a)).gap;
+                if (gap < -rounding_of_size * size) add(static_cast<Index>(o), -gap, mesh.corner(a));
+            });
+        }
+        if (!obstacle.outline.is_bounded()) continue;
         const Vec2& x = obstacle.start.position;
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
             if (!in_triangle(mesh, t, x)) continue;

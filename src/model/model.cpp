@@ -275,7 +275,14 @@ void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
 void check_obstacles(const Model& model) {
     const std::optional<StartOverlap> found = overlap_at_start(model);
     if (!found) return;
-    const std::string& name = model.obstacles[found->obstacle].name;
+    const auto& [name, outline] =
+        std::tie(model.obstacles[found->obstacle].name, model.obstacles[found->obstacle].outline);
+    if (outline.kind == Outline::Kind::polyline)
+        throw ObstacleInBody(found->obstacle,
+                             "the body starts in the ground of obstacle `" + name + "`, by " +
+                                 readable(found->depth, "m") + " at " + place_text(found->place),
+                             "move it out by as much; the ground lies on the left of the polyline, whose points may be "
+                             "given the other way round");
     throw ObstacleInBody(
         found->obstacle,
         "obstacle `" + name +

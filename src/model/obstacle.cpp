@@ -42,6 +42,7 @@ double Outline::second_moment() const {
 
 double Outline::half_width() const {
     if (kind == Kind::disc) return radius;
+    if (kind == Kind::polyline) return infinity;
     double smallest = infinity;  // at a side
     for (std::size_t i = 0; i < points.size(); ++i) {
         const Vec2 inward = turned_left((next(points, i) - points[i]).normalized());
@@ -58,7 +59,8 @@ ObstacleSurface::ObstacleSurface(const Outline& outline, const Pose& pose)
       rotation_(Rotation::by(pose.angle)),
       normal_(rotation_.turned(outline.normal)),
       radius_(outline.radius) {
-    for (const Vec2& p : outline.points) radius_ = std::max(radius_, p.norm());
+    if (outline.kind == Outline::Kind::polygon)
+        for (const Vec2& p : outline.points) radius_ = std::max(radius_, p.norm());
 }
 
 SurfaceDistance ObstacleSurface::distance_to(const Vec2& point) const {
@@ -72,6 +74,11 @@ SurfaceDistance ObstacleSurface::distance_to(const Vec2& point) const {
         case Outline::Kind::polygon: {
             const SurfaceDistance own = distance_to_polygon(outline_->points, rotation_.turned_back(away));
             return {own.gap, rotation_.turned(own.normal)};
+        }
+        case Outline::Kind::polyline: {
+            Vec2 normal;
+            const double gap = outline_->line->distance_to(in_frame(point), normal);
+            return {gap, rotation_.turned(normal)};
         }
     }
     return {0, Vec2(0, 1)};
@@ -99,6 +106,7 @@ SurfaceDistance ObstacleSurface::distance_to(const Vec2& point, const Vec2& moti
 bool ObstacleSurface::may_reach(const Vec2& point, double reach) const {
     const Vec2 away = point - position_;
     if (outline_->kind == Outline::Kind::half_plane) return normal_.dot(away) <= reach;
+    if (outline_->kind == Outline::Kind::polyline) return outline_->line->may_reach(in_frame(point), reach);
     return away.squaredNorm() <= (radius_ + reach) * (radius_ + reach);
 }
 

@@ -1,14 +1,16 @@
 #pragma once
-// Rigid obstacles: platens, jaws, walls, a boulder. Each has a convex outline and three degrees of freedom, x, y and
-// the angle about its origin (of a free obstacle: its centre of mass). A component is prescribed by a history, or free,
-// with inertia and a force.
+// Rigid obstacles: platens, walls, a boulder, a terrain. The outline is convex or an open polyline; x, y and the angle
+// about the origin (of a free obstacle: its centre of mass) are each prescribed by a history, or free, with inertia and
+// a force.
 #include "material/cohesive_law.hpp"
 #include "model/loads.hpp"
+#include "model/polyline.hpp"
 
 #include <Eigen/Core>
 
 #include <array>
 #include <cmath>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,15 +35,18 @@ struct Pose {
 
 /// In the frame of the obstacle: the origin is the centre of mass, or lies on the border of a half plane.
 struct Outline {
-    enum class Kind { half_plane, disc, polygon };
+    enum class Kind { half_plane, disc, polygon, polyline };
     Kind kind = Kind::half_plane;
     Vec2 normal = Vec2(0, 1);  // of a half plane, outward
     double radius = 0;         // [m] of a disc
-    std::vector<Vec2> points;  // [m] of a polygon, counterclockwise, convex
+    std::vector<Vec2> points;  // [m] of a polygon, counterclockwise, convex; of a polyline, ground on its left
+    std::shared_ptr<const Polyline> line;  // of a polyline
+
+    bool is_bounded() const { return kind == Kind::disc || kind == Kind::polygon; }
 
     double area() const;           // [m2]; 0 of a half plane, negative of a clockwise polygon
     double second_moment() const;  // [m4] polar, about the origin; 0 of a half plane
-    double half_width() const;  // [m] half of the smallest distance of two parallel tangents; infinite of a half plane
+    double half_width() const;     // [m] half of the smallest distance of two parallel tangents; infinite if unbounded
 };
 
 /// Distance from a point to the surface of an obstacle.
@@ -61,15 +66,63 @@ public:
     /// further away after the motion [m] of the step. So a body that slides from one polygon to the next one passes the
     /// seam. Elsewhere, and of other outlines, as distance_to(point).
     SurfaceDistance distance_to(const Vec2& point, const Vec2& motion, double tolerance) const;
-    /// A cheap test before distance_to: false only where the gap exceeds `reach` [m].
+    /// Calls visit(SurfaceDistance) for what the point may touch: that of a convex outline, of a polyline all planes as
+    /// near as `reach` and as deep as `depth` [m].
+    template <class Visit>
+    void visit_planes(const Vec2& point, const Vec2& motion, double tolerance, double reach, double depth,
+                      const Visit& visit) const {
+        if (outline_->kind != Outline::Kind::polyline) return visit(distance_to(point, motion, tolerance));
+        outline_->line->visit_planes(in_frame(point), rotation_.turned_back(motion), tolerance, reach, depth,
+                                     [&](double gap, const Vec2& normal) {
+                                         visit(SurfaceDistance{gap, rotation_.turned(normal)});
+                                     });
+    }
+    /// Likewise for the sides of a polyline beside which the point lies, in front of them.
+    template <class Visit>
+    void visit_beside(const Vec2& point, double reach, const Visit& visit) const {
+        outline_->line->visit_beside(in_frame(point), reach, [&](double gap, const Vec2& normal) {
+            visit(SurfaceDistance{gap, rotation_.turned(normal)});
+        });
+    }
+    /// Calls visit(i) for the points of a polyline within `reach` [m] of a place that may touch edges, and others; of a
+    /// polygon for all.
+    template <class Visit>
+    void visit_corners(const Vec2& place, double reach, const Visit& visit) const {
+        const Polyline* const line = outline_->line.get();
+        for (std::size_t i = 0; !line && i < outline_->points.size(); ++i) visit(i);
+        if (!line) return;
+        const auto look = [&](Index i) {
+            if (line->is_corner(i)) visit(static_cast<std::size_t>(i));
+        };
+        line->visit_near(in_frame(place), reach, [&](Index i) {
+            look(i);
+            if (i + 2 == line->n_points()) look(i + 1);
+        });
+    }
+    /// Place [m] of a point of the outline.
+    Vec2 place(std::size_t i) const { return position_ + rotation_.turned(outline_->points[i]); }
+    /// From point i to those before and after it; none beyond the ends of a polyline.
+    template <class Visit>
+    bool any_side_at(std::size_t i, const Visit& is_so) const {
+        const std::vector<Vec2>& points = outline_->points;
+        const bool is_open = outline_->kind == Outline::Kind::polyline;
+        const auto side = [&](std::size_t j) -> Vec2 {
+            return rotation_.turned(points[j % points.size()] - points[i]);
+        };
+        return (!(is_open && i + 1 == points.size()) && is_so(side(i + 1))) ||
+               (!(is_open && i == 0) && is_so(side(i + points.size() - 1)));
+    }
+    /// A cheap test before distance_to: false only where the gap exceeds `reach` [m], or in a polyline the depth.
     bool may_reach(const Vec2& point, double reach) const;
     const Outline& outline() const { return *outline_; }
     const Vec2& position() const { return position_; }
     const Rotation& rotation() const { return rotation_; }
-    /// [m] Of all points about the origin; infinite of a half plane.
-    double radius() const { return outline_->kind == Outline::Kind::half_plane ? infinity : radius_; }
+    /// [m] Of all points about the origin; infinite of what is not bounded.
+    double radius() const { return outline_->is_bounded() ? radius_ : infinity; }
 
 private:
+    Vec2 in_frame(const Vec2& place) const { return rotation_.turned_back(place - position_); }
+
     const Outline* outline_;
     Vec2 position_;  // [m]
     Rotation rotation_;

@@ -36,6 +36,23 @@ ObstacleGap beyond_sides(const ObstacleSurface& sides, const ObstacleSurface& ot
     return largest;
 }
 
+/// Of a polygon and a polyline, by the points of both: what is deep in the other one.
+ObstacleGap gap_to_polyline(const ObstacleSurface& line, const ObstacleSurface& polygon) {
+    ObstacleGap smallest{infinity, polygon.position()};
+    const auto look = [&](double gap, const Vec2& place) {
+        if (gap < smallest.gap) smallest = {gap, place};
+    };
+    for (std::size_t i = 0; i < polygon.outline().points.size(); ++i) {
+        const Vec2 x = polygon.place(i);
+        look(line.distance_to(x).gap, x);
+    }
+    line.visit_corners(polygon.position(), polygon.radius(), [&](std::size_t i) {
+        const Vec2 x = line.place(i);
+        look(polygon.distance_to(x).gap, x);
+    });
+    return smallest;
+}
+
 bool may_meet(const Obstacle& a, const Obstacle& b) {
     if (!a.is_free() && !b.is_free()) return false;
     for (int k = 0; k < 2; ++k) {
@@ -51,13 +68,15 @@ bool may_meet(const Obstacle& a, const Obstacle& b) {
 
 ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b) {
     const Kind kind_a = a.outline().kind, kind_b = b.outline().kind;
-    if (kind_b == Kind::half_plane && kind_a == Kind::half_plane) return {infinity, a.position()};
+    if (!a.outline().is_bounded() && !b.outline().is_bounded()) return {infinity, a.position()};
     if (kind_b == Kind::half_plane) return beyond_sides(b, a);
     if (kind_a == Kind::half_plane) return beyond_sides(a, b);
     if (kind_a == Kind::polygon && kind_b == Kind::polygon) {
         const ObstacleGap of_a = beyond_sides(a, b), of_b = beyond_sides(b, a);
         return of_a.gap > of_b.gap ? of_a : of_b;
     }
+    if (kind_a != Kind::disc && kind_b != Kind::disc)
+        return kind_a == Kind::polyline ? gap_to_polyline(a, b) : gap_to_polyline(b, a);
     const bool first = kind_a == Kind::disc;  // a disc and something with a distance
     const ObstacleSurface &disc = first ? a : b, &other = first ? b : a;
     const auto [gap, normal] = other.distance_to(disc.position());
@@ -74,6 +93,22 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
         const double distance = away.norm();
         if (distance >= radius) return {distance - radius, nearest};
         return {(along > 0 && along < 1 ? outward.dot(away) : distance) - radius, nearest};
+    }
+    if (outline.kind == Kind::polyline) {
+        ObstacleGap smallest{infinity, a};
+        const auto look = [&](double gap, const Vec2& place) {
+            if (gap < smallest.gap) smallest = {gap, place};
+        };
+        for (const Vec2& end : {a, b}) look(surface.distance_to(end).gap, end);
+        const double length = (b - a).norm();
+        surface.visit_corners(a, 2 * length, [&](std::size_t i) {
+            const Vec2 p = surface.place(i);
+            const double height = outward.dot(p - a), along = (b - a).dot(p - a);
+            const auto falls_towards_body = [&](const Vec2& side) { return outward.dot(side) < 0; };
+            if (along > 0 && along < length * length && height > -length && !surface.any_side_at(i, falls_towards_body))
+                look(height, p);
+        });
+        return smallest;
     }
     ObstacleGap largest{-infinity, a};  // over the directions in which they can be parted
     const auto side = [&](const Vec2& at, const Vec2& normal) {

@@ -12,12 +12,12 @@ struct ObstacleGap {
     Vec2 place;  // [m] where it is largest
 };
 
-/// By the separating axes, so that a positive gap may be less than the distance. Two half planes: infinite.
+/// By the separating axes, so that a positive gap may be less than the distance. Two that are not bounded: infinite.
 ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b);
 
 /// From an edge of the body, which lies to the left of a to b [m]: the surface of the obstacle, moved against its
 /// normals or out of the body along that of the edge. Positive if they do not intersect, also where the obstacle is
-/// behind the edge.
+/// behind the edge. Of a polyline the deepest of the ends of the edge and of its corners beside it.
 ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec2& b);
 
 /// [m] From the lowest to the highest coordinate k of an obstacle at its start, however it turns if it does.

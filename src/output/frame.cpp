@@ -138,11 +138,24 @@ void add_interfaces(const Model& model, const State& state, bool all, Frame& fra
         }
 }
 
-/// Outline of an obstacle in its own frame; a polygon repeats its last corner.
-std::vector<Vec2> outline_points(const Obstacle& obstacle, const Box& body) {
+/// Of a strip `depth` [m] deep along the polyline.
+std::vector<Vec2> strip_of(const Polyline& line, double depth) {
+    std::vector<Vec2> points;
+    for (Index i = 0; i < line.n_points(); ++i) points.push_back(line.point(i));
+    for (Index i = line.n_points() - 1; i >= 0; --i) {
+        const Vec2 before = line.sides()[std::max<Index>(i - 1, 0)].outward,
+                   after = line.sides()[std::min(i, line.n_points() - 2)].outward;
+        points.push_back(line.point(i) - depth * (before + after).normalized());
+    }
+    return points;
+}
+
+/// `n` points of the outline of an obstacle in its own frame; a polygon repeats its last corner.
+std::vector<Vec2> outline_points(const Obstacle& obstacle, const Box& body, Index n) {
     const Outline& outline = obstacle.outline;
-    if (outline.kind == Outline::Kind::disc) return circle(Vec2::Zero(), outline.radius, n_outline_points);
+    if (outline.kind == Outline::Kind::disc) return circle(Vec2::Zero(), outline.radius, n);
     std::vector<Vec2> points = outline.points;
+    if (outline.kind == Outline::Kind::polyline) points = strip_of(*outline.line, 0.02 * body.diagonal());
     if (outline.kind == Outline::Kind::half_plane) {  // a strip of it, next to the body
         const Vec2 along = turned_left(outline.normal),
                    foot = along.dot(
@@ -151,17 +164,20 @@ std::vector<Vec2> outline_points(const Obstacle& obstacle, const Box& body) {
                    reach = 1.5 * body.diagonal() * along, depth = 0.05 * body.diagonal() * outline.normal;
         points = {foot + reach, foot - reach, foot - reach - depth, foot + reach - depth};
     }
-    points.resize(n_outline_points, Vec2(points.back()));
+    points.resize(n, Vec2(points.back()));
     return points;
 }
 
 void add_obstacles(const Model& model, const State& state, Frame& frame) {
     const Box body = bounding_box(model.mesh.vertices);
+    std::size_t n = n_outline_points;
+    for (const Obstacle& obstacle : model.obstacles)
+        n = std::max(n, (obstacle.outline.line ? 2 : 1) * obstacle.outline.points.size());
     for (std::size_t o = 0; o < model.obstacles.size(); ++o) {
         const Pose &start = model.obstacles[o].start, &now = state.obstacles[o].pose;
         const Rotation at_start = Rotation::by(start.angle), by_now = Rotation::by(now.angle);
         frame.half_plane.push_back(model.obstacles[o].outline.kind == Outline::Kind::half_plane ? 1 : 0);
-        for (const Vec2& p : outline_points(model.obstacles[o], body)) {
+        for (const Vec2& p : outline_points(model.obstacles[o], body, static_cast<Index>(n))) {
             frame.obstacle_position.push_back(start.position + at_start.turned(p));
             frame.obstacle_displacement.push_back(now.position + by_now.turned(p) - frame.obstacle_position.back());
         }

@@ -28,7 +28,7 @@ constexpr InterfaceStatus status_of(InterfaceStatus a, InterfaceStatus b) {
     return a == b ? a : InterfaceStatus::damaged;
 }
 
-inline constexpr Index n_outline_points = 96;
+inline constexpr Index n_outline_points = 96;  // per obstacle, or more if one has more corners
 
 struct Frame {
     double time = 0;          // [s]
@@ -56,7 +56,7 @@ struct Frame {
     std::vector<InterfaceStatus> status;  // per point
     std::vector<double> fluid;            // [Pa] per point, pressure on its faces; empty without [[pressure]]
 
-    // obstacles: n_outline_points per obstacle, a closed polygon; a half plane is drawn as a strip of it
+    // obstacles: n_outline() points per obstacle, a closed polygon; of a half plane and a polyline a strip is drawn
     std::vector<Vec2> obstacle_position;      // [m] reference
     std::vector<Vec2> obstacle_displacement;  // [m]
     std::vector<std::uint8_t> half_plane;     // per obstacle: 1 = a strip (points 0, 1 on its surface, 2 below 1)
@@ -64,7 +64,10 @@ struct Frame {
     InterfaceStatus status_of_interface(Index i) const { return status_of(status[2 * i], status[2 * i + 1]); }
     bool on_support(Index interface) const { return side_a[interface][0] < 0 || side_b[interface][0] < 0; }
     bool is_half_plane(Index obstacle) const { return !half_plane.empty() && half_plane[obstacle] != 0; }
-    Index n_obstacles() const { return static_cast<Index>(obstacle_position.size()) / n_outline_points; }
+    Index n_obstacles() const { return static_cast<Index>(obstacle_position.size()) / n_outline(); }
+    Index n_outline() const {
+        return half_plane.empty() ? n_outline_points : static_cast<Index>(obstacle_position.size() / half_plane.size());
+    }
     Index n_triangles() const { return static_cast<Index>(region.size()); }
     Index n_interfaces() const { return static_cast<Index>(side_a.size()); }
 };

@@ -249,7 +249,8 @@ vtkFieldData* data_of(vtkUnstructuredGrid* grid, Of of) {
 /// Returns the checksum of the file.
 std::uint64_t write_part(const FramePart& part, const Frame& frame, const path& file) {
     const Entries points = points_of(part, frame);
-    const Index n = part.geometry.points_per_cell;
+    const bool is_outline = part.geometry.position == &F::obstacle_position;
+    const Index n = is_outline ? frame.n_outline() : part.geometry.points_per_cell;
     Entries cells(points.size() / n);
     std::iota(cells.begin(), cells.end(), 0);
     vtkNew<vtkUnstructuredGrid> grid;

@@ -376,16 +376,17 @@ void add_keys_of_loads(KeyTable& t) {
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
 
     t.list("obstacle[]", "a rigid body in contact with the meshed body: fixed, driven (velocity or displacement), or "
-        "free if it has a mass and nothing is prescribed. Obstacles do not touch each other: what should meet a free "
-        "one is a [[body]]");
+        "free if it has a mass and nothing is prescribed. Free ones meet other obstacles in explicit steps");
     t.text("name", "name in reactions.csv").a_name().computed("obstacle1, obstacle2, ...").to(&Obstacle::name);
-    t.word("shape", {"half plane", "disc", "polygon"}, "outline; a polygon is convex").required();
+    t.word("shape", {"half plane", "disc", "polygon", "polyline"}, "outline; a polygon is convex, a polyline an open "
+        "terrain, fixed or driven, with the ground on its left").required();
     t.number("at", "m", "point on the surface").pair().required().only_with("shape", {"half plane"});
     t.number("normal", "", "outward normal of the surface, towards the body")
         .pair().required().only_with("shape", {"half plane"});
     t.number("centre", "m", "centre").pair().required().only_with("shape", {"disc"});
     t.number("radius", "m", "radius").above(0).required().only_with("shape", {"disc"}).to(&Outline::radius);
-    t.number("points", "m", "corners in order").points().required().only_with("shape", {"polygon"});
+    t.number("points", "m", "corners in order; of a polyline instead of csv").points()
+        .only_with("shape", {"polygon", "polyline"});
     add_contact(t);
     t.number("velocity", "m/s", "prescribed velocity, x and y").pair().or_word("free");
     t.number("displacement", "m", "prescribed displacement, x and y").pair().or_word("free");
@@ -396,7 +397,10 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("force", "N", "force on the free components, x and y, in addition to gravity (acceleration)").pair();
     t.number("initial_velocity", "m/s", "initial velocity of the free components, x and y").pair();
     t.number("initial_spin", "deg/s", "initial angular velocity, counterclockwise");
-    add_history(t, "rise time: the factor of prescribed motion and force grows linearly from 0 to 1 and stays 1");
+    add_history(t, "rise time: the factor of prescribed motion and force grows linearly from 0 to 1 and stays 1",
+        "file with lines `time, factor` [s, -], instead of a table, relative to the scenario file; # starts a comment. "
+        "Of a polyline: lines `x, y` of its points in order, with units in the line of names, `x [m], y [m]`, or "
+        "behind the numbers; its factor is then by ramp or table");
 
     t.table("contact", "contact between all free faces of all bodies and fragments, without a penalty; without this "
         "table faces that are no neighbours pass through each other. Two faces of joints with one law keep its "

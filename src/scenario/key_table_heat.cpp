@@ -15,12 +15,11 @@ void add_place(KeyTable& t, const std::string& table, std::string_view doc, std:
     t.in(table);
 }
 
-void add_history(KeyTable& t, std::string_view what) {
+void add_history(KeyTable& t, std::string_view what, std::string_view csv) {
     t.number("ramp", "s", what).above(0);
     t.number("table", "s", "factor over time as pairs [time, factor], linear between them and constant outside")
         .points().second("");
-    t.text("csv", "file with lines `time, factor` [s, -], instead of a table, relative to the scenario file; # starts "
-        "a comment");
+    t.text("csv", csv);
 }
 
 void add_thermal(KeyTable& t) {

@@ -35,11 +35,23 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     constexpr int max_reports = 5;
     const auto bytes = table.bytes_of("csv");
     if (!bytes) return {};
-    const auto plain_number = [](const std::string& text) {
-        const Quantity quantity = parse_quantity(text);
-        return quantity.problem.empty() && quantity.unit.empty() ? std::optional(quantity.value) : std::nullopt;
+    std::array<std::string, 2> unit;  // by the line of names
+    bool lacks_unit = false;
+    const auto number_in = [&](const std::string& text, int column) -> std::optional<double> {
+        Quantity quantity = parse_quantity(text);
+        if (!quantity.problem.empty()) return std::nullopt;
+        if (file.unit.empty()) return quantity.unit.empty() ? std::optional(quantity.value) : std::nullopt;
+        if (quantity.unit.empty() && !unit[column].empty()) quantity = parse_quantity(text + " " + unit[column]);
+        lacks_unit = lacks_unit || quantity.unit.empty();
+        const bool fits = quantity.problem.empty() && quantity.dimension == dimension_of(file.unit);
+        return fits ? std::optional(quantity.value) : std::nullopt;
+    };
+    const auto unit_of_name = [](const std::string& name) {
+        const std::size_t open = name.find('['), close = name.find(']');
+        return open < close && close != std::string::npos ? name.substr(open + 1, close - open - 1) : std::string();
     };
     std::vector<Vec2> pairs;
+    double direction = file.unit.empty() ? 1 : 0;
     int n_reports = 0, number = 0;
     std::istringstream in(*bytes);
     for (std::string line; std::getline(in, line);) {
@@ -59,11 +71,21 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
         const std::string content = line.substr(0, line.find('#'));
         if (trimmed(content).empty()) continue;
         const std::size_t comma = std::min(content.find_first_of(",;\t"), content.size());
-        const auto first = plain_number(content.substr(0, comma));
-        const auto second = plain_number(content.substr(std::min(comma + 1, content.size())));
-        if (!first && number == 1) continue;  // names
-        if (!first || !second) report("this line is not `" + file.line + "`");
-        else if (!pairs.empty() && *first < pairs.back().x()) report("the " + file.first + " do not ascend");
+        const std::string column_1 = content.substr(0, comma),
+                          column_2 = content.substr(std::min(comma + 1, content.size()));
+        lacks_unit = false;
+        const auto first = number_in(column_1, 0), second = number_in(column_2, 1);
+        if (!first && number == 1 && !lacks_unit) {  // names
+            unit = {unit_of_name(column_1), unit_of_name(column_2)};
+            continue;
+        }
+        const double change = pairs.empty() || !first ? 0 : *first - pairs.back().x();
+        if (direction == 0) direction = change;
+        if (lacks_unit) report("a number of this line has no unit, and the line of names gives none");
+        else if (!first || !second) report("this line is not `" + file.line + "`");
+        else if (change * direction < 0)
+            report("the " + file.first +
+                   (file.unit.empty() ? " do not ascend" : " turn back: the lines are out of order"));
         else pairs.emplace_back(*first, *second);
     }
     if (pairs.empty() && n_reports == 0) table.error("bad-csv", "csv", "has no line `" + file.line + "`");
@@ -71,7 +93,7 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     std::vector<Node> points;
     for (const Vec2& pair : pairs)
         points.push_back(Node::of_list({Node::of_number(pair.x()), Node::of_number(pair.y())}));
-    if (!points.empty()) table.replace("csv", "table", Node::of_list(std::move(points)));
+    if (!points.empty()) table.replace("csv", file.key, Node::of_list(std::move(points)));
     return pairs;
 }
 

@@ -127,9 +127,12 @@ struct PairsFile {
     std::string line;   // "time, factor"
     std::string first;  // the first numbers, which must ascend: "times"
     std::string note = "each line: " + line;
+    std::string key = "table";   // that takes the place of `csv`
+    std::string_view unit = {};  // of both numbers, in the line of names, as in `x [mm], y [mm]`, or behind them; these
+                                 // first numbers may also descend. Empty: plain numbers
 };
 /// The pairs in the file that the key `csv` of a table names; lines of names at the start and # comments are skipped.
-/// They replace the key by `table`, so that the resolved scenario needs no other file. Empty after an error.
+/// They replace the key by another one, so that the resolved scenario needs no other file. Empty after an error.
 std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file);
 
 /// "a, b, c"; of many names the first ones, and their number.

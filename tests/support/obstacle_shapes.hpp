@@ -1,5 +1,6 @@
 #pragma once
 // Rigid obstacles for small bodies: their shapes and how they move.
+#include "mesh/polygon.hpp"
 #include "model/obstacle.hpp"
 
 namespace knap::tests {
@@ -39,6 +40,20 @@ inline Obstacle polygon(const std::vector<Vec2>& points, const CohesiveLaw& cont
     made.outline.kind = Outline::Kind::polygon;
     made.start.position = centroid(points);
     for (const Vec2& p : points) made.outline.points.push_back(p - made.start.position);
+    made.contact = contact;
+    made.contact.sigma_c = 0;
+    return made;
+}
+
+/// Open, with the ground on its left.
+inline Obstacle terrain(std::vector<Vec2> points, const CohesiveLaw& contact = {}) {
+    Obstacle made;
+    made.name = "terrain";
+    made.outline.kind = Outline::Kind::polyline;
+    made.start.position = bounding_box(points).middle();
+    for (Vec2& p : points) p -= made.start.position;
+    made.outline.line = std::make_shared<const Polyline>(points);
+    made.outline.points = std::move(points);
     made.contact = contact;
     made.contact.sigma_c = 0;
     return made;

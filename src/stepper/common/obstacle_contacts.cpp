@@ -135,7 +135,7 @@ bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x,
                                     const State& begin) const {
     const ObstacleSurface& surface = surfaces_[o];
     const Outline& outline = surface.outline();
-    if (outline.kind == Outline::Kind::half_plane || begin.split_rank[at.fan] >= 0) return false;
+    if (!outline.is_bounded() || begin.split_rank[at.fan] >= 0) return false;
     const auto corners = model_.corners(model_.fans[at.fan]);
     const Index next = next_[corners.front()], previous = previous_[corners.back()];
     if (next < 0 || previous < 0) return false;
@@ -172,28 +172,32 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
         const ObstacleSurface& surface = surfaces_[o];
         const Vec2 arm = x - surface.position();
+        // in front of a polyline as deep as an edge
+        const double depth = surface.outline().kind == Outline::Kind::polyline ? corner_size_[c] : 0;
         // nearly all corners are far, so at first without roots
         const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>();
-        if (!surface.may_reach(x, rounded_up * (nearest + in_steps * (most + most_of_obstacle)))) continue;
+        if (!surface.may_reach(x, rounded_up * (nearest + in_steps * (most + most_of_obstacle)) + depth)) continue;
         const double speed = v.norm() + kick * force.norm();
         const double obstacle_speed =
             velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
         const double reach = near * corner_size_[c] + obstacle_reach_in_steps * h * (speed + obstacle_speed);
-        if (!surface.may_reach(x, reach)) continue;
+        if (!surface.may_reach(x, reach + depth)) continue;
         const Vec2 motion = h * (begin.velocity[node] - velocity_at(predicted_[o], arm));
-        const SurfaceDistance distance = surface.distance_to(x, motion, touching_corner * corner_size_[c]);
-        if (distance.gap > reach || meets_beside(at, o, x, distance, begin)) continue;
-        contacts_.push_back({.corner = c,
-                             .fan = at.fan,
-                             .obstacle = o,
-                             .arm = arm,
-                             .normal = distance.normal,
-                             .gap = cleared(distance.gap, x, surface)});
-        if (surface.outline().kind == Outline::Kind::disc) continue;
-        // a surface that turns is taken at the middle of the step: of second order, so that a corner that rides or
-        // slides on it does not sink in
-        contacts_.back().normal = Rotation::by(0.5 * h * predicted_[o].z()).turned(distance.normal);
-        contacts_.back().arm += 0.5 * h * (begin.velocity[node] - predicted_[o].head<2>());
+        const auto add = [&](const SurfaceDistance& distance) {
+            if (distance.gap > reach || meets_beside(at, o, x, distance, begin)) return;
+            contacts_.push_back({.corner = c,
+                                 .fan = at.fan,
+                                 .obstacle = o,
+                                 .arm = arm,
+                                 .normal = distance.normal,
+                                 .gap = cleared(distance.gap, x, surface)});
+            if (surface.outline().kind == Outline::Kind::disc) return;
+            // a surface that turns is taken at the middle of the step: of second order, so that a corner that rides or
+            // slides on it does not sink in
+            contacts_.back().normal = Rotation::by(0.5 * h * predicted_[o].z()).turned(distance.normal);
+            contacts_.back().arm += 0.5 * h * (begin.velocity[node] - predicted_[o].head<2>());
+        };
+        surface.visit_planes(x, motion, touching_corner * corner_size_[c], reach, depth, add);
     }
 }
 
@@ -243,35 +247,35 @@ void ObstacleContacts::find_on_arc(const Edge& edge, const PlacedEdge& at, Index
                 at.length, begin, h);
 }
 
-/// The corners of a polygon that no side of it which begins there leaves towards the body, and that lie between the
-/// ends of the edge. Where both of these touch as near, the corner adds nothing.
 void ObstacleContacts::find_at_corners_of(const Edge& edge, const PlacedEdge& at, Index o, const State& begin,
                                           double h) {
+    surfaces_[o].visit_corners(at.x_a, 2 * at.length,
+                               [&](std::size_t corner) { find_at_corner_of(edge, at, o, corner, begin, h); });
+}
+
+/// A corner of an obstacle that no side of it which begins there leaves towards the body, and that lies between the
+/// ends of the edge. Where both of these touch as near, the corner adds nothing.
+void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at, Index o, std::size_t corner,
+                                         const State& begin, double h) {
     const ObstacleSurface& surface = surfaces_[o];
-    const std::vector<Vec2>& points = surface.outline().points;
-    const std::size_t n = points.size();
-    for (std::size_t i = 0; i < n; ++i) {
-        const Vec2 arm = surface.rotation().turned(points[i]), x = surface.position() + arm;
-        const double share = at.along.dot(x - at.x_a) / (at.length * at.length), gap = at.outward.dot(x - at.x_a);
-        if (share <= end_of_edge || share >= 1 - end_of_edge || gap < -edge.depth) continue;
-        const auto falls_towards_body = [&](std::size_t j) {
-            const Vec2 side = surface.rotation().turned(points[j % n] - points[i]);
-            return at.outward.dot(side) < -corner_cone * side.norm();
-        };
-        if (falls_towards_body(i + 1) || falls_towards_body(i + n - 1)) continue;
-        const double as_near = gap + almost_as_near * at.length;
-        if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) continue;
-        add_on_edge({.corner = edge.a,
-                     .fan = model_.fan_of_corner[edge.a],
-                     .obstacle = o,
-                     .arm = arm + 0.5 * h * predicted_[o].z() * turned_left(arm),
-                     .normal = -at.outward,
-                     .gap = cleared(gap, x, surface),
-                     .second_corner = edge.b,
-                     .second_fan = model_.fan_of_corner[edge.b],
-                     .share = share},
-                    at.length, begin, h);
-    }
+    const Vec2 arm = surface.rotation().turned(surface.outline().points[corner]), x = surface.position() + arm;
+    const double share = at.along.dot(x - at.x_a) / (at.length * at.length), gap = at.outward.dot(x - at.x_a);
+    if (share <= end_of_edge || share >= 1 - end_of_edge || gap < -edge.depth) return;
+    if (surface.any_side_at(corner,
+                            [&](const Vec2& side) { return at.outward.dot(side) < -corner_cone * side.norm(); }))
+        return;
+    const double as_near = gap + almost_as_near * at.length;
+    if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) return;
+    add_on_edge({.corner = edge.a,
+                 .fan = model_.fan_of_corner[edge.a],
+                 .obstacle = o,
+                 .arm = arm + 0.5 * h * predicted_[o].z() * turned_left(arm),
+                 .normal = -at.outward,
+                 .gap = cleared(gap, x, surface),
+                 .second_corner = edge.b,
+                 .second_fan = model_.fan_of_corner[edge.b],
+                 .share = share},
+                at.length, begin, h);
 }
 
 /// Unless its gap exceeds what may close.

@@ -103,6 +103,8 @@ private:
     void find_on_edge(const Edge& edge, Index obstacle, const State& begin, double h);
     void find_on_arc(const Edge& edge, const PlacedEdge& at, Index obstacle, const State& begin, double h);
     void find_at_corners_of(const Edge& edge, const PlacedEdge& at, Index obstacle, const State& begin, double h);
+    void find_at_corner_of(const Edge& edge, const PlacedEdge& at, Index obstacle, std::size_t corner,
+                           const State& begin, double h);
     void add_on_edge(const ObstacleContact& contact, double length, const State& begin, double h);
     Vec2 place(Index corner, const State& begin) const {
         return model_.mesh.corner(corner) + begin.displacement_of(corner);

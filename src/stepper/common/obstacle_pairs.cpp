@@ -15,10 +15,11 @@ constexpr double pair_reach_in_steps = 4;  // distances covered in a step at the
 constexpr double same_depth = 1e-3;        // [-] of the half width: sides that are as far away; the first one is taken
 constexpr double pair_rounding = 1e-12;    // [-] of the coordinates whose difference is a gap
 
-/// A point of `second` that faces `first`.
+/// A point of one obstacle that faces another one.
 struct Facing {
-    Vec2 point;   // [m] of the second one
-    Vec2 normal;  // out of the first
+    int of;       // 0, 1: the other one, whose surface it faces
+    Vec2 point;   // [m]
+    Vec2 normal;  // out of the other one
     double gap;   // [m]
 };
 
@@ -49,9 +50,11 @@ FurthestSide furthest_side(const ObstacleSurface& polygon, const ObstacleSurface
     return found;
 }
 
-/// The facing side of `other`, clipped to what lies beside the side i of `polygon` or beyond its ends by `reach`.
-void clip(const ObstacleSurface& polygon, std::size_t i, const ObstacleSurface& other, double reach,
-          std::vector<Facing>& found) {
+using Two = std::array<ObstacleSurface, 2>;
+
+/// The facing side of the other one, clipped to what lies beside side i of polygon `of` or beyond its ends by `reach`.
+void clip(const Two& pair, int of, std::size_t i, double reach, std::vector<Facing>& found) {
+    const ObstacleSurface &polygon = pair[of], &other = pair[1 - of];
     const Vec2 a = corner_of(polygon, i), along = corner_of(polygon, i + 1) - a, normal = outward_of_side(polygon, i);
     const double length = along.norm();
     std::size_t facing = 0;
@@ -61,7 +64,7 @@ void clip(const ObstacleSurface& polygon, std::size_t i, const ObstacleSurface& 
     const Vec2 from = corner_of(other, facing), to = corner_of(other, facing + 1);
     const auto place = [&](const Vec2& x) { return along.dot(x - a) / length; };  // [m] along the side
     const double s_from = place(from), s_to = place(to);
-    const auto add = [&](const Vec2& x) { found.push_back({x, normal, normal.dot(x - a)}); };
+    const auto add = [&](const Vec2& x) { found.push_back({of, x, normal, normal.dot(x - a)}); };
     const auto clipped = [&](const Vec2& x, double s, const Vec2& towards, double s_towards) {
         const double end = std::clamp(s, -reach, length + reach);
         if (s == end) return add(x);
@@ -70,41 +73,86 @@ void clip(const ObstacleSurface& polygon, std::size_t i, const ObstacleSurface& 
     clipped(from, s_from, to, s_to), clipped(to, s_to, from, s_from);
 }
 
-/// What of `second` faces `first`, or with the roles exchanged: true.
-bool find_facing(const ObstacleSurface& first, const ObstacleSurface& second, double reach, double tolerance,
-                 std::vector<Facing>& found) {
+/// A disc against the sides of polyline `line` beside its centre and the corners in whose cones it lies.
+void find_on_line(const Two& pair, int line, double reach, std::vector<Facing>& found) {
+    const ObstacleSurface &ground = pair[line], &disc = pair[1 - line];
+    const double radius = disc.outline().radius;
+    const Vec2& centre = disc.position();
+    ground.visit_beside(centre, radius + reach, [&](const SurfaceDistance& at) {
+        found.push_back({line, centre - radius * at.normal, at.normal, at.gap - radius});
+    });
+    ground.visit_corners(centre, radius + reach, [&](std::size_t i) {
+        const Vec2 away = centre - ground.place(i);
+        const double distance = away.norm();
+        if (distance > radius + reach || ground.any_side_at(i, [&](const Vec2& side) { return side.dot(away) > 0; }))
+            return;
+        const Vec2 normal = away / distance;
+        found.push_back({line, centre - radius * normal, normal, distance - radius});
+    });
+}
+
+/// Corners of a polygon on the sides of polyline `line`, and its corners on sides of the polygon.
+void find_on_terrain(const Two& pair, int line, double reach, double tolerance, std::vector<Facing>& found) {
+    const ObstacleSurface &ground = pair[line], &polygon = pair[1 - line];
+    const double depth = polygon.outline().half_width();
+    for (std::size_t j = 0; j < n_corners(polygon); ++j) {
+        const Vec2 x = corner_of(polygon, j);
+        ground.visit_planes(x, Vec2::Zero(), tolerance, reach, depth, [&](const SurfaceDistance& at) {
+            found.push_back({line, x, at.normal, at.gap});
+        });
+    }
+    ground.visit_corners(polygon.position(), polygon.radius() + reach, [&](std::size_t i) {
+        const Vec2 x = ground.place(i);
+        FurthestSide side{0, -infinity};
+        for (std::size_t j = 0; j < n_corners(polygon); ++j)
+            if (const double gap = outward_of_side(polygon, j).dot(x - corner_of(polygon, j)); gap > side.gap)
+                side = {j, gap};
+        if (side.gap > reach || side.gap < -depth) return;
+        const Vec2 a = corner_of(polygon, side.number), along = corner_of(polygon, side.number + 1) - a,
+                   normal = outward_of_side(polygon, side.number);
+        const double share = along.dot(x - a) / along.squaredNorm();
+        if (share <= tolerance / depth || share >= 1 - tolerance / depth) return;  // a corner has planes of the ground
+        if (!ground.any_side_at(i, [&](const Vec2& way) { return normal.dot(way) < 0; }))
+            found.push_back({1 - line, x, normal, side.gap});
+    });
+}
+
+/// What of two obstacles faces the other one.
+void find_facing(const Two& pair, double reach, double tolerance, std::vector<Facing>& found) {
     found.clear();
-    const PairKind kind_1 = first.outline().kind, kind_2 = second.outline().kind;
-    if (kind_2 == PairKind::disc) {
-        const auto [gap, normal] = first.distance_to(second.position());
-        const double radius = second.outline().radius;
-        found.push_back({second.position() - radius * normal, normal, gap - radius});
-        return false;
-    }
-    if (kind_1 == PairKind::disc || kind_2 == PairKind::half_plane) {
-        find_facing(second, first, reach, tolerance, found);
-        return true;
-    }
-    if (kind_1 == PairKind::half_plane) {
-        for (std::size_t j = 0; j < n_corners(second); ++j) {
-            const Vec2 x = corner_of(second, j);
-            const auto [gap, normal] = first.distance_to(x);
-            found.push_back({x, normal, gap});
+    const auto is = [&](int k, PairKind kind) { return pair[k].outline().kind == kind; };
+    for (const int k : {0, 1})
+        if (is(k, PairKind::polyline)) {
+            if (is(1 - k, PairKind::disc)) find_on_line(pair, k, reach, found);
+            else if (is(1 - k, PairKind::polygon)) find_on_terrain(pair, k, reach, tolerance, found);
+            return;
         }
-        return false;
-    }
-    const FurthestSide of_first = furthest_side(first, second), of_second = furthest_side(second, first);
-    const bool exchanged = of_second.gap > of_first.gap + tolerance;
-    if (exchanged) clip(second, of_second.number, first, reach, found);
-    else clip(first, of_first.number, second, reach, found);
-    return exchanged;
+    for (const int k : {1, 0})
+        if (is(k, PairKind::disc)) {
+            const auto [gap, normal] = pair[1 - k].distance_to(pair[k].position());
+            const double radius = pair[k].outline().radius;
+            return found.push_back({1 - k, pair[k].position() - radius * normal, normal, gap - radius});
+        }
+    for (const int k : {1, 0})
+        if (is(k, PairKind::half_plane)) {
+            if (is(1 - k, PairKind::half_plane)) return;
+            for (std::size_t j = 0; j < n_corners(pair[1 - k]); ++j) {
+                const Vec2 x = corner_of(pair[1 - k], j);
+                const auto [gap, normal] = pair[k].distance_to(x);
+                found.push_back({k, x, normal, gap});
+            }
+            return;
+        }
+    const FurthestSide of_first = furthest_side(pair[0], pair[1]), of_second = furthest_side(pair[1], pair[0]);
+    if (of_second.gap > of_first.gap + tolerance) clip(pair, 1, of_second.number, reach, found);
+    else clip(pair, 0, of_first.number, reach, found);
 }
 
 }  // namespace
 
 ObstaclePairs::ObstaclePairs(const Model& model) : model_(model), pairs_(obstacles_that_may_meet(model.obstacles)) {
     for (const Obstacle& obstacle : model.obstacles)
-        half_width_.push_back(obstacle.outline.kind == PairKind::half_plane ? infinity : obstacle.outline.half_width());
+        half_width_.push_back(obstacle.outline.is_bounded() ? obstacle.outline.half_width() : infinity);
 }
 
 void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& rate) {
@@ -112,7 +160,7 @@ void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& 
     std::vector<Facing> found;
     const auto surface = [&](Index o) { return ObstacleSurface(model_.obstacles[o].outline, begin.obstacles[o].pose); };
     for (const auto& pair : pairs_) {
-        const std::array<ObstacleSurface, 2> of{surface(pair[0]), surface(pair[1])};
+        const Two of{surface(pair[0]), surface(pair[1])};
         const std::array<Vec3, 2> v{begin.obstacles[pair[0]].velocity, begin.obstacles[pair[1]].velocity};
         const double size = std::min(half_width_[pair[0]], half_width_[pair[1]]);
         double speed = 0;
@@ -120,14 +168,13 @@ void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& 
             for (const Vec3& w : {v[k], rate[pair[k]]})
                 speed += w.head<2>().norm() + std::abs(w.z()) * std::min(of[0].radius(), of[1].radius());
         const double reach = near_pair * size + pair_reach_in_steps * h * speed;
-        const int bounded =
-            of[0].outline().kind == PairKind::half_plane;  // a half plane tells its distance to the other
+        const int bounded = !of[0].outline().is_bounded();  // what is not tells its distance to the other
         if (!of[1 - bounded].may_reach(of[bounded].position(), of[bounded].radius() + reach)) continue;
-        const bool exchanged = find_facing(of[0], of[1], reach, same_depth * size, found);
-        const int one = exchanged, two = 1 - exchanged;
-        const Vec2 &x_1 = of[one].position(), &x_2 = of[two].position();
+        find_facing(of, reach, same_depth * size, found);
         for (const Facing& at : found) {
             if (at.gap > reach) continue;
+            const int one = at.of, two = 1 - at.of;
+            const Vec2 &x_1 = of[one].position(), &x_2 = of[two].position();
             const bool rolls =
                 of[two].outline().kind == PairKind::disc;  // the point of contact does not turn with a disc
             const Vec2 motion = rolls ? Vec2(v[two].head<2>()) : velocity_at(v[two], at.point - x_2);

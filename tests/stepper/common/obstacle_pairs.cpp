@@ -68,15 +68,19 @@ void check_energy_balance(const Run& run) { tests::check_energy_balance(run, 1e-
 TEST_CASE("a free disc rolls down an incline with two thirds of g sin a and slips below friction tan a over 3") {
     const double a = 0.3, radius = 0.2, h = 1e-3, steps = 400;
     const Vec2 down(std::cos(a), -std::sin(a)), normal(std::sin(a), std::cos(a));
-    for (const bool is_polygon : {false, true})
+    enum class Slope { half_plane, polygon, polyline };
+    for (const Slope kind : {Slope::half_plane, Slope::polygon, Slope::polyline})
         for (const double part : {3.0, 1.01, 0.99, 0.5, 0.0}) {  // friction over tan(a)/3
-            CAPTURE(is_polygon);
+            CAPTURE(kind);
             CAPTURE(part);
             const double mu = part * std::tan(a) / 3;
             const std::vector<Vec2> slope{-5 * down, -5 * down - 2 * normal, 5 * down - 2 * normal, 5 * down};
-            Run run(
-                heavy_scene({is_polygon ? polygon(slope, {.friction = mu}) : platen({0, 0}, normal, {.friction = mu}),
-                             boulder(radius * normal, radius, {0, 0}, {.friction = mu})}));
+            std::vector<Vec2> line;  // of 300 sides, shorter than the disc
+            for (int i = 0; i <= 300; ++i) line.push_back((5 - 10. * i / 300) * down);
+            Run run(heavy_scene({kind == Slope::polyline  ? terrain(line, {.friction = mu})
+                                 : kind == Slope::polygon ? polygon(slope, {.friction = mu})
+                                                          : platen({0, 0}, normal, {.friction = mu}),
+                                 boulder(radius * normal, radius, {0, 0}, {.friction = mu})}));
             for (int i = 0; i < steps; ++i) run.step(h);
             const double t = (steps - 0.5) * h;  // velocities live at the middle of the steps
             const Vec3& v = run.now.obstacles[1].velocity;
@@ -149,21 +153,73 @@ TEST_CASE("a rigid block slides down a rigid incline as Coulomb says") {
 }
 
 TEST_CASE("four free obstacles in a heap come to rest") {
-    std::vector<Obstacle> obstacles{platen({0, 0}, {0, 1}, {.friction = 0.5}),
-                                    box({-2, 0}, {-1, 5}, 0.5),
-                                    box({1, 0}, {2, 5}, 0.5),
-                                    freed(box({-0.8, 0.05}, {-0.1, 0.45}, 0.5)),
-                                    freed(box({0.05, 0.02}, {0.7, 0.6}, 0.5)),
-                                    boulder({-0.3, 1.0}, 0.25, {0, 0}, {.friction = 0.5}),
-                                    freed(polygon({{0.1, 0.8}, {0.9, 0.9}, {0.4, 1.4}}, {.friction = 0.5}))};
-    Run run(heavy_scene(obstacles));
-    for (int i = 0; i < 4000; ++i) run.step(1e-3);
-    CHECK(kinetic(run) < 1e-12);
-    CHECK(overlap(run) < 5e-3);
-    double weight = 0;
-    for (std::size_t o = 3; o < 7; ++o) weight += g * run.model.obstacles[o].mass;
-    CHECK(run.now.obstacles[0].reaction.y() + run.now.obstacles[1].reaction.y() + run.now.obstacles[2].reaction.y() ==
-          relative(-weight, 1e-6));
+    const std::vector<Obstacle> heap{freed(box({-0.8, 0.05}, {-0.1, 0.45}, 0.5)),
+                                     freed(box({0.05, 0.02}, {0.7, 0.6}, 0.5)),
+                                     boulder({-0.3, 1.0}, 0.25, {0, 0}, {.friction = 0.5}),
+                                     freed(polygon({{0.1, 0.8}, {0.9, 0.9}, {0.4, 1.4}}, {.friction = 0.5}))};
+    // in a bin of three obstacles, and on a terrain that is this bin
+    for (const bool on_terrain : {false, true}) {
+        CAPTURE(on_terrain);
+        std::vector<Obstacle> obstacles{platen({0, 0}, {0, 1}, {.friction = 0.5}), box({-2, 0}, {-1, 5}, 0.5),
+                                        box({1, 0}, {2, 5}, 0.5)};
+        if (on_terrain) obstacles = {terrain({{1, 5}, {1, 0}, {0.02, 0}, {-1, 0}, {-1, 5}}, {.friction = 0.5})};
+        const std::size_t n_fixed = obstacles.size();
+        obstacles.insert(obstacles.end(), heap.begin(), heap.end());
+        Run run(heavy_scene(obstacles));
+        for (int i = 0; i < 4000; ++i) run.step(1e-3);
+        CHECK(kinetic(run) < 1e-12);
+        CHECK(overlap(run) < 5e-3);
+        double weight = 0, reaction = 0;
+        for (std::size_t o = n_fixed; o < obstacles.size(); ++o) weight += g * run.model.obstacles[o].mass;
+        for (std::size_t o = 0; o < n_fixed; ++o) reaction += run.now.obstacles[o].reaction.y();
+        CHECK(reaction == relative(-weight, 1e-6));
+        check_energy_balance(run);
+    }
+}
+
+TEST_CASE("a disc and a square lie in a valley of a terrain and press on both of its sides") {
+    const double angle = 0.6, radius = 0.2;
+    const Vec2 left(-std::cos(angle), std::sin(angle)), right(std::cos(angle), std::sin(angle));
+    for (const bool is_disc : {true, false}) {
+        CAPTURE(is_disc);
+        const double height = radius / std::cos(angle);
+        const Obstacle body = is_disc
+                                  ? boulder({0, height + 1e-3}, radius, {0, 0})
+                                  : freed(polygon({{0, 0.1}, {0.1, 0.2}, {0, 0.3}, {-0.1, 0.2}}, {.friction = 0.9}));
+        const CohesiveLaw contact{.friction = is_disc ? 0 : 0.9};
+        Run run(heavy_scene({terrain({2 * right, Vec2(0, 0), 2 * left}, contact), body}));
+        for (int i = 0; i < 3000; ++i) run.step(1e-3);
+        CHECK(kinetic(run) < 1e-12);
+        CHECK(run.now.obstacles[1].reaction.y() == relative(run.model.obstacles[1].mass * g, 1e-6));
+        if (is_disc) CHECK(run.now.obstacles[1].pose.position.y() == relative(height, 1e-4));
+        CHECK(overlap(run) < 1e-4);
+        check_energy_balance(run);
+    }
+}
+
+TEST_CASE("a disc that rolls over the summit of a terrain follows its corner") {
+    // a roof whose sides fall by 20 degrees: the disc comes over it slowly and stays on it
+    const double angle = 20 * degree, radius = 0.3;
+    Obstacle disc =
+        boulder({0.2, radius / std::cos(angle) - 0.2 * std::tan(angle) + 1e-9}, radius, {-0.9, 0.3}, {.friction = 2});
+    disc.initial_velocity = Vec3(-1.3 * std::cos(angle), 1.3 * std::sin(angle), 1.3 / radius);
+    Run run(heavy_scene(
+        {terrain({Vec2(3, -3 * std::tan(angle)), Vec2(0, 0), Vec2(-3, -3 * std::tan(angle))}, {.friction = 2}), disc}));
+    double highest = -1;
+    for (int i = 0; i < 600; ++i) {
+        run.step(1e-3);
+        highest = std::max(highest, run.now.obstacles[1].pose.position.y());
+    }
+    CHECK(highest == doctest::Approx(radius).epsilon(1e-3));
+    CHECK(run.now.obstacles[1].pose.position.x() < -0.1);
+    CHECK(overlap(run) < 1e-3);
+    check_energy_balance(run);
+}
+
+TEST_CASE("what leaves the end of a terrain falls past it") {
+    Run run(heavy_scene({terrain({{1, 0}, {0, 0}}), boulder({0.1, 0.1}, 0.1, {-1, 0})}));
+    for (int i = 0; i < 1000; ++i) run.step(1e-3);
+    CHECK(run.now.obstacles[1].pose.position.y() < -0.5);
     check_energy_balance(run);
 }
 

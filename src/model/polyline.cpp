@@ -1,0 +1,117 @@
+#include "model/polyline.hpp"
+
+#include "mesh/polygon.hpp"
+
+#include <utility>
+
+namespace knap {
+namespace {
+
+constexpr double beyond_reflex = 0.25;  // [-] of a side: how far beyond such an end its plane counts
+
+/// Which of two sides has a point at the convex corner between them, or none where it is not in the cone of both
+/// outward normals, widened by `tolerance`.
+enum class AtCorner { none, first, second };
+
+AtCorner at_corner(const Polyline::Side& one, const Polyline::Side& two, const Vec2& p, const Vec2& motion,
+                   double tolerance) {
+    const Vec2 away = p - two.start;
+    if (two.along.dot(away) > tolerance || -one.along.dot(away) > tolerance) return AtCorner::none;
+    const double gap_1 = one.outward.dot(away), gap_2 = two.outward.dot(away), rate_1 = one.outward.dot(motion),
+                 rate_2 = two.outward.dot(motion);
+    if (std::min(gap_1, gap_2) < -tolerance) return AtCorner::none;
+    const bool both_touch = std::max(gap_1, gap_2) < tolerance && std::max(gap_1 + rate_1, gap_2 + rate_2) < 0;
+    return (both_touch ? rate_1 > rate_2 : gap_1 + rate_1 > gap_2 + rate_2) ? AtCorner::first : AtCorner::second;
+}
+
+}  // namespace
+
+Polyline::Polyline(const std::vector<Vec2>& points) {
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const Vec2 way = points[i + 1] - points[i], along = way.normalized();
+        const double turn = i == 0 ? 0 : cross(sides_.back().along, along);
+        sides_.push_back({points[i], along, -turned_left(along), way.norm(), turn});
+        // a turn back by more than a right angle is as sharp as any
+        if (i > 0 && sides_[i - 1].along.dot(along) < 0) sides_[i].turn = turn > 0 ? 1 : -1;
+    }
+    for (const Vec2& p : points) radius_ = std::max(radius_, p.norm());
+    const Box box = bounding_box(points);
+    axis_ = box.extent().y() > box.extent().x() ? 1 : 0;
+    low_ = box.low[axis_], cell_ = box.extent()[axis_] / static_cast<double>(size());
+    bins_.resize(sides_.size());
+    const auto for_bins = [&](const auto& visit) {  // visit(side, bin)
+        for (Index i = 0; i < size(); ++i)
+            for (std::size_t b = first_bin_[i], last = bin(std::max(point(i)[axis_], point(i + 1)[axis_])); b <= last;
+                 ++b)
+                visit(i, b);
+    };
+    for (Index i = 0; i < size(); ++i) first_bin_.push_back(bin(std::min(point(i)[axis_], point(i + 1)[axis_])));
+    for_bins([&](Index i, std::size_t b) {
+        Bin& at = bins_[b];
+        for (const Vec2& end : {point(i), point(i + 1)})
+            at.low = std::min(at.low, end[1 - axis_]), at.high = std::max(at.high, end[1 - axis_]);
+        ++at.end;
+    });
+    std::size_t total = 0;
+    for (Bin& at : bins_) total += std::exchange(at.end, total);  // starts, which filling moves to the ends
+    in_bins_.resize(total);
+    for_bins([&](Index i, std::size_t b) { in_bins_[bins_[b].end++] = i; });
+}
+
+bool Polyline::may_reach(const Vec2& p, double reach) const {
+    const double x = p[axis_], y = p[1 - axis_], high = low_ + cell_ * static_cast<double>(size());
+    if (x + reach < low_ || x - reach > high) return false;
+    for (std::size_t b = bin(x - reach), last = bin(x + reach); b <= last; ++b)
+        if (y - reach <= bins_[b].high && y + reach >= bins_[b].low) return true;
+    return false;
+}
+
+double Polyline::distance_to(const Vec2& p, Vec2& normal) const {
+    double nearest = infinity, distance = infinity;
+    const auto look = [&](Index i) {
+        const Side& side = sides_[i];
+        const double s = std::clamp(side.along.dot(p - side.start), 0.0, side.length);
+        const Vec2 away = p - side.start - s * side.along;
+        const double length = away.norm();
+        if (length >= nearest) return;
+        nearest = distance = length, normal = side.outward;
+        const bool at_end = s == 0 || s == side.length;
+        const Index corner = s == 0 ? i : i + 1;
+        Vec2 out = side.outward;  // at a corner the mean one tells the side
+        if (at_end && corner > 0 && corner < size()) out = sides_[corner - 1].outward + sides_[corner].outward;
+        const bool is_end = at_end && (corner == 0 || corner == size());
+        const bool is_in_ground = !is_end && out.dot(away) < 0;
+        if (at_end && length > 0) normal = (is_in_ground ? -1 : 1) * away / length;
+        if (is_in_ground) distance = -length;
+    };
+    for (double reach = cell_; nearest > reach && reach < 1e6 * cell_ + p.norm(); reach *= 4) {
+        nearest = infinity;
+        visit_near(p, reach, look);
+    }
+    return distance;
+}
+
+/// Whether the plane of side i is one that p may touch, by what is next to it at both ends.
+bool Polyline::has(Index i, const Vec2& p, double gap, const Vec2& motion, double tolerance, double reach) const {
+    const Side& side = sides_[i];
+    const double s = side.along.dot(p - side.start);
+    const auto at_end = [&](Index corner, double beyond, const Side& other, AtCorner own) {
+        if (corner == 0 || corner == size()) return beyond <= 0;
+        const double turn = sides_[corner].turn;
+        if (turn < -flat) return beyond <= std::min(reach + std::abs(gap), beyond_reflex * side.length);
+        if (turn <= 0) {  // of a straight corner one side has the point, or both where it is below between them
+            const double between = std::max(-gap, 0.0) * -turn;
+            return own == AtCorner::first ? beyond < between : beyond <= between;
+        }
+        const AtCorner found = at_corner(sides_[corner - 1], sides_[corner], p, motion, tolerance);
+        if (found != AtCorner::none) return found == own;
+        if (beyond > 0 || gap >= 0) return beyond <= 0;
+        const Vec2 away = p - sides_[corner].start;  // for both sides, so that one of them has the point
+        const double of_own = side.outward.dot(away), of_other = other.outward.dot(away);
+        return own == AtCorner::first ? of_own >= of_other : of_own > of_other;
+    };
+    return at_end(i, -s, sides_[std::max<Index>(i - 1, 0)], AtCorner::second) &&
+           at_end(i + 1, s - side.length, sides_[std::min(i + 1, size() - 1)], AtCorner::first);
+}
+
+}  // namespace knap

@@ -1,0 +1,87 @@
+#pragma once
+// An open polyline with the ground on its left, the outline of a terrain. Its sides lie in bins along the longer side
+// of their box, so that a place asks only those near it, however many there are.
+#include "base/vec.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace knap {
+
+class Polyline {
+public:
+    struct Side {
+        Vec2 start, along, outward;  // [m], unit vectors; outward: out of the ground
+        double length;               // [m]
+        double turn;  // sine of the turn at its start, positive to the left: there the ground is convex; 0 of the first
+    };
+    /// At least two points, none in the place of the one before it.
+    explicit Polyline(const std::vector<Vec2>& points);
+
+    const std::vector<Side>& sides() const { return sides_; }
+    /// [m] Of all points about the origin.
+    double radius() const { return radius_; }
+    Index n_points() const { return size() + 1; }
+    Vec2 point(Index i) const {
+        return i < size() ? sides_[i].start : Vec2(sides_.back().start + sides_.back().length * sides_.back().along);
+    }
+    /// The point may touch an edge between its ends: it is an end, or the ground is convex there.
+    bool is_corner(Index i) const { return i == 0 || i == size() || sides_[i].turn > flat; }
+
+    /// [m] The distance of p, and the direction in which it grows; negative in the ground. What is nearest to an end of
+    /// the polyline is not in the ground.
+    double distance_to(const Vec2& p, Vec2& normal) const;
+    /// False only where no side is within `reach` [m] of p.
+    bool may_reach(const Vec2& p, double reach) const;
+    /// Calls visit(i) for all sides within `reach` [m] of p, and others.
+    template <class Visit>
+    void visit_near(const Vec2& p, double reach, const Visit& visit) const {
+        const std::size_t first = bin(p[axis_] - reach), last = bin(p[axis_] + reach);
+        for (std::size_t b = first; b <= last; ++b)
+            for (std::size_t k = b == 0 ? 0 : bins_[b - 1].end; k < bins_[b].end; ++k)
+                if (std::max(first, first_bin_[in_bins_[k]]) == b) visit(in_bins_[k]);
+    }
+    /// Calls visit(gap, normal) for the sides beside which p lies, in front and not further away than `reach` [m].
+    template <class Visit>
+    void visit_beside(const Vec2& p, double reach, const Visit& visit) const {
+        visit_near(p, reach, [&](Index i) {
+            const Side& side = sides_[i];
+            const double gap = side.outward.dot(p - side.start), s = side.along.dot(p - side.start);
+            if (gap >= 0 && gap <= reach && s >= 0 && s < side.length) visit(gap, side.outward);
+        });
+    }
+    /// Calls visit(gap, normal) for the planes of the sides that a point p may touch, as near as `reach` and as deep as
+    /// `depth` [m]: both where the ground is not convex; where it is, the one from which p is further away after the
+    /// `motion` [m] of the step, as far as p is within `tolerance` [m] of both, so that it passes from one to the next.
+    template <class Visit>
+    void visit_planes(const Vec2& p, const Vec2& motion, double tolerance, double reach, double depth,
+                      const Visit& visit) const {
+        visit_near(p, std::max(reach, depth), [&](Index i) {
+            const double gap = sides_[i].outward.dot(p - sides_[i].start);
+            if (gap <= reach && gap >= -depth && has(i, p, gap, motion, tolerance, reach))
+                visit(gap, sides_[i].outward);
+        });
+    }
+
+private:
+    struct Bin {
+        std::size_t end = 0;                      // into in_bins_
+        double low = infinity, high = -infinity;  // [m] of its sides, across the axis
+    };
+    static constexpr double flat = 1e-3;  // sine of a turn that is none: it would reach 1e-4 of an edge into a face
+
+    Index size() const { return static_cast<Index>(sides_.size()); }
+    std::size_t bin(double x) const {
+        return static_cast<std::size_t>(std::clamp((x - low_) / cell_, 0.0, static_cast<double>(bins_.size() - 1)));
+    }
+    bool has(Index i, const Vec2& p, double gap, const Vec2& motion, double tolerance, double reach) const;
+
+    std::vector<Side> sides_;
+    std::vector<Bin> bins_;
+    std::vector<Index> in_bins_;          // sides, of one bin after the other
+    std::vector<std::size_t> first_bin_;  // per side
+    double radius_ = 0, low_ = 0, cell_ = 1;
+    int axis_ = 0;
+};
+
+}  // namespace knap
