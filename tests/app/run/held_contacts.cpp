@@ -52,7 +52,7 @@ Outcome run(const Folder& folder, const std::string& text) {
 }  // namespace
 
 TEST_CASE("held contacts: two blocks side by side that are held below bear their weights") {
-    const Folder folder("held_contacts");
+    const Folder folder("held side by side");
     const Outcome found =
         run(folder, two_blocks("origin = [-2, -0.4]\nsize = [2, 0.4]", "origin = [0, -0.4]\nsize = [2, 0.4]", "0.2",
                                "[[load]]\nname = \"a\"\non = \"a.bottom\"\ndisplacement = [0, 0]\n"
@@ -66,7 +66,7 @@ TEST_CASE("held contacts: two blocks side by side that are held below bear their
 }
 
 TEST_CASE("held contacts: two blocks on each other are guided along a plane of symmetry") {
-    const Folder folder("held_contacts");
+    const Folder folder("held on symmetry");
     const Outcome found =
         run(folder, two_blocks("origin = [0, 0]\nsize = [1, 0.5]", "origin = [0, 0.5]\nsize = [1, 0.5]", "0.2",
                                "[[load]]\nname = \"a\"\non = \"a.left\"\ndisplacement = [0, \"free\"]\n"
@@ -79,7 +79,7 @@ TEST_CASE("held contacts: two blocks on each other are guided along a plane of s
 }
 
 TEST_CASE("held contacts: a block that is driven from rest slides along one that is held without any weight") {
-    const Folder folder("held_contacts");
+    const Folder folder("held and driven");
     const Outcome found =
         run(folder, two_blocks("origin = [0, 0]\nsize = [0.2, 0.1]", "origin = [0, 0.1]\nsize = [0.2, 0.1]", "0.05",
                                "[[load]]\nname = \"a\"\non = \"a.bottom\"\ndisplacement = [0, 0]\n"
@@ -90,7 +90,7 @@ TEST_CASE("held contacts: a block that is driven from rest slides along one that
 }
 
 TEST_CASE("held contacts: a step in seconds that leaves out the default viscosity is warned of") {
-    const Folder folder("held_contacts");
+    const Folder folder("held no viscosity");
     const std::string scene = two_blocks("origin = [0, 0]\nsize = [1, 0.5]", "origin = [0, 0.5]\nsize = [1, 0.5]",
                                          "0.2", "[[load]]\non = \"a.bottom\"\ndisplacement = [0, 0]\n", "0.1");
     std::ofstream(folder.path / "scene.toml") << scene;
