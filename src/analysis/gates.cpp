@@ -151,8 +151,7 @@ const GateRule rules[] = {
      }},
     {{"contact_injection", "",
       "positive works of contacts of free faces and obstacles, by the residual of their laws, over the work of impact "
-      "and "
-      "friction",
+      "and friction",
       "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
      {1e-6, 1e-5, fixed},
      [](const GateView& run) {
@@ -164,8 +163,7 @@ const GateRule rules[] = {
      }},
     {{"contact_residual", "",
       "largest error of the rates of contacts of free faces and obstacles over their speeds; momentum and energy are "
-      "exact all "
-      "the same, but single contacts may do positive work",
+      "exact all the same, but single contacts may do positive work",
       "Usual cause: pieces wedged by friction. Try less friction, or a smaller time.safety."},
      {1e-8, max_contact_residual, fixed},
      [](const GateView& run) {

@@ -44,7 +44,8 @@ struct RefinedMesh {
     std::vector<VertexOrigin> origin;    // per vertex
 };
 
-/// Nothing where no triangle is too large or none can be refined. Of first order, without parts. Input gives the bits.
+/// Nothing where no triangle is too large or none can be refined. The mesh has first order and no
+/// parts. The same bits for the same input.
 std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested);
 
 /// [m] Radius of the circle through the corners of a triangle.

@@ -317,8 +317,7 @@ struct PlaceOfLostCrack {
 };
 
 /// Cracks with no part inside the body; the graph is that of `drawn`, before anything was left out. Where cracks are
-/// snapped, only
-/// those outside: a line that was drawn twice is left out and counted, as a shorter piece is.
+/// snapped, only those outside: a line that was drawn twice is left out and counted, as a shorter piece is.
 void check_cracks(const Shape& shape, const Shape& drawn, const PlanarGraph& graph, FaultList& faults) {
     std::vector<bool> inside(shape.cracks.size(), false);
     for (const GraphSegment& s : graph.segments)

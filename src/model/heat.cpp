@@ -16,9 +16,9 @@ std::shared_ptr<Temperatures> make_temperatures(const Model& model, double time,
         const Expansion& expansion = model.heat->materials[mesh.region[t]].expansion;
         const double factor = model.plane == PlaneModel::strain ? 1 + elastic.nu : 1,
                      zero = expansion(model.heat->reference);
+        if (model.has_vanished(t)) continue;
         std::array<double, 3> e;  // at the vertices
         for (Index k = 0; k < 3; ++k) e[k] = factor * (expansion(of_corner[n * t + k]) - zero);
-        if (model.has_vanished(t)) continue;
         if (mesh.order == 1) made->strain[t] = (e[0] + e[1] + e[2]) / 3;
         for (Index k = 0; k < 3 && mesh.order == 2; ++k)
             made->strain[3 * t + k] = 0.5 * (e[(k + 1) % 3] + e[(k + 2) % 3]);

@@ -275,9 +275,8 @@ void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
 void check_obstacles(const Model& model) {
     const std::optional<StartOverlap> found = overlap_at_start(model);
     if (!found) return;
-    const auto& [name, outline] =
-        std::tie(model.obstacles[found->obstacle].name, model.obstacles[found->obstacle].outline);
-    if (outline.kind == Outline::Kind::polyline)
+    const std::string& name = model.obstacles[found->obstacle].name;
+    if (model.obstacles[found->obstacle].outline.kind == Outline::Kind::polyline)
         throw ObstacleInBody(found->obstacle,
                              "the body starts in the ground of obstacle `" + name + "`, by " +
                                  readable(found->depth, "m") + " at " + place_text(found->place),

@@ -36,7 +36,7 @@ ObstacleGap beyond_sides(const ObstacleSurface& sides, const ObstacleSurface& ot
     return largest;
 }
 
-/// Of a polygon and a polyline, by the points of both: what is deep in the other one.
+/// Gap between a polygon and a polyline: the smallest of the points of each to the other.
 ObstacleGap gap_to_polyline(const ObstacleSurface& line, const ObstacleSurface& polygon) {
     ObstacleGap smallest{infinity, polygon.position()};
     const auto look = [&](double gap, const Vec2& place) {

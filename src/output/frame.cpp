@@ -138,7 +138,7 @@ void add_interfaces(const Model& model, const State& state, bool all, Frame& fra
         }
 }
 
-/// Of a strip `depth` [m] deep along the polyline.
+/// Outline of a strip along the polyline, `depth` [m] deep.
 std::vector<Vec2> strip_of(const Polyline& line, double depth) {
     std::vector<Vec2> points;
     for (Index i = 0; i < line.n_points(); ++i) points.push_back(line.point(i));

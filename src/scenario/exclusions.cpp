@@ -14,8 +14,7 @@ std::span<const Exclusion> exclusions() {
          "its implicit steps solve equations that are linear in the displacement"},
         {"rotation = \"large\"", "mesh.order = 2",
          "the frame of an interface is that of two triangles with straight sides and uniform strain, and sides of "
-         "second "
-         "order turn differently from point to point"},
+         "second order turn differently from point to point"},
         {"[contact]", "cohesion = \"implicit\"",
          "contacts between free faces join vertices, and the iteration for the cohesion at the end of a step is one of "
          "a single vertex"},

@@ -24,8 +24,7 @@ struct Facing {
 };
 
 Vec2 corner_of(const ObstacleSurface& polygon, std::size_t i) {
-    const std::vector<Vec2>& points = polygon.outline().points;
-    return polygon.position() + polygon.rotation().turned(points[i % points.size()]);
+    return polygon.place(i % polygon.outline().points.size());
 }
 std::size_t n_corners(const ObstacleSurface& polygon) { return polygon.outline().points.size(); }
 

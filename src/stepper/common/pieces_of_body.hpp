@@ -1,8 +1,8 @@
 #pragma once
 // A piece is a largest set of triangles that points with cohesion, unbreakable ones, or a vertex that is not split yet
-// connect. It is held where such a
-// point joins it to a support, where a component of its motion is prescribed, and where waves leave it through an
-// absorbing boundary (the ground goes on there). Contacts, with supports, obstacles or other pieces, hold nothing.
+// connect. It is held where such a point joins it to a support, where a component of its motion is prescribed, and
+// where waves leave it through an absorbing boundary (the ground goes on there). Contacts, with supports, obstacles or
+// other pieces, hold nothing.
 #include "model/state.hpp"
 #include "stepper/common/dashpots.hpp"
 

@@ -134,19 +134,18 @@ void ContactProblem::assemble() {
         const ClusterContact& c = cluster_.contacts[row];
         if (c.first_coupling == c.last_coupling) cluster_.couple(row, row, Eigen::Matrix2d::Zero());
     }
-    mobility_.assign(cluster_.contacts.size(), {0, 0});
+    mobility_.assign(cluster_.contacts.size(), {});
     for (const Term& term : terms_) {
-        auto& [largest, along] = mobility_[term.row];
-        largest = std::max(largest, bodies_[body_of(term)].inverse_mass.maxCoeff());
-        along += term.along_N.squaredNorm();
+        Mobility& of_row = mobility_[term.row];
+        of_row.inverse_mass = std::max(of_row.inverse_mass, bodies_[body_of(term)].inverse_mass.maxCoeff());
+        of_row.along2 += term.along_N.squaredNorm();
     }
     cluster_.find_own();
     for (ContactCoupling& c : cluster_.couplings) {
         if (c.of != c.on) continue;
         const Eigen::Matrix2d of_bodies = cluster_.own_of_bodies(c.of);
-        const auto& [largest, along] = mobility_[c.of];
         for (int k = 0; k < 2; ++k)
-            if (cluster_.own(c.of)(k, k) - of_bodies(k, k) <= held * largest * along &&
+            if (cluster_.own(c.of)(k, k) - of_bodies(k, k) <= held * mobility_[c.of].largest() &&
                 of_bodies(k, k) <= held_body * of_bodies.trace())
                 cluster_.hold(c, k);
     }

@@ -57,6 +57,12 @@ private:
         Index row, corner;
         Vec2 along_N, along_T;
     };
+    /// The mobility that a row would have if all of its corners could move as its lightest one.
+    struct Mobility {
+        double inverse_mass = 0;  // [1/kg] of that corner
+        double along2 = 0;        // [-] sum of |along_N|^2
+        double largest() const { return inverse_mass * along2; }
+    };
     void add_parts(const SolvedFan& fan, Index n_corners, bool stuck_stays);
 
     std::vector<Body> bodies_;
@@ -64,8 +70,7 @@ private:
     std::vector<Term> terms_;          // of one row after the other
     std::vector<Index> part_;          // per corner of a fan: the first corner of its part
     std::vector<Vec3> free_of_rigid_;  // [m/s, m/s, rad/s]
-    std::vector<std::pair<double, double>>
-        mobility_;  // per row: largest inverse mass [1/kg] of its corners, sum of along^2
+    std::vector<Mobility> mobility_;   // per row
     std::vector<std::size_t> end_of_body_;
     std::vector<Index> of_body_;  // places in terms_, of one body after the other
     std::vector<Index> rows_;     // of the contacts

@@ -47,7 +47,7 @@ void CarriedMotion::begin(const StepContext& step) {
                             .momentum = mass * along_[p].head<2>(),
                             .angular_momentum = length * rigid_.inertia[p](2, 2) / bulk_.mass_factor() * along_[p][2]});
     }
-    if (!begin.rate.empty() && begin.last_step > 0) {  // the acceleration goes on
+    if (begin.has_end_velocities() && begin.last_step > 0) {  // the acceleration goes on
         project(begin.rate);
         for (std::size_t p = 0; p < search_.size(); ++p)
             search_[p].q += step.h / begin.last_step * (search_[p].q - along_[p]);
