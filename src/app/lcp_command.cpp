@@ -104,10 +104,6 @@ ExitCode solve_stored_lcp(const std::vector<std::filesystem::path>& files, const
                 "left out: %s, since each may take hours beyond %d unknowns (this problem has %d); --solver %s "
                 "runs it all the same\n",
                 joined(left_out).c_str(), max_unknowns, problem.size(), left_out.front().c_str());
-        for (const Verdict& v : verdicts)
-            if (v.status == name(LcpStatus::not_applicable))
-                std::fprintf(stderr, "not applicable: %s, which needs %s\n", v.name.c_str(),
-                             std::string(v.solver->requirement).c_str());
         if (std::ranges::any_of(verdicts, [](const Verdict& v) { return v.ray.size() > 0; }))
             std::fprintf(stderr,
                          "no solution: a ray y >= 0 with M'y <= 0 and q'y < 0 was found and checked (--json)\n");

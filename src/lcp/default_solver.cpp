@@ -19,10 +19,7 @@ namespace {
 constexpr int sweeps_between_checks = 5;  // of their rate
 constexpr double steady = 0.999;          // a change whose ratio to the last one is nearer to one is a drift
 constexpr int max_rays = 100;
-constexpr int n_attempts = 4;  // sweeps and Newton by turns, each with four times the sweeps of the one before
-constexpr int newton_steps = 60;
 constexpr double dense_fraction = 0.3;  // of the entries of a matrix that counts as dense
-constexpr double acceptable = 5e-11;    // residual of the best iterate where all have stopped at a degenerate solution
 
 /// Sweeps that cost about as much as a linear solve, measured on problems of 100 to 4000 unknowns; on large sparse ones
 /// a few times as many, since there Newton often needs tens of solves to separate the redundant impulses.
@@ -52,7 +49,8 @@ void follow_ray(const BoxLcp& box, Eigen::VectorXd& x) {
 }
 
 /// Sweeps until x is a solution, or until linear solves promise to be cheaper. Returns whether x is a solution.
-bool sweep_while_it_pays(const BoxLcp& box, double tolerance, double budget, Eigen::VectorXd& x, int& n_sweeps) {
+bool sweep_while_it_pays(const BoxLcp& box, double tolerance, Eigen::VectorXd& x, int& n_sweeps) {
+    const double budget = sweeps_per_solve(box);
     double before = 0;  // change of x at the last check
     int n_rays = 0;
     for (int done = 1;; ++done) {
@@ -140,7 +138,7 @@ private:
     }
 
     bool newton_from(Eigen::VectorXd x) {
-        const LcpStatus status = solve_box_by_newton(box_, options_.tolerance, newton_steps, x, count_);
+        const LcpStatus status = solve_box_by_newton(box_, options_.tolerance, max_newton_steps, x, count_);
         remember(x);
         return status == LcpStatus::solved && is_accepted(best_x_);
     }
@@ -149,27 +147,17 @@ private:
     bool solve_box_form() {
         const Eigen::VectorXd start = best_x_;
         Eigen::VectorXd x = start;
-        for (int attempt = 0; attempt < n_attempts; ++attempt) {
-            const double budget = std::ldexp(sweeps_per_solve(box_), 2 * attempt);
-            const bool is_solved =
-                can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, budget, x, count_) && is_accepted(x);
-            if (is_solved) best_x_ = x;
-            remember(x);
-            if (is_solved || newton_from(x.allFinite() ? x : start)) return true;
-            if (!can_sweep_ || !x.allFinite()) break;
-            if (attempt > 0) continue;
-            Eigen::VectorXd early = start;  // Newton may cycle near a degenerate solution and still find it from afar
-            sweep(box_, early, 1);
-            ++count_;
-            if (newton_from(early)) return true;
-        }
+        const bool is_solved = can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, x, count_) && is_accepted(x);
+        if (is_solved) best_x_ = x;
+        remember(x);
+        if (is_solved || newton_from(x.allFinite() ? x : start)) return true;
         const LcpStatus status = solve_box_by_proximal_points(box_, options_.tolerance, x, count_);
         if (status == LcpStatus::solved && is_accepted(x)) {
             best_x_ = x;
             return true;
         }
         remember(x);
-        return smallest_ <= acceptable && is_accepted(best_x_);
+        return false;
     }
 
     const LcpProblem& problem_;

@@ -2,16 +2,12 @@
 // nonsmooth contact dynamics). Presolve eliminates bounds with their multipliers, so that most rows have a diagonal
 // entry and no blocks are needed.
 #include "lcp/presolve.hpp"
-#include "lcp/solvers.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 namespace knap {
 namespace {
-
-constexpr int max_gauss_seidel_sweeps = 20000;
-constexpr int gauss_seidel_check_interval = 5;
 
 /// Row i of M x + q, and its entry in the column `other`.
 double row_value(const BoxLcp& box, int i, const Eigen::VectorXd& x, int other, double& entry) {
@@ -70,23 +66,6 @@ double sweep(const BoxLcp& box, Eigen::VectorXd& x, int n_sweeps) {
         }
     }
     return largest;
-}
-
-LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const LcpOptions& options) {
-    const BoxLcp box = presolve(problem);
-    const int limit = options.limit(max_gauss_seidel_sweeps);
-    Eigen::VectorXd x = box.box_start(options.start);
-    LcpStatus status = LcpStatus::solved;
-    int n_sweeps = 0;
-    for (double residual = box.residual(x); residual > options.tolerance; residual = box.residual(x)) {
-        if (!box.has_positive_diagonal()) status = LcpStatus::not_applicable;
-        else if (!std::isfinite(residual)) status = LcpStatus::stalled;
-        else if (n_sweeps >= limit) status = LcpStatus::iteration_limit;
-        if (status != LcpStatus::solved) break;
-        sweep(box, x, std::min(gauss_seidel_check_interval, limit - n_sweeps));
-        n_sweeps += gauss_seidel_check_interval;
-    }
-    return lcp_solution(problem, status, box.lcp_point(x), n_sweeps);
 }
 
 }  // namespace knap

@@ -85,8 +85,7 @@ LcpSolution solve_by_interior_point(const LcpProblem& problem, const LcpOptions&
     const Eigen::VectorXd z = scaling.original_z(best);
     if (status != LcpStatus::solved && residual <= crossover) {
         LcpSolution end = solve_by_newton(
-            problem,
-            {.tolerance = options.tolerance, .max_iterations = max_crossover_steps, .exhaustive = false, .start = z});
+            problem, {.tolerance = options.tolerance, .max_iterations = max_crossover_steps, .start = z});
         end.iterations += count;
         if (end.status == LcpStatus::solved) return end;
     }

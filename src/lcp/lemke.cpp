@@ -21,7 +21,6 @@ using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 constexpr double golden_ratio = 0.6180339887498949;
 constexpr double pivot_tolerance = 1e-11;  // of the largest entry of the entering column
 constexpr double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem; of a stiff one also of values
-constexpr double accurate = 1e-10;         // residual of a stiff problem at which no other path is tried
 constexpr int max_pivots_per_unknown = 50;
 constexpr int n_covering_vectors = 30, n_covering_vectors_of_quick_search = 3;
 constexpr int few = 96;  // unknowns whose tableau is on the stack, 75 kB twice: explicit steps allocate nothing
@@ -55,7 +54,7 @@ public:
         Path best{LcpStatus::ray, Vector::Zero(n_), 0};
         double smallest = infinity;
         if (n_ == 0 || q_.minCoeff() >= 0) smallest = 0, best.status = LcpStatus::solved;
-        for (int attempt = 0; attempt < n_paths && smallest > accurate; ++attempt) {
+        for (int attempt = 0; attempt < n_paths && smallest > max_scaled_residual; ++attempt) {
             ties_of_values_ = attempt % 2 == 0;
             const Path path = follow_path(attempt, infinity);
             if (path.status != LcpStatus::solved) continue;

@@ -16,8 +16,7 @@ namespace {
 constexpr double first_proximal = 1e-10, min_proximal = 1e-12, max_proximal = 1.0;
 constexpr int max_newton_halvings = 4;
 constexpr int n_remembered = 6;             // norms that the line search compares with
-constexpr int max_newton_iterations = 100;  // of each start of the solver
-constexpr int n_starts = 4;                 // each after four times the sweeps of the one before
+constexpr int max_newton_iterations = 100;  // of the solver
 constexpr int first_sweeps = 5;
 
 enum State : signed char { lower = -1, free = 0, upper = 1 };
@@ -127,17 +126,13 @@ LcpSolution solve_by_newton(const LcpProblem& problem, const LcpOptions& options
     Eigen::VectorXd start = box.box_start(options.start), x = whole.box_start(options.start);
     for (int i = 0; !can_sweep && i < box.size(); ++i)
         if (box.unknowns[i].is_capped()) start[i] = box.unknowns[i].upper;
-    LcpStatus status = LcpStatus::stalled;
-    int n_solves = 0;
-    for (int attempt = 0, n_sweeps = first_sweeps; attempt < (options.exhaustive && can_sweep ? n_starts : 1);
-         ++attempt, n_sweeps *= 4) {
-        if (attempt > 0 || !is_warm) {
-            if (can_sweep) sweep(box, start, n_sweeps);
-            x = whole.box_start(box.lcp_point(start));
-        }
-        status = solve_box_by_newton(whole, options.tolerance, options.limit(max_newton_iterations), x, n_solves);
-        if (status == LcpStatus::solved) break;
+    if (!is_warm) {
+        if (can_sweep) sweep(box, start, first_sweeps);
+        x = whole.box_start(box.lcp_point(start));
     }
+    int n_solves = 0;
+    const LcpStatus status =
+        solve_box_by_newton(whole, options.tolerance, options.limit(max_newton_iterations), x, n_solves);
     return lcp_solution(problem, status, whole.lcp_point(x), n_solves);
 }
 

@@ -71,6 +71,8 @@ BoxLcp without_presolve(const LcpProblem& problem);
 /// gauss_seidel.cpp.
 double sweep(const BoxLcp& box, Eigen::VectorXd& x, int n_sweeps);
 
+inline constexpr int max_newton_steps = 60;  // on the box form; more of them hardly ever end at a solution
+
 /// Until the largest entry of the natural map is `tolerance` or less. In newton.cpp.
 LcpStatus solve_box_by_newton(const BoxLcp& box, double tolerance, int max_iterations, Eigen::VectorXd& x, int& count);
 

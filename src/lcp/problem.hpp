@@ -37,20 +37,19 @@ enum class LcpStatus {
     solved,  // the criterion of the solver holds; scaled_residual (scaling.hpp) is the independent measure
     ray,     // the pivots ended on a ray, which leads to no solution; of the default solver: a proof that there is none
     iteration_limit,
-    singular,        // a linear system could not be solved
-    stalled,         // steps too small to continue
-    not_applicable,  // the method does not exist for this matrix, e.g. because of a zero on the diagonal
+    singular,  // a linear system could not be solved
+    stalled,   // steps too small to continue
 };
 
 constexpr std::string_view name(LcpStatus status) {
-    constexpr std::string_view names[]{"solved", "ray", "iteration_limit", "singular", "stalled", "not_applicable"};
+    constexpr std::string_view names[]{"solved", "ray", "iteration_limit", "singular", "stalled"};
     return names[static_cast<int>(status)];
 }
 
 struct LcpOptions {
     double tolerance = 1e-11;  // natural residual of the equilibrated problem, whose diagonal and q are of order one
     int max_iterations = 0;    // sweeps or linear solves of one start, not pivots; 0: the limit of the solver
-    bool exhaustive = true;    // false: few starts only, and the default solver tries no other solver but Lemke's
+    bool exhaustive = true;    // false: the default solver tries no other solver but Lemke's, and that few paths
     Eigen::VectorXd start;     // warm start, z of a similar problem; empty: none
 
     int limit(int limit_of_solver) const { return max_iterations > 0 ? max_iterations : limit_of_solver; }

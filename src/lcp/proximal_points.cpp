@@ -15,8 +15,6 @@ namespace knap {
 namespace {
 
 constexpr int max_rounds = 40, sweeps_per_round = 20;
-constexpr int newton_steps_per_round = 60;  // a round whose problem is not solved leads hardly nearer
-constexpr double inner_tolerance = 1e-10;   // of a round; the last round is a Newton iteration on the problem itself
 
 /// D from the sums of the rows: couplings among capped unknowns, directly and through the pairs that they bound.
 Eigen::VectorXd majorant(const BoxLcp& box) {
@@ -45,11 +43,10 @@ LcpStatus solve_box_by_proximal_points(const BoxLcp& box, double tolerance, Eige
         if (D[i] > 0) convex.M.coeffRef(i, i) += D[i];
     }
     if (std::ranges::none_of(box.unknowns, &BoxUnknown::is_capped) || !convex.has_positive_diagonal())
-        return LcpStatus::not_applicable;
+        return LcpStatus::stalled;
     const auto newton = [&](const BoxLcp& problem, double until) {  // keeps only solutions
         Eigen::VectorXd exact = x;
-        if (solve_box_by_newton(problem, until, newton_steps_per_round, exact, count) != LcpStatus::solved)
-            return false;
+        if (solve_box_by_newton(problem, until, max_newton_steps, exact, count) != LcpStatus::solved) return false;
         x = exact;
         return true;
     };
@@ -57,7 +54,7 @@ LcpStatus solve_box_by_proximal_points(const BoxLcp& box, double tolerance, Eige
         convex.q = box.q - D.cwiseProduct(x);
         sweep(convex, x, sweeps_per_round);
         count += sweeps_per_round;
-        newton(convex, inner_tolerance);
+        newton(convex, max_scaled_residual);  // a round whose problem is not solved leads hardly nearer
         if (!x.allFinite()) return LcpStatus::stalled;
         if (newton(box, tolerance) || box.residual(x) <= tolerance) return LcpStatus::solved;
     }

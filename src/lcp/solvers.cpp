@@ -8,16 +8,11 @@ namespace knap {
 std::span<const LcpSolver> lcp_solvers() {
     constexpr int any = std::numeric_limits<int>::max(), dense = max_dense_unknowns;
     static constexpr LcpSolver solvers[]{
-        {"default", "presolve, sweeps and Newton by turns, proximal points, then every other solver", true, any, "",
-         solve_by_default},
-        {"newton", "semismooth Newton (primal-dual active set)", true, dense, "", solve_by_newton},
-        {"lemke", "Lemke's pivots, lexicographic, from several covering vectors", false, dense, "", solve_by_lemke},
-        {"interior_point", "primal-dual path following with predictor and corrector", false, dense, "",
+        {"default", "presolve, sweeps, Newton, proximal points, then every other solver", true, any, solve_by_default},
+        {"newton", "semismooth Newton (primal-dual active set)", true, dense, solve_by_newton},
+        {"lemke", "Lemke's pivots, lexicographic, from several covering vectors", false, dense, solve_by_lemke},
+        {"interior_point", "primal-dual path following with predictor and corrector", false, dense,
          solve_by_interior_point},
-        {"convex_qp", "projected Newton on the convex quadratic program of the box form", true, dense,
-         "a matrix that is symmetric and positive semidefinite once its bounds are eliminated", solve_by_convex_qp},
-        {"gauss_seidel", "projected Gauss-Seidel on the box form", true, any,
-         "a matrix with a positive diagonal once its bounds are eliminated", solve_by_gauss_seidel},
     };
     return solvers;
 }

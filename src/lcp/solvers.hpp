@@ -10,9 +10,7 @@ namespace knap {
 LcpSolution solve_by_default(const LcpProblem& problem, const LcpOptions& options = {});
 LcpSolution solve_by_lemke(const LcpProblem& problem, const LcpOptions& options = {});
 LcpSolution solve_by_newton(const LcpProblem& problem, const LcpOptions& options = {});
-LcpSolution solve_by_convex_qp(const LcpProblem& problem, const LcpOptions& options = {});
 LcpSolution solve_by_interior_point(const LcpProblem& problem, const LcpOptions& options = {});
-LcpSolution solve_by_gauss_seidel(const LcpProblem& problem, const LcpOptions& options = {});
 
 /// Lemke's pivots for small problems, without equilibration: M and q should be of order one, and the caller judges z.
 /// False where every path ends on a ray: then there is hardly a solution. Up to 96 unknowns nothing is allocated.
@@ -24,9 +22,8 @@ inline constexpr int max_dense_unknowns = 3000;  // of a tableau, or of a factor
 
 struct LcpSolver {
     std::string_view name, description;
-    bool uses_start;               // whether a warm start has an effect
-    int max_unknowns;              // up to which it takes minutes at most; beyond, it runs only by its name
-    std::string_view requirement;  // of the problems to which it is applicable; empty: none
+    bool uses_start;   // whether a warm start has an effect
+    int max_unknowns;  // up to which it takes minutes at most; beyond, it runs only by its name
     LcpSolution (*solve)(const LcpProblem&, const LcpOptions&);
 };
 
