@@ -29,7 +29,7 @@ bool FanClusters::join(const FanLink& link, const Vec2& jump, double tolerance) 
 }
 
 bool FanClusters::find_velocities(const std::vector<Vec2>& impulse, const std::vector<std::uint8_t>& known,
-                                  double tolerance, bool of_quotients) {
+                                  double tolerance) {
     const std::vector<FanBody>& bodies = problem_->bodies;
     velocity_.assign(cluster_.size(), Vec2::Zero());
     inverse_mass_.assign(cluster_.size(), Vec2::Zero());
@@ -38,7 +38,7 @@ bool FanClusters::find_velocities(const std::vector<Vec2>& impulse, const std::v
         const Vec2 m = bodies[b].mass(), v = bodies[b].free_velocity - offset_[b];
         for (int k = 0; k < 2; ++k) {
             if (m[k] == 0) continue;
-            momentum[cluster_[b]][k] += of_quotients ? v[k] / bodies[b].inverse_mass[k] : m[k] * v[k];
+            momentum[cluster_[b]][k] += m[k] * v[k];
             mass[cluster_[b]][k] += m[k];
         }
     }

@@ -17,10 +17,8 @@ public:
     /// already move together at another one.
     bool join(const FanLink& link, const Vec2& jump, double tolerance);
     /// Velocities under the `known` impulses [N s] of links: V = sum (m (v_free - offset) + P) / sum m. Prescribed
-    /// components, and the support, prescribe those of their cluster; false where two of them differ. `of_quotients`: m
-    /// v is v / m^-1, not m v (the paths of Lemke's pivots on degenerate fans depend on this rounding).
-    bool find_velocities(const std::vector<Vec2>& impulse, const std::vector<std::uint8_t>& known, double tolerance,
-                         bool of_quotients = false);
+    /// components, and the support, prescribe those of their cluster; false where two of them differ.
+    bool find_velocities(const std::vector<Vec2>& impulse, const std::vector<std::uint8_t>& known, double tolerance);
     /// The change of velocity by one more impulse [N s] of a link.
     void apply(const FanLink& link, const Vec2& impulse);
 

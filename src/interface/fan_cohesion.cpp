@@ -10,8 +10,6 @@ namespace {
 
 constexpr int max_cohesion_solves = 1000;  // tens are usual
 constexpr double beta_tolerance = 1e-14;   // [-] change of beta
-constexpr double tolerated = 1e-10;        // [-] gap of a step that is accepted: the gate of every run
-constexpr double worth_mixing = 0.9;       // ratio of gaps; above, softening outweighs inertia and the secant diverges
 
 /// beta+ by the law at the end openings of a solved problem.
 double cohesion_after(const SolvedFan& fan, const LinkCohesion& at) {
@@ -26,37 +24,24 @@ double cohesion_after(const SolvedFan& fan, const LinkCohesion& at) {
 
 FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta) {
     for (LinkCohesion& at : cohesion) at.guess = at.start;
-    double last_gap = 0;
     int iterations = 0;
     for (int solve = 1;; ++solve) {
         FanSolution solution = solve_on_ramps(fan, solver);
         iterations += solution.iterations;
-        double gap = 0, product = 0, top = 0, bottom = 0;
+        double gap = 0;
         for (LinkCohesion& at : cohesion) {
-            at.answer = cohesion_after(fan, at);
-            const double change = at.gap() - at.last_gap;
-            gap = std::max(gap, std::abs(at.gap()));
-            product += at.gap() * at.last_gap;  // negative: the secant interpolates between the last two answers
-            top += at.gap() * change;
-            bottom += change * change;
+            const double answer = cohesion_after(fan, at);
+            gap = std::max(gap, std::abs(answer - at.guess));
+            at.guess = std::clamp(answer, 0.0, at.start);
         }
         if (gap <= beta_tolerance || solve == max_cohesion_solves) {
             solution.iterations = iterations;
             solution.residual = std::max(solution.residual, gap);
-            solution.settled = gap <= tolerated;
+            solution.settled = gap <= max_violation;
             return solution;
         }
-        // part of the last change of the answers to take back, so that the gaps cancel as well as they can
-        const bool mixes = solve > 1 && bottom > 0 && (gap < worth_mixing * last_gap || product < 0);
-        const double mixed = mixes ? top / bottom : 0;
-        for (LinkCohesion& at : cohesion) {
-            const double next = at.answer - mixed * (at.answer - at.last_answer);
-            at.last_gap = at.gap();
-            at.last_answer = at.answer;
-            at.guess = std::clamp(next, 0.0, at.start);
+        for (const LinkCohesion& at : cohesion)
             fan.problem.links[at.link].cohesive = at.strength * (theta * at.guess + (1 - theta) * at.start) / at.start;
-        }
-        last_gap = gap;
     }
 }
 

@@ -4,10 +4,8 @@
 //     forces with  beta_theta = theta beta+ + (1 - theta) beta,      beta+ = law at the end openings under these forces
 //
 // With a given beta+ the fan is the problem of fan_problem.hpp, so beta+ is a fixed point. One iteration contracts by
-// theta h k S sigma_c/(delta_c m), small inside the stable step of a mesh that resolves the process zone; a secant over
-// all links of the fan (mixing of depth one, D. G. Anderson, J. ACM 12, 1965) makes it exact in three solves where one
-// link softens. The iteration starts from beta+ = beta: where there are several solutions, nothing breaks below its
-// strength.
+// theta h k S sigma_c/(delta_c m), small inside the stable step of a mesh that resolves the process zone. The iteration
+// starts from beta+ = beta: where there are several solutions, nothing breaks below its strength.
 #include "interface/fan_solver.hpp"
 #include "material/cohesive_law.hpp"
 
@@ -17,13 +15,9 @@ namespace knap {
 struct LinkCohesion {
     Index link;
     const CohesiveLaw* law;
-    double start;                          // [-] beta
-    double strength;                       // [N s] C with this beta
-    double guess = 0;                      // [-] beta+ that the forces were found with
-    double answer = 0;                     // [-] beta+ by the law
-    double last_gap = 0, last_answer = 0;  // of the solve before
-
-    double gap() const { return answer - guess; }
+    double start;      // [-] beta
+    double strength;   // [N s] C with this beta
+    double guess = 0;  // [-] beta+ that the forces are found with
 };
 
 /// The links come with the cohesive impulse of the start and leave with that of beta_theta. A fan that does

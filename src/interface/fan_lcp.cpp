@@ -8,7 +8,7 @@ std::optional<double> FanLcp::solve(const FanProblem& problem, const std::vector
     clusters_.start(problem);
     for (const FanLink& link : links)
         if (link.unbreakable) clusters_.join(link, Vec2::Zero(), 0);
-    clusters_.find_velocities({}, {}, 0, true);
+    clusters_.find_velocities({}, {}, 0);
     lcp_.clear();
     for (std::size_t i = 0; i < links.size(); ++i)
         if (!links[i].unbreakable) lcp_.add(i, links[i], states[i].law, clusters_.inverse_mass(links[i]).sum());

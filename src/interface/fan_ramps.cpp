@@ -6,31 +6,26 @@
 namespace knap {
 namespace {
 
-constexpr int max_ramp_solves = 30;          // up to seven are usual
-constexpr int patient_solves = 10;           // from here on tangents move by a part of the way
-constexpr double ramp_tolerance = 1e-12;     // [-] error of r
-constexpr double touching_envelope = 1e-12;  // [-] of kappa: a point this near to it is on the softening branch
-constexpr double farthest = 16;              // one solve moves a tangent by its root at most
+constexpr int max_ramp_solves = 30;  // up to seven are usual
 
 /// A link whose energy is linear at the end of its step and was quadratic at its start gets a tangent of r as its ramp,
 /// the others their ramp. The solution lies on the last tangent, above r: the r that is sought is below the one found,
 /// and its opening d above. So the next tangent touches between these two, at the geometric mean of the d found and the
-/// d that belongs to the r found (r is a hyperbola), or with `damping` < 1 a part of the way from the last one to it.
+/// d that belongs to the r found (r is a hyperbola).
 /// Returns the distance of the `rate` found [m/s] and the r that the link bears from the law [-], with velocities over
 /// `speed` [m/s]: on stiff ramps the rounding of velocities is many errors of r.
-double follow_energy(double h, const Vec2& rate, double borne, double damping, double speed, FanLink& link) {
+double follow_energy(double h, const Vec2& rate, double borne, double speed, FanLink& link) {
     const double mean = 0.25 * h * (link.ramp * link.ramp_part(rate) - link.ramp_shift);            // [m] opening
     const double opened = std::max(link.middle.x(), 0.0) + link.gamma * std::abs(link.middle.y());  // s-
     const double a = link.kappa - opened, d = 2 * (mean - opened), found = borne / link.cohesive;
     const auto part_at = [&](double passed) { return 1 - 0.5 * a * a / (link.kappa * passed); };
-    const bool may_pass = a > touching_envelope * link.kappa, passes = may_pass && d > a;
+    const bool may_pass = a > 0, passes = may_pass && d > a;
     const double softer = passes ? (d / a) * (d / a) : 1;  // the slope of r here is that of the ramp over this
     double touch = 0;                                      // [m] d of the tangent; up to a it is the ramp
     if (may_pass) {
-        const double last = a * std::sqrt(0.25 * h * link.ramp / link.kappa), by_opening = std::max(d, a),
-                     by_force = found < 1 ? 0.5 * a * a / (link.kappa * (1 - found)) : by_opening,
-                     next = std::sqrt(by_opening * std::clamp(by_force, a, farthest * by_opening));
-        touch = damping < 1 ? last * std::pow(next / last, damping) : next;
+        const double by_opening = std::max(d, a),
+                     by_force = found < 1 ? 0.5 * a * a / (link.kappa * (1 - found)) : by_opening;
+        touch = std::sqrt(by_opening * std::max(by_force, a));
     }
     link.set_ramp(h);
     const double part = passes ? part_at(d) : std::clamp(mean / link.kappa, 0.0, 1.0), off = std::abs(found - part),
@@ -53,21 +48,16 @@ FanSolution solve_on_ramps(SolvedFan& fan, FanSolver& solver, double rest) {
     FanSolution solution = solver.solve(problem, fan.result, rest);
     if (!problem.has_ramps) return solution;
     const double speed = scales_of(problem, rest).speed;
-    double damping = 1, last_error = 1;
     for (int solve = 1;; ++solve) {
         double error = 0;
         for (std::size_t i = 0; i < problem.links.size(); ++i)
             if (FanLink& link = problem.links[i]; link.kappa > 0 && link.cohesive > 0)
-                error = std::max(error, follow_energy(problem.drift_time, result.across(link), result.links[i].borne,
-                                                      damping, speed, link));
-        if (error <= ramp_tolerance || solve == max_ramp_solves) {
-            solution.residual = std::max(solution.residual, error > ramp_tolerance ? error : 0);
+                error = std::max(
+                    error, follow_energy(problem.drift_time, result.across(link), result.links[i].borne, speed, link));
+        if (error <= relative_tolerance || solve == max_ramp_solves) {
+            solution.residual = std::max(solution.residual, error > relative_tolerance ? error : 0);
             return solution;
         }
-        // the states of several links may jump to and fro between stiff and soft tangents
-        if (solve > patient_solves)
-            damping = error > 0.5 * last_error ? std::max(0.5 * damping, 0.1) : std::min(2 * damping, 1.0);
-        last_error = error;
         const int before = solution.iterations;
         solution = solver.solve(problem, fan.result, rest);
         solution.iterations += before;

@@ -9,8 +9,6 @@ namespace {
 constexpr int max_corrections = 40;           // changes of state before Lemke's method
 constexpr int patient_corrections = 8;        // from here on only the worst violation changes its state
 constexpr int max_tried = 200000;             // combinations of states, where Lemke's method ends without a solution
-constexpr double max_violation = 1e-10;       // relative, of a solution of the active set: the gate of every run
-constexpr double usual_violation = 1e-11;     // above it Lemke's method may be more accurate: contacts that disagree
 constexpr double max_lemke_violation = 1e-8;  // of a solution of Lemke's method
 
 void apply(const StateChange& change, LinkState& state) {
@@ -38,8 +36,6 @@ FanSolution FanSolver::solve(const FanProblem& problem, FanResult& result, doubl
         saved_ = now_;
         if (solution.status != Status::searched && !settle_states(patient_corrections, solution.iterations))
             now_ = saved_;
-    } else if (now_.violation > usual_violation) {
-        solution.status = improve_by_lemke();
     }
     solution.bonded = std::ranges::all_of(now_.states, &LinkState::holds);
     solution.residual = solution.is_lawful() ? now_.violation : std::max(now_.violation, 1.0);
@@ -126,17 +122,11 @@ FanSolution::Status FanSolver::find_states_by_lemke() {
     if (std::ranges::any_of(problem_->links, has_ramp) && settle_states(max_corrections, n_solves))
         return FanSolution::Status::by_lemke;
     if (search_states()) return FanSolution::Status::searched;
-    for (LinkState& state : now_.states) state.law.contact.rate = std::min(state.law.contact.rate, 0.0);
-    if (solve_by_lemke()) return FanSolution::Status::relaxed;
-    for (LinkState& state : now_.states) state.law.closed = state.law.open;
+    for (LinkState& state : now_.states) {
+        state.law.contact.rate = std::min(state.law.contact.rate, 0.0);
+        state.law.closed = state.law.open;
+    }
     return solve_by_lemke() ? FanSolution::Status::relaxed : FanSolution::Status::failed;
-}
-
-FanSolution::Status FanSolver::improve_by_lemke() {
-    saved_ = now_;
-    if (solve_by_lemke() && now_.violation < saved_.violation) return FanSolution::Status::by_lemke;
-    now_ = saved_;
-    return FanSolution::Status::exact;
 }
 
 bool FanSolver::solve_by_lemke() {

@@ -12,12 +12,15 @@
 
 namespace knap {
 
+/// [-] Relative, of a solution: the gate of every run.
+constexpr double max_violation = 1e-10;
+
 struct FanSolution {
     enum class Status {
         exact,     // by the active set
         by_lemke,  // the active set cycled; by Lemke's method
         searched,  // Lemke's method ended without a solution; by trying the states of the links that moved
-        relaxed,   // no solution (large friction can wedge): solved without restitution, or else without friction
+        relaxed,   // no solution (large friction can wedge): solved without restitution and friction
         failed     // no solution found
     };
     Status status = Status::exact;
@@ -43,7 +46,6 @@ private:
     };
 
     FanSolution::Status find_states_by_lemke();               // of the laws, or else of relaxed laws
-    FanSolution::Status improve_by_lemke();                   // a solution that is less accurate than usual
     bool settle_states(int correction_limit, int& n_solves);  // the active set
     bool settle_self_stress();
     int correct_states(bool only_worst);
