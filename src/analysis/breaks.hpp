@@ -11,7 +11,7 @@
 // break counts as a shear break.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
-#include "stepper/adaptation.hpp"
+#include "stepper/adapt/adaptation.hpp"
 
 namespace knap {
 

@@ -4,7 +4,7 @@
 #include "analysis/interface_graph.hpp"
 #include "base/grouped.hpp"
 #include "base/union_find.hpp"
-#include "stepper/adaptation.hpp"
+#include "stepper/adapt/adaptation.hpp"
 
 #include <functional>
 #include <map>

@@ -1,9 +1,9 @@
 #include "analysis/energy_ledger.hpp"
 
 #include "element/triangle_matrices.hpp"
+#include "stepper/adapt/excavation.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/point_work.hpp"
-#include "stepper/excavation.hpp"
 #include "stepper/scheme_change.hpp"
 
 #include <climits>

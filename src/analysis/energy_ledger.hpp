@@ -39,7 +39,7 @@
 // the step. Energy present at the start, of motion or of a preload, is no work.
 #include "model/state.hpp"
 #include "output/outputs.hpp"
-#include "stepper/adaptation.hpp"
+#include "stepper/adapt/adaptation.hpp"
 #include "stepper/common/step_report.hpp"
 #include "stepper/common/step_scheme.hpp"
 

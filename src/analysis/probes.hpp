@@ -5,7 +5,7 @@
 #include "analysis/nearest.hpp"
 #include "analysis/tip_integral.hpp"
 #include "output/outputs.hpp"
-#include "stepper/adaptation.hpp"
+#include "stepper/adapt/adaptation.hpp"
 
 namespace knap {
 

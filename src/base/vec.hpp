@@ -9,6 +9,7 @@
 namespace knap {
 
 using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
 using Index = std::int32_t;
 
 inline constexpr Index no_index = -1;  // stands for none

@@ -17,7 +17,6 @@
 namespace knap {
 
 /// Components x, y, angle of a rigid motion; or force, force, moment.
-using Vec3 = Eigen::Vector3d;
 
 struct Rotation {
     double cosine = 1, sine = 0;

@@ -20,7 +20,7 @@
 #include "scenario/ensemble_options.hpp"
 #include "scenario/specimen_strength.hpp"
 #include "scenario/toml_tree.hpp"
-#include "stepper/adaptation.hpp"
+#include "stepper/adapt/adaptation.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/scheme_change.hpp"
 

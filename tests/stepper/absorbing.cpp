@@ -306,9 +306,9 @@ TEST_CASE("absorbing boundary: refused where the boundary is held or led") {
     ModelInput held = bar(bar_mesh(4, 2, 2, 1), rock, PlaneModel::strain);
     held.supports = {{.on = {.boundary = "left", .box = {}, .body = {}}}};
     CHECK_THROWS_AS(Run(held, let_out("left")), UserError);
-    ModelInput led = bar(bar_mesh(4, 2, 2, 1), rock, PlaneModel::strain);
-    led.loads = {load(Load::Kind::velocity, "left", 0.0, 1.0)};
-    CHECK_THROWS_AS(Run(led, let_out("left")), UserError);
+    ModelInput slip_follows_normal = bar(bar_mesh(4, 2, 2, 1), rock, PlaneModel::strain);
+    slip_follows_normal.loads = {load(Load::Kind::velocity, "left", 0.0, 1.0)};
+    CHECK_THROWS_AS(Run(slip_follows_normal, let_out("left")), UserError);
 }
 
 }  // namespace absorbing_test

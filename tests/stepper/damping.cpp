@@ -2,7 +2,7 @@
 // leaves of the motion of pieces that nothing holds.
 #include "analysis/fragments.hpp"
 #include "properties/wild_body.hpp"
-#include "stepper/excavation.hpp"
+#include "stepper/adapt/excavation.hpp"
 #include "support/obstacles.hpp"
 
 #include <doctest/doctest.h>

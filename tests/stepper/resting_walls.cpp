@@ -46,7 +46,7 @@ struct Masonry {
         return input;
     }
     /// [N] Upwards, on all bodies from this row on from those below.
-    double borne(int from_row, const State& state) const {
+    double cohesive_impulse(int from_row, const State& state) const {
         const Mesh& mesh = bodies.mesh;
         const auto row_of = [&](Index corner) { return row[mesh.region[mesh.triangle_of(corner)]]; };
         const auto place = [&](Index corner) -> Vec2 { return mesh.corner(corner) + state.displacement_of(corner); };
@@ -84,7 +84,7 @@ void check_stands(Masonry& found, double friction) {
     CHECK(rest.reaction.y() == relative(found.weight(), 1e-9));
     for (int i = 1; i <= *std::ranges::max_element(found.row); ++i) {
         CAPTURE(i);
-        CHECK(found.borne(i, rest.now) == relative(found.weight(i), 1e-8));
+        CHECK(found.cohesive_impulse(i, rest.now) == relative(found.weight(i), 1e-8));
     }
 }
 

@@ -1,6 +1,6 @@
 #pragma once
-// An independent judge of solved fans: it evaluates the formulas of interface/fan_problem.hpp directly and shares no code with the solver.
-#include "interface/fan_problem.hpp"
+// An independent judge of solved fans: it evaluates the formulas of nonsmooth/fan_problem.hpp directly and shares no code with the solver.
+#include "nonsmooth/fan_problem.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -100,7 +100,7 @@ private:
     }
 
     double cohesion(const FanLink& link, const LinkResult& found) const {
-        return link.ramp > 0 ? found.borne : link.cohesive;
+        return link.ramp > 0 ? found.cohesive_impulse : link.cohesive;
     }
 
     /// Distance of (s, borne) from  C clamp(s/kappa, 0, 1)  at the mean opening of the half steps.
@@ -109,13 +109,13 @@ private:
         const Vec2 V = after(link);
         const double s = link.ramp_start.x() + normal_part(link, V) +
                          link.gamma * std::abs(link.ramp_start.y() + tangential_part(link, V)),
-                     part = found.borne / link.cohesive;
+                     part = found.cohesive_impulse / link.cohesive;
         const double off = part >= 1   ? std::max(link.ramp - s, 0.0)
                            : part <= 0 ? std::max(s, 0.0)
                                        : std::abs(s - part * link.ramp);
         return std::max(
             std::min(off / speed_,
-                     std::abs(found.borne - link.cohesive * std::clamp(s / link.ramp, 0.0, 1.0)) / impulse_),
+                     std::abs(found.cohesive_impulse - link.cohesive * std::clamp(s / link.ramp, 0.0, 1.0)) / impulse_),
             std::max(part - 1, -part) * link.cohesive / impulse_);
     }
     double contact(const FanLink& link, const LinkResult& found) const {

@@ -2,7 +2,7 @@
 // Random fans: closed, open, on the support; with equal and with very unequal masses; at rest, moving together, impacting; with ties; in
 // any units. Every one has a solution: what is joined for ever moves together before the step, and what is driven can be followed.
 #include "base/random.hpp"
-#include "interface/fan_problem.hpp"
+#include "nonsmooth/fan_problem.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -16,7 +16,7 @@ install(FILES tools/python/knap.py DESTINATION ${CMAKE_INSTALL_DATADIR}/knap ${f
 install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} ${for_both})
 # the pages and what they link to, in the places where they link to it
 file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS src/*.md scenarios/*.md scenarios/*.toml scenarios/gallery/* tests/*.md
-     tests/verification/*.png tests/verification/*.csv tests/stepper/absorbing.cpp tests/stepper/excavation.cpp third_party_notes/*.md
+     tests/verification/*.png tests/verification/*.csv tests/lcp/*.csv tests/stepper/absorbing.cpp tests/stepper/adapt/excavation.cpp third_party_notes/*.md
      tools/bench/*.md tools/bench/*.csv scenarios/results/*.csv
      tools/python/*.py)
 foreach(page ${pages})

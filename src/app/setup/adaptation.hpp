@@ -1,7 +1,7 @@
 #pragma once
 // The refinements of a run ([adapt]): when the mesh is looked at, and what a continued run needs to know of them.
 #include "scenario/scenario.hpp"
-#include "stepper/adaptation.hpp"
+#include "stepper/adapt/adaptation.hpp"
 
 #include <string>
 #include <utility>

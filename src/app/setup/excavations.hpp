@@ -2,7 +2,7 @@
 // The excavations of a run: which triangles vanish when, and what a continued run needs to know of those that happened.
 #include "model/model.hpp"
 #include "scenario/read_scenario.hpp"
-#include "stepper/excavation.hpp"
+#include "stepper/adapt/excavation.hpp"
 
 namespace knap {
 

@@ -6,7 +6,7 @@
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/time_tables.hpp"
-#include "stepper/adaptation.hpp"
+#include "stepper/adapt/adaptation.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 //
 //     1, 2  stress criterion, inscribed circles: cheap, in the order of the explicit sweep (explicit/bond_criteria.hpp)
 //     3     estimate: the impulses with the self-stress of least norm are admissible
-//     4     exact test: those with the best self-stress are admissible (interface/self_stress.hpp)
-#include "interface/self_stress.hpp"
+//     4     exact test: those with the best self-stress are admissible (law/self_stress.hpp)
+#include "law/self_stress.hpp"
 #include "model/state.hpp"
 
 #include <span>

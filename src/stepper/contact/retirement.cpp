@@ -104,7 +104,7 @@ bool may_overlap(const Model& model, const State& state, const Fan& fan) {
 }
 
 /// Of a closed fan.
-bool strangers_overlap(const Model& model, const State& state, const Fan& fan) {
+bool nonadjacent_corners_overlap(const Model& model, const State& state, const Fan& fan) {
     if (!may_overlap(model, state, fan)) return false;
     const auto corners = model.corners(fan);
     for (Index i = 0; i < fan.n_corners; ++i)
@@ -131,7 +131,7 @@ double retirement_limit(const Model& model, const State& state, Index rank) {
     if (!separates(retirement_slip)) return infinity;
     const auto has_retired = [&](const FanPoint& at) { return state.retired[at.point] == Retirement::retired; };
     const bool is_apart = std::ranges::count_if(points, has_retired) > 1;
-    if (!fan.closed || is_apart || strangers_overlap(model, state, fan)) return retirement_slip;
+    if (!fan.closed || is_apart || nonadjacent_corners_overlap(model, state, fan)) return retirement_slip;
     return separates(inner_retirement_slip) ? inner_retirement_slip : infinity;
 }
 
@@ -148,7 +148,7 @@ bool may_change(const Model& model, const std::vector<Retirement>& before, const
 }
 
 /// Corners that points which have not retired join, but not as neighbours, overlap: nothing else keeps them apart.
-bool joined_strangers_overlap(const Model& model, const State& state, const Fan& fan) {
+bool joined_nonadjacent_corners_overlap(const Model& model, const State& state, const Fan& fan) {
     const auto points = model.points(fan);
     const auto next = [&](Index corner) {  // in the fan
         const auto at = std::ranges::find_if(points, [&](const FanPoint& point) {
@@ -203,7 +203,7 @@ void retire_points(const Model& model, const std::vector<Retirement>& before, St
                 if (retired == Retirement::none && is_apart()) retired = Retirement::parted;
                 strangers_may_overlap = strangers_may_overlap || (cohesion > 0 && sides.slipped(inner_overlap));
             }
-            if (!strangers_may_overlap || !joined_strangers_overlap(model, end, fan)) continue;
+            if (!strangers_may_overlap || !joined_nonadjacent_corners_overlap(model, end, fan)) continue;
             for (const FanPoint& point : points)
                 if (Retirement& retired = end.retired[point.point]; retired != Retirement::retired)
                     retired = Retirement::meeting;

@@ -1,6 +1,6 @@
 #include "stepper/explicit/contact_problem.hpp"
 
-#include "interface/link_state.hpp"
+#include "nonsmooth/link_state.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -71,7 +71,7 @@ Index ContactProblem::add_fan(const SolvedFan& solved, Index n_corners, bool stu
         if (body_of(link.before) == body_of(link.after)) continue;
         ClusterContact point{.unbreakable = link.unbreakable};
         if (!link.unbreakable) {
-            if (link.ramp > 0) link.cohesive = result.links[i].borne;
+            if (link.ramp > 0) link.cohesive = result.links[i].cohesive_impulse;
             const Vec2 before = fan.velocity_before(link.after) - fan.velocity_before(link.before);
             point.law = link_law(link, before, fan.drift_time, rest);
             point.cohesive = link.cohesive;

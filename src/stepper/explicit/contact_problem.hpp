@@ -5,8 +5,8 @@
 //     V   = sum along v                     rows: contacts and points; their laws in contact/contact_cluster.hpp
 //
 // Where friction wedges pieces against each other, contacts and fans that take turns need not agree; jointly they do.
-#include "interface/fan_problem.hpp"
-#include "stepper/contact/contact_cluster.hpp"
+#include "nonsmooth/contact_cluster.hpp"
+#include "nonsmooth/fan_problem.hpp"
 
 namespace knap {
 

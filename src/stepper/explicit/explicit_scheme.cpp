@@ -15,7 +15,7 @@ namespace knap {
 namespace {
 
 constexpr std::size_t split_fans_in_a_block = 8;
-constexpr std::size_t soon = 4;  // fans ahead, to prefetch
+constexpr std::size_t prefetch_distance = 4;  // fans ahead, to prefetch
 
 }  // namespace
 
@@ -82,7 +82,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
         contacts_->begin(step, report);
         for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
     }
-    incubation_.call_up(begin, fan_is_candidate_);
+    incubation_.mark_due_fans(begin, fan_is_candidate_);
     // rows 1 to 3, and 5 and 6 of fans that were split before, for the fans inside blocks of triangles
     report += sweep_blocks(step);
     // row 1: the pressure of fluids in cracks; contacts with obstacles
@@ -125,14 +125,14 @@ struct ExplicitScheme::Sweep {
 template <class Corner>
 void ExplicitScheme::move_fans(const Sweep<Corner>& sweep) {
     using Fan = typename BlockFans<Corner>::BlockFan;
-    constexpr std::size_t few = 64;
-    std::array<Vec2, few> force;  // [N] on the fans
-    std::array<std::uint8_t, few> is_closer;
-    std::array<Fan, few> free;
+    constexpr std::size_t fan_batch = 64;
+    std::array<Vec2, fan_batch> force;  // [N] on the fans
+    std::array<std::uint8_t, fan_batch> is_closer;
+    std::array<Fan, fan_batch> free;
     const BlockFans<Corner>& block = sweep.block;
     const Corner* corner = block.corners.data();
-    for (std::size_t first = 0; first < block.fans.size(); first += few) {
-        const auto fans = std::span(block.fans).subspan(first, std::min(few, block.fans.size() - first));
+    for (std::size_t first = 0; first < block.fans.size(); first += fan_batch) {
+        const auto fans = std::span(block.fans).subspan(first, std::min(fan_batch, block.fans.size() - first));
         const Corner* of_fan = corner;
         std::uint8_t any_closer = 0;
         for (std::size_t i = 0; i < fans.size(); ++i) {
@@ -158,7 +158,7 @@ void ExplicitScheme::move_fans(const Sweep<Corner>& sweep) {
             n_free = 0;
         };
         for (std::size_t i = 0; i < fans.size(); of_fan += block.n_places(fans[i]), ++i) {
-            if (i + soon < fans.size() && fan_is_candidate_[fans[i + soon].fan]) {
+            if (i + prefetch_distance < fans.size() && fan_is_candidate_[fans[i + prefetch_distance].fan]) {
                 const InscribedCircle* circle = block.circles.data() + (of_fan - block.corners.data());
                 __builtin_prefetch(circle + block.look_ahead);
                 __builtin_prefetch(circle + block.look_ahead + 4);  // the next cache line

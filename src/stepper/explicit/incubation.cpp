@@ -27,7 +27,7 @@ IncubationClock::IncubationClock(const Model& model) {
     for (const Fan& fan : model.fans) time_.push_back(incubation_time(model, fan));
 }
 
-void IncubationClock::call_up(const State& begin, std::vector<std::uint8_t>& is_candidate) const {
+void IncubationClock::mark_due_fans(const State& begin, std::vector<std::uint8_t>& is_candidate) const {
     for (std::size_t f = 0; f < time_.size(); ++f)
         if (time_[f] > 0 && begin.split_rank[f] < 0 &&
             begin.time - begin.incubation[f].time >= interval * time_[f] * (1 - 1e-9))

@@ -24,7 +24,7 @@ public:
     bool concerns(Index fan) const { return !time_.empty() && time_[fan] > 0; }
     /// Bonded fans whose U was found too long ago become candidates. The stress criterion knows only U < 1; between
     /// two values U is taken to be linear, twenty of them in tau.
-    void call_up(const State& begin, std::vector<std::uint8_t>& is_candidate) const;
+    void mark_due_fans(const State& begin, std::vector<std::uint8_t>& is_candidate) const;
     /// Whether a fan with the utilisation U now holds; `memory` is that of the last time.
     bool is_held(Index fan, double U, double now, Incubation& memory) const;
 

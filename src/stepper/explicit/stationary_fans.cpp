@@ -1,7 +1,7 @@
 #include "stepper/explicit/stationary_fans.hpp"
 
-#include "interface/interface_law.hpp"
-#include "interface/self_stress.hpp"
+#include "law/interface_law.hpp"
+#include "law/self_stress.hpp"
 #include "stepper/common/point_work.hpp"
 
 namespace knap {

@@ -2,7 +2,7 @@
 // Split fans that move in parts which keep their points: where cohesion fell a little beside the crack and the points
 // closed again (two thirds of the split fans in the edge-cracked block), or where the crack went through and its faces
 // move freely (half of the others). Every point is either held (closed, at the kink of its friction and of its cohesion
-// at once) or open without cohesion. Then the one linear system of interface/fan_solver is: one velocity per part, the
+// at once) or open without cohesion. Then the one linear system of nonsmooth/fan_solver is: one velocity per part, the
 // impulses by walking round the vertex from an open point; where no point is open, with the self-stress of least norm.
 //
 //     V = sum m_i v_i_free / sum m_i,     P_after = P_before - m_i (V - v_i_free),     P = 0 at open points

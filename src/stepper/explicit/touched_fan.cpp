@@ -15,13 +15,13 @@ void find_parts(const Model& model, const VertexSolver& solver, TouchedFan& touc
     const Index rank = begin.split_rank[touched.fan];
     std::vector<Index>& part = touched.part;
     part.assign(corners.size(), 0);
-    touched.is_soft = solver.has_outer_forces(touched.fan);
+    touched.solved_jointly = solver.has_outer_forces(touched.fan);
     if (rank < 0) return;
     std::iota(part.begin(), part.end(), 0);
     for (Index j = 0; j < fan.n_points; ++j) {
         const FanPoint& point = model.points(fan)[j];
         if (point.on_support()) {
-            touched.is_soft = true;
+            touched.solved_jointly = true;
             continue;
         }
         const Index before = begin.node_of_corner[point.before], after = begin.node_of_corner[point.after];
@@ -33,12 +33,12 @@ void find_parts(const Model& model, const VertexSolver& solver, TouchedFan& touc
                                  part[place_among(corners, point.before)]);
     }
     const auto is_prescribed = [&](Index corner) { return model.motion_of(corner) != nullptr; };
-    touched.is_soft = touched.is_soft || std::ranges::any_of(touched.corners, is_prescribed) ||
-                      !may_be_stationary(model, rank, step, work.split.stationary);
+    touched.solved_jointly = touched.solved_jointly || std::ranges::any_of(touched.corners, is_prescribed) ||
+                             !may_be_stationary(model, rank, step, work.split.stationary);
 }
 
-void soften(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) {
-    touched.is_soft = true;
+void solve_jointly(TouchedFan& touched, const State& begin, std::vector<std::uint8_t>& splits) {
+    touched.solved_jointly = true;
     splits[touched.fan] = begin.split_rank[touched.fan] < 0;
 }
 

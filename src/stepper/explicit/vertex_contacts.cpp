@@ -11,15 +11,15 @@
 namespace knap {
 namespace {
 
-constexpr double deep = 1e-3;                // [-] of the edge: a deeper penetration is reduced by a rebound
-constexpr double merged = 1e-12;             // [-] of the speeds: nearer kinks of the friction are one
-constexpr double absurd = 1e3;               // [-] of the speeds of a cluster: no impulse of a contact causes it
-constexpr double max_injected = 1e-3;        // [-] of energy and losses of a cluster, by its residual
-constexpr double agreed = 1e-12;             // [-] of the speeds, between contacts and fans
-constexpr double position_rounding = 1e-15;  // [-] of the positions
-constexpr int max_contact_rounds = 100;      // of contacts and fans
-constexpr int careful_round = 3;             // of clusters with obstacles
-constexpr int patience = 4;                  // rounds without half the residual: a wedge has no solution
+constexpr double rebound_depth = 1e-3;           // [-] of the edge: a deeper penetration is reduced by a rebound
+constexpr double kink_tolerance = 1e-12;         // [-] of the speeds: nearer kinks of the friction are one
+constexpr double max_speed_ratio = 1e3;          // [-] of the speeds of a cluster: no impulse of a contact causes it
+constexpr double max_injected = 1e-3;            // [-] of energy and losses of a cluster, by its residual
+constexpr double convergence_tolerance = 1e-12;  // [-] of the speeds, between contacts and fans
+constexpr double position_rounding = 1e-15;      // [-] of the positions
+constexpr int max_contact_rounds = 100;          // of contacts and fans
+constexpr int careful_round = 3;                 // of clusters with obstacles
+constexpr int patience = 4;                      // rounds without half the residual: a wedge has no solution
 
 /// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
 double positive_work(const Vec2& P, const Vec2& mean) {
@@ -37,23 +37,23 @@ Vec2 impulse_before(const ObstacleContact& contact, const State& begin) {
 
 }  // namespace
 
-Index VertexContacts::slot_of(Index fan) {
-    if (slot_of_fan_[fan] >= 0) return slot_of_fan_[fan];
-    const auto slot = static_cast<Index>(fans_.size());
+Index VertexContacts::touched_index_of(Index fan) {
+    if (touched_of_fan_[fan] >= 0) return touched_of_fan_[fan];
+    const auto touched_index = static_cast<Index>(fans_.size());
     fans_.push_back(fan);
     if (touched_.size() < fans_.size()) touched_.emplace_back();
-    touched_[slot].fan = fan;
-    touched_[slot].is_soft = false;
-    touched_[slot].corners.clear();
-    return slot_of_fan_[fan] = slot;
+    touched_[touched_index].fan = fan;
+    touched_[touched_index].solved_jointly = false;
+    touched_[touched_index].corners.clear();
+    return touched_of_fan_[fan] = touched_index;
 }
 
 void VertexContacts::add_term(Index contact, Index corner, const Vec2& along_N, const Vec2& along_T) {
-    const Index slot = slot_of(model_.fan_of_corner[corner]);
-    std::vector<Index>& corners = touched_[slot].corners;
+    const Index touched_index = touched_index_of(model_.fan_of_corner[corner]);
+    std::vector<Index>& corners = touched_[touched_index].corners;
     const Index place = place_among(corners, corner);
     if (place == std::ssize(corners)) corners.push_back(corner);
-    terms_.push_back({contact, slot, place, along_N, along_T});
+    terms_.push_back({contact, touched_index, place, along_N, along_T});
 }
 
 void VertexContacts::add_obstacle_term(Index contact, Index obstacle, const Vec2& arm, double sign,
@@ -83,7 +83,7 @@ void VertexContacts::add_terms(Index contact) {
 double VertexContacts::approach_by_forces(Index contact, const ExplicitStep& step) const {
     double push = 0;
     for (const Term& term : terms_of(contact)) {
-        const Fan& fan = model_.fans[fans_[term.slot]];
+        const Fan& fan = model_.fans[fans_[term.touched_index]];
         Vec2 force = Vec2::Zero();
         for (const Index c : model_.corners(fan)) force += step.corner_force[c];
         if (const PrescribedMotion* motion = model_.motion_of(model_.corners(fan)[0]))
@@ -124,7 +124,7 @@ void VertexContacts::add_row(const ObstaclePairContact& contact, const ExplicitS
     add_obstacle_term(row, two, contact.arm[1], 1, contact.normal);
     const CohesiveLaw &a = model_.obstacles[one].contact, &b = model_.obstacles[two].contact;
     add_row({.gap = contact.gap,
-             .deep = deep * obstacles_.pairs.size(contact),
+             .deep = rebound_depth * obstacles_.pairs.size(contact),
              .rounding = position_rounding * (x.norm() + contact.arm[0].norm() + contact.arm[1].norm()),
              .law = {.friction = std::sqrt(a.friction * b.friction),
                      .restitution = std::sqrt(a.restitution * b.restitution)},
@@ -158,9 +158,9 @@ void VertexContacts::begin_obstacles(const ExplicitStep& step) {
 }
 
 void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
-    slot_of_fan_.resize(model_.fans.size(), -1);
+    touched_of_fan_.resize(model_.fans.size(), -1);
     for (const Index f : fans_) {
-        slot_of_fan_[f] = -1;
+        touched_of_fan_[f] = -1;
         for (const Index corner : model_.corners(model_.fans[f])) corner_impulse_[corner].setZero();
     }
     fans_.clear(), rows_.clear(), terms_.clear(), obstacle_terms_.clear();
@@ -179,7 +179,7 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     for (Index i = 0; i < n; ++i) {
         const FaceContact& c = contacts_.all()[i];
         rows_.push_back({.gap = c.gap,
-                         .deep = deep * c.length,
+                         .deep = rebound_depth * c.length,
                          .rounding = position_rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length),
                          .law = law_between_faces(model_, c),
                          .place = place_of_corner(c.vertex[1], step.begin)});
@@ -201,7 +201,7 @@ Vec2 VertexContacts::rate_of_obstacles(Index contact) const {
 Vec2 VertexContacts::rate(Index contact, const State& state) const {
     Vec2 V = rate_of_obstacles(contact);
     for (const Term& term : terms_of(contact))
-        V += term.rate(state.velocity[state.node_of_corner[touched_[term.slot].corners[term.place]]]);
+        V += term.rate(state.velocity[state.node_of_corner[touched_[term.touched_index].corners[term.place]]]);
     return V;
 }
 
@@ -214,7 +214,7 @@ void VertexContacts::find_clusters() {
     if (n == 0) return;
     joined_.start(n_fans + n_obstacles);
     const auto for_members = [&](Index contact, const auto& visit) {
-        for (const Term& term : terms_of(contact)) visit(term.slot);
+        for (const Term& term : terms_of(contact)) visit(term.touched_index);
         for (const ObstacleTerm& term : obstacle_terms_of(contact))
             if (is_free(term.obstacle)) visit(n_fans + term.obstacle);
     };
@@ -236,7 +236,7 @@ void VertexContacts::find_clusters() {
         cluster_of_member_[member] = cluster_of_member_[joined_.find(member)];
     const auto members = std::span(cluster_of_member_);
     list_members(cluster_of_contact_, contacts_of_clusters_, &Cluster::contacts);
-    list_members(members.first(n_fans), slots_of_clusters_, &Cluster::slots);
+    list_members(members.first(n_fans), touched_of_clusters_, &Cluster::touched);
     list_members(members.subspan(n_fans), obstacles_of_clusters_, &Cluster::obstacles);
     rigid_body_.resize(n_obstacles);
 }
@@ -260,10 +260,10 @@ void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, 
                               ThreadWorkspace& work) {
     ContactProblem& problem = work.contacts;
     problem.clear();
-    for (const Index s : cluster.slots) {
+    for (const Index s : cluster.touched) {
         TouchedFan& touched = touched_[s];
         touched.body.clear();
-        if (!touched.is_soft) {
+        if (!touched.solved_jointly) {
             add_parts(model_, touched, step, problem);
             continue;
         }
@@ -283,7 +283,7 @@ void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, 
             if (!is_free(term.obstacle)) given += term.rate(obstacle_velocity_[term.obstacle]);
         problem.add_contact(impulse_[i], given);
         for (const Term& term : terms_of(i))
-            problem.add_term(touched_[term.slot].body[term.place], term.along_N, term.along_T);
+            problem.add_term(touched_[term.touched_index].body[term.place], term.along_N, term.along_T);
         for (const ObstacleTerm& term : obstacle_terms_of(i))
             if (is_free(term.obstacle)) problem.add_rigid_term(rigid_body_[term.obstacle], term.along_N, term.along_T);
     }
@@ -292,18 +292,18 @@ void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, 
 
 /// Spreads the impulses of a cluster over the corners.
 void VertexContacts::spread(const Cluster& cluster) {
-    for (const Index s : cluster.slots)
+    for (const Index s : cluster.touched)
         for (const Index corner : touched_[s].corners) corner_impulse_[corner].setZero();
     for (const Index i : cluster.contacts)
         for (const Term& term : terms_of(i))
-            corner_impulse_[touched_[term.slot].corners[term.place]] +=
+            corner_impulse_[touched_[term.touched_index].corners[term.place]] +=
                 impulse_[i].x() * term.along_N + impulse_[i].y() * term.along_T;
 }
 
 /// [m/s] (V_N, V_T) of a contact under the present impulses.
 Vec2 VertexContacts::rate(Index contact) const {
     Vec2 V = rate_of_obstacles(contact);
-    for (const Term& term : terms_of(contact)) V += term.rate(touched_[term.slot].velocity[term.place]);
+    for (const Term& term : terms_of(contact)) V += term.rate(touched_[term.touched_index].velocity[term.place]);
     return V;
 }
 
@@ -311,13 +311,13 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
                                    ThreadWorkspace& work, StepReport& report) {
     ContactProblem& problem = work.contacts;
     bool has_soft = false;
-    for (const Index s : cluster.slots) {
+    for (const Index s : cluster.touched) {
         find_parts(model_, solver_, touched_[s], step, work);
-        if (touched_[s].is_soft) soften(touched_[s], step.begin, splits), has_soft = true;
+        if (touched_[s].solved_jointly) solve_jointly(touched_[s], step.begin, splits), has_soft = true;
     }
     spread(cluster);
-    for (const Index s : cluster.slots)
-        if (touched_[s].is_soft) solve_fan(model_, solver_, touched_[s], step, work.split);
+    for (const Index s : cluster.touched)
+        if (touched_[s].solved_jointly) solve_fan(model_, solver_, touched_[s], step, work.split);
     assemble(cluster, step, true, work);
     double speed = 0, error = 0;
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
@@ -340,7 +340,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
             const double of_gap = cluster.contacts[k] < n_faces() ? error : 0;  // else ObstacleContacts clears it
             problem.contact(k).law =
                 contact_law(row.gap, before_[cluster.contacts[k]], problem.may_slip(k) ? row.law.friction : 0,
-                            row.law.restitution, step.drift_time, row.deep, merged * speed + of_gap);
+                            row.law.restitution, step.drift_time, row.deep, kink_tolerance * speed + of_gap);
         }
         residual = problem.solve(speed, error, effort_of(round));
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k)
@@ -348,11 +348,12 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         for (const Index o : cluster.obstacles) obstacle_velocity_[o] = problem.velocity_of_rigid_body(rigid_body_[o]);
         spread(cluster);
         more_soft = false;
-        for (const Index s : cluster.slots) {
+        for (const Index s : cluster.touched) {
             TouchedFan& touched = touched_[s];
-            if (!touched.is_soft && (splits[touched.fan] || !keeps_its_parts(model_, touched, step, work, report)))
-                soften(touched, step.begin, splits), has_soft = more_soft = true;
-            if (touched.is_soft) {
+            if (!touched.solved_jointly &&
+                (splits[touched.fan] || !keeps_its_parts(model_, touched, step, work, report)))
+                solve_jointly(touched, step.begin, splits), has_soft = more_soft = true;
+            if (touched.solved_jointly) {
                 solve_fan(model_, solver_, touched, step, work.split);
             } else {
                 touched.velocity.clear();
@@ -364,12 +365,12 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         if (!has_soft) break;
         residual = problem.residual(work.rate);
         if (residual < 0.5 * least) least = residual, last_progress = round;
-        if (residual <= agreed * speed + error || round - last_progress > patience) break;
+        if (residual <= convergence_tolerance * speed + error || round - last_progress > patience) break;
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
     cluster.residual = speed > 0 ? std::max(0.0, residual - error) / speed : 0;
     double before = 0, after = 0, energy = 0, lost = 0, injected = 0;
-    for (const Index s : cluster.slots)
+    for (const Index s : cluster.touched)
         for (std::size_t c = 0; c < touched_[s].corners.size(); ++c) {
             const Index corner = touched_[s].corners[c];
             const double speed_before = step.begin.velocity[step.begin.node_of_corner[corner]].norm(),
@@ -386,7 +387,8 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         injected += positive_work(P, mean), lost += positive_work(-P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
-    if (!(after <= absurd * before) || injected > max_injected * (energy + lost) + error * problem.largest_impulse())
+    if (!(after <= max_speed_ratio * before) ||
+        injected > max_injected * (energy + lost) + error * problem.largest_impulse())
         report.reject(Rejection::contact_residual, rows_[cluster.contacts.front()].place, cluster.residual);
 }
 
@@ -407,8 +409,8 @@ void VertexContacts::add_wrenches(std::vector<Vec3>& wrench) const {
 VertexSolver::Known* VertexContacts::motion_of(Index rank, const ExplicitStep& step) {
     const Index fan = step.end.split_fans[rank];
     if (!touches(fan) || !step.end.incubation.empty()) return nullptr;
-    TouchedFan& touched = touched_[slot_of_fan_[fan]];
-    return touched.is_soft ? &touched.known : nullptr;
+    TouchedFan& touched = touched_[touched_of_fan_[fan]];
+    return touched.solved_jointly ? &touched.known : nullptr;
 }
 
 Vec2 VertexContacts::place_of_corner(Index corner, const State& state) const {

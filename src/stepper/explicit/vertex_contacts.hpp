@@ -35,7 +35,7 @@ public:
     /// Adds the contacts with obstacles that reach beyond a fan, and finds the clusters of all.
     void begin_obstacles(const ExplicitStep& step);
     std::span<const Index> fans() const { return fans_; }
-    bool touches(Index fan) const { return !slot_of_fan_.empty() && slot_of_fan_[fan] >= 0; }
+    bool touches(Index fan) const { return !touched_of_fan_.empty() && touched_of_fan_[fan] >= 0; }
     std::size_t size() const { return rows_.size(); }
 
     /// The motion of a split fan that solve has found, if nothing can change it any more; else null: an incubation time
@@ -63,7 +63,7 @@ private:
     /// A contact acts on a corner: V = sum of (along_N . v, along_T . v), up to four terms a contact; the ground, which
     /// does not move, has none.
     struct Term {
-        Index contact, slot, place;  // place: of the corner in the touched corners of its fan
+        Index contact, touched_index, place;  // place: of the corner in the touched corners of its fan
         Vec2 along_N, along_T;
 
         Vec2 rate(const Vec2& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s] its part of V
@@ -76,11 +76,11 @@ private:
         Vec2 rate(const Vec3& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s]
     };
     struct Cluster {
-        std::span<const Index> contacts, slots, obstacles;  // obstacles: free ones
-        double residual = 0;                                // [-] of the last solution, over the speeds
+        std::span<const Index> contacts, touched, obstacles;  // obstacles: free ones
+        double residual = 0;                                  // [-] of the last solution, over the speeds
     };
 
-    Index slot_of(Index fan);
+    Index touched_index_of(Index fan);
     Index n_faces() const { return static_cast<Index>(contacts_.all().size()); }
     void add_term(Index contact, Index corner, const Vec2& along_N, const Vec2& along_T);
     void add_obstacle_term(Index contact, Index obstacle, const Vec2& arm, double sign, const Vec2& normal);
@@ -115,10 +115,10 @@ private:
     const ObstacleStep& obstacles_;
     std::vector<Vec2>& corner_impulse_;
     FaceContacts contacts_;
-    std::vector<Index> fans_;          // touched
-    std::vector<TouchedFan> touched_;  // in their order; memory of more
-    std::vector<Index> slot_of_fan_;   // per fan: into fans_, or -1
-    std::vector<Row> rows_;            // per contact: those between free faces, then those with obstacles
+    std::vector<Index> fans_;            // touched
+    std::vector<TouchedFan> touched_;    // in their order; memory of more
+    std::vector<Index> touched_of_fan_;  // per fan: into fans_, or -1
+    std::vector<Row> rows_;              // per contact: those between free faces, then those with obstacles
     std::vector<Term> terms_;
     std::vector<ObstacleTerm> obstacle_terms_;
     std::vector<std::size_t> first_term_, first_obstacle_term_;  // per contact, and the end
@@ -128,7 +128,7 @@ private:
     UnionFind joined_;                       // slots, then obstacles
     std::vector<Index> cluster_of_member_;   // likewise: its number, or -1
     std::vector<Index> cluster_of_contact_;  // its number
-    std::vector<Index> contacts_of_clusters_, slots_of_clusters_, obstacles_of_clusters_;
+    std::vector<Index> contacts_of_clusters_, touched_of_clusters_, obstacles_of_clusters_;
     std::vector<std::size_t> end_of_list_;  // per cluster, of one of these
     std::vector<Vec2> impulse_, before_;    // [N s], [m/s] per contact: (N, T)
     std::vector<double> residual_;          // [m/s] per contact: of its cluster

@@ -1,6 +1,6 @@
 #include "stepper/explicit/vertex_solver.hpp"
 
-#include "interface/fan_ramps.hpp"
+#include "nonsmooth/fan_ramps.hpp"
 #include "stepper/common/point_work.hpp"
 
 #include <algorithm>
@@ -11,12 +11,14 @@ namespace knap {
 namespace {
 
 constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
-constexpr double slow = 1e-9, slowest = 1e-6;  // [-] of the largest speed
-constexpr double velocity_rounding = 1e-14;    // [-] of the velocities of a fan
-constexpr double closed = 1e-5;  // [-] of the softening length: where fans turn, an opening below it counts as none
+constexpr double rest_tolerance = 1e-9, max_rest_tolerance = 1e-6;  // [-] of the largest speed
+constexpr double velocity_rounding = 1e-14;                         // [-] of the velocities of a fan
+constexpr double closed_opening =
+    1e-5;  // [-] of the softening length: where fans turn, an opening below it counts as none
 constexpr double mean_tolerance = 1e-14;  // [-] of the velocities of a fan on an absorbing boundary
 constexpr int max_fan_sweeps = 100;
-constexpr double caught = 1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
+constexpr double stick_tolerance =
+    1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
 /// [-] beta at the start of the step, of point i of the fan.
 double cohesion_before(const Model& model, Index f, Index i, const State& begin) {
@@ -45,7 +47,7 @@ double far(const Model& model, const FanPoint& point) {
 /// Large rotations: what is left of the opening of a point that cohesion has closed turns from one component into the
 /// other. The rates that would close it again contradict each other round the vertex, by next to nothing: too little to
 /// tell which of them hold. A component below a fraction of the softening length is zero.
-double closed_below(double length, double u) { return std::abs(u) <= closed * length ? 0 : u; }
+double closed_below(double length, double u) { return std::abs(u) <= closed_opening * length ? 0 : u; }
 
 /// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
 double speed_scale(const SolvedFan& fan) {
@@ -66,11 +68,13 @@ double crossing_loss(const FanLink& link, const LinkResult& found, double V_T_be
                      const ExplicitStep& step) {
     const double from = link.u_T - 0.5 * step.begin.last_step * V_T_before,
                  to = link.u_T + 0.5 * step.drift_time * V_T_after;
-    const double force = found.friction_part - found.tangential, full = link.gamma * found.borne * (1 - caught);
-    if (found.borne == 0 || (from >= 0 && to >= 0 && force >= full) || (from <= 0 && to <= 0 && force <= -full))
+    const double force = found.friction_part - found.tangential,
+                 full = link.gamma * found.cohesive_impulse * (1 - stick_tolerance);
+    if (found.cohesive_impulse == 0 || (from >= 0 && to >= 0 && force >= full) ||
+        (from <= 0 && to <= 0 && force <= -full))
         return 0;
     const double work = force * 0.5 * (V_T_before + V_T_after);
-    return work - link.gamma * found.borne / step.kick_time * (std::abs(to) - std::abs(from));
+    return work - link.gamma * found.cohesive_impulse / step.kick_time * (std::abs(to) - std::abs(from));
 }
 
 }  // namespace
@@ -245,9 +249,10 @@ FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Work
     };
     const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
     if (best.residual > contradiction && std::ranges::any_of(work.fan.problem.links, rebounds)) try_without_rebounds(0);
-    if (best.residual > (model_.large_rotation ? contradiction : 0.5 * max_residual)) try_without_rebounds(slow);
-    for (double rest = 10 * slow; model_.large_rotation && rest <= slowest && best.residual > 0.1 * max_residual;
-         rest *= 10)
+    if (best.residual > (model_.large_rotation ? contradiction : 0.5 * max_residual))
+        try_without_rebounds(rest_tolerance);
+    for (double rest = 10 * rest_tolerance;
+         model_.large_rotation && rest <= max_rest_tolerance && best.residual > 0.1 * max_residual; rest *= 10)
         try_without_rebounds(rest);
     return best;
 }
@@ -334,7 +339,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             const CohesiveLaw& law = law_of(model_, step.begin, point);
             const double area = point.area * end.strength_factor(f);
             PointState& state = end.points[end.first_point[rank] + i];
-            state.traction = Vec2(found.contact - found.borne, found.tangential) / (step.kick_time * point.area);
+            state.traction =
+                Vec2(found.contact - found.cohesive_impulse, found.tangential) / (step.kick_time * point.area);
             if (link.unbreakable) {
                 state.cohesion = 1;
                 continue;
@@ -343,7 +349,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                 account_rest(point, law, area, state.cohesion = 0, 0, report);
                 continue;
             }
-            report.cohesive_work += found.borne * mean_N - (found.tangential - found.friction_part) * mean_T;
+            report.cohesive_work += found.cohesive_impulse * mean_N - (found.tangential - found.friction_part) * mean_T;
             report.crossing_loss += crossing_loss(link, found, t.dot(before), t.dot(after), step);
             const double beta = point.cracked ? 0 : cohesion_before(model_, f, i, step.begin);
             state.cohesion = law.next_cohesion(beta, u_N, u_T, step.drift_time);
@@ -369,7 +375,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                          .rate_T = mean_T,
                          .rate_error = rate_error,
                          .opening = u_N,
-                         .cohesive = found.borne},
+                         .cohesive = found.cohesive_impulse},
                         report);
     }
 }

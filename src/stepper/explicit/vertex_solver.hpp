@@ -1,13 +1,13 @@
 #pragma once
 // The interfaces next to the explicit lumped bulk, whose mass couples nothing beyond a fan: every split fan is solved
-// by itself and exactly (interface/fan_solver.hpp), and the cohesion follows from the openings at the end of the step.
+// by itself and exactly (nonsmooth/fan_solver.hpp), and the cohesion follows from the openings at the end of the step.
 // Explicit beta: the forces are those of the cohesion at the start. Implicit beta: of theta beta+ + (1 - theta) beta
-// (interface/fan_cohesion.hpp).
+// (nonsmooth/fan_cohesion.hpp).
 //
 // A corner near a rigid obstacle whose motion is given adds a link to its fan, and the obstacle as a body. Contacts
 // that reach beyond a fan are those of vertex_contacts.hpp.
-#include "interface/fan_cohesion.hpp"
-#include "interface/fan_solver.hpp"
+#include "nonsmooth/fan_cohesion.hpp"
+#include "nonsmooth/fan_solver.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/obstacle_pairs.hpp"

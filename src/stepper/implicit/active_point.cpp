@@ -53,7 +53,7 @@ ActivePoint obstacle_point(const Model& model, const StepContext& step, const Co
                of_obstacle = velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
     double rate = contact.normal.dot(of_body - of_obstacle);
     if (std::abs(rate) <= rate_rounding * (of_body.norm() + of_obstacle.norm())) rate = 0;  // no w meets such a bound
-    const bool led = obstacle.is_free() && contact.is_led_along(nodes.prescribed[node]);
+    const bool slip_follows_normal = obstacle.is_free() && contact.is_led_along(nodes.prescribed[node]);
     ActivePoint made{
         .sides = {.fan_point = -1,
                   .before = -1,
@@ -67,7 +67,7 @@ ActivePoint obstacle_point(const Model& model, const StepContext& step, const Co
                 .strength = 0,
                 .cohesion = 0,
                 .material = &obstacle.contact,
-                .friction = led ? 0 : obstacle.contact.friction,
+                .friction = slip_follows_normal ? 0 : obstacle.contact.friction,
                 .contact = contact_bound_theta(contact.gap, rate, obstacle.contact.restitution, step.h, step.theta, 0),
                 .step = &step}};
     made.support_rate = made.in_frame(velocity_at(obstacle_rate, contact));

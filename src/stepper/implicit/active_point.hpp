@@ -1,6 +1,6 @@
 #pragma once
 // An interface point of an active fan, or a contact with an obstacle, in the equations of an implicit step.
-#include "interface/point_law.hpp"
+#include "law/point_law.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"
 

@@ -4,7 +4,7 @@
 //
 //     r(w) = H' q(w; multipliers),        multipliers <- q(w)        until they no longer change
 //
-// For given multipliers the points are piecewise linear springs (interface/point_law.hpp), so every Newton step is one
+// For given multipliers the points are piecewise linear springs (law/point_law.hpp), so every Newton step is one
 // linear system M_hat + H' D H with a definite D, also where points are redundant round a vertex. Without friction and
 // inside Assumption 1 the equations are the gradient of a convex function: a step length that zeroes the slope along
 // the step makes Newton's method converge from any start. Where the loss of cohesion makes the matrix indefinite

@@ -16,7 +16,7 @@
 #include "element/elastic_forces.hpp"
 #include "element/thermal_stress.hpp"
 #include "element/triangle_matrices.hpp"
-#include "interface/point_law.hpp"
+#include "law/point_law.hpp"
 #include "model/state.hpp"
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/dashpots.hpp"

@@ -1,7 +1,7 @@
 // Incubated strength: the utilisation of a fan, and two triangles that are pulled apart by a force that grows.
 #include "stepper/explicit/incubation.hpp"
 #include "analysis/energy_ledger.hpp"
-#include "interface/self_stress.hpp"
+#include "law/self_stress.hpp"
 #include "mesh/triangulate.hpp"
 #include "stepper/common/bond_check.hpp"
 #include "support/bodies.hpp"

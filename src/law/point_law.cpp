@@ -1,0 +1,223 @@
+#include "law/point_law.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace knap {
+namespace {
+
+constexpr int max_ramp_steps = 100;
+constexpr double rounding = 2e-16;
+
+/// beta+ and beta_theta from the openings at the end of the step.
+void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r) {
+    r.end_cohesion =
+        law.step->implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T, law.step->h) : law.cohesion;
+    r.softens = r.end_cohesion < law.cohesion && r.end_cohesion > 0;
+    r.breaks = r.end_cohesion < law.cohesion && r.end_cohesion == 0;
+    r.piece = r.softens ? law.material->piece_at(law.material->equivalent_opening(u_N, u_T)) : 0;
+    r.cohesion_theta = law.step->theta * r.end_cohesion + (1 - law.step->theta) * law.cohesion;
+    r.opens = u_N > 0;
+}
+
+/// The resolvent of the staircase  -q_T in sum W_i sgn(w_T - kink_i): its force and its signs (0 at their kink).
+void find_tangential(const PointLaw& law, const Multipliers& at, double w_T, PointResponse& r) {
+    const double p = at.friction_follows ? r.contact : at.pressed;
+    const auto weight = [&](const Staircase::Kink& kink) {
+        return kink.friction * p + kink.cohesive * r.cohesion_theta;
+    };
+    double force = 0;  // -q_T
+    for (const Staircase::Kink& kink : law.tangential.kinks()) force -= weight(kink);
+    r.friction_sign = r.cohesion_sign = 0;
+    r.sticks = false;
+    bool passed = true;  // all kinks so far
+    for (const Staircase::Kink& kink : law.tangential.kinks()) {
+        const double W = weight(kink);
+        double sign = -1;
+        if (std::isinf(at.rho_T)) {
+            sign = w_T > kink.rate ? 1 : w_T < kink.rate ? -1 : 0;
+            force += (1 + sign) * W;
+        } else if (passed) {
+            const double at_kink = at.rho_T * (w_T - kink.rate) - at.tangential;  // -q_T for this rate
+            sign = at_kink > force + 2 * W ? 1 : at_kink >= force && W > 0 ? 0 : -1;
+            force = sign > 0 ? force + 2 * W : sign == 0 ? at_kink : force;
+        }
+        passed = sign > 0;
+        if (sign == 0 && W > 0) r.sticks = true, r.kink = kink.rate;
+        if (kink.friction * p > 0) r.friction_sign = sign;
+        if (kink.cohesive * r.cohesion_theta > 0) r.cohesion_sign = sign;
+    }
+    r.tangential = -force;
+
+    // the part of friction is known with its sign; where both signs are free cohesion bears as much as it can
+    const double F = law.friction * p, G = law.material->gamma * law.strength * r.cohesion_theta;
+    if (F == 0) r.friction_part = 0;
+    else if (r.friction_sign != 0) r.friction_part = -F * r.friction_sign;
+    else if (r.cohesion_sign != 0) r.friction_part = r.tangential + G * r.cohesion_sign;
+    else r.friction_part = r.tangential - std::clamp(r.tangential, -G, G);
+}
+
+std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
+    const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
+    std::uint32_t state = r.closed | (r.sticks << 1);
+    if (r.closed && !r.sticks && at.friction_follows) state |= digit(r.friction_sign) << 2;
+    state |= (r.lands << 16) | (r.opens_on_ramp << 13);
+    if (r.on_ramp) state |= (digit(r.end_sign) << 14) | (1u << 12);
+    if (r.on_ramp) state |= digit(r.cohesion_sign) << 6;
+    if (r.softens)
+        state |= 16u | (r.opens << 5) | (digit(r.cohesion_sign) << 6) | (static_cast<std::uint32_t>(r.piece) << 8);
+    return state;
+}
+
+/// The response if the cohesive impulse is c. Returned: kappa times that which the ramp gives at the rates omega that c
+/// leaves.
+double respond_to_cohesion(const PointLaw& law, const Multipliers& at, double w_N, double w_T, double c,
+                           PointResponse& r) {
+    const double h = law.step->h, kick = law.step->kick(), held = at.contact - law.strength * law.cohesion;
+    r = {.cohesion_theta = c / law.strength};
+    double omega_N = w_N, omega_T = w_T;
+    // along N the sides are open, at rest where the opening is zero, overlapping, or stopped by the contact
+    if (!law.contact.may_touch) {
+        r.pull = law.u_N + kick * w_N > 0;
+    } else {
+        const double at_bound = held - at.rho_N * (w_N - law.contact.rate),  // q_N there
+            landing = -law.u_N / kick, open = w_N - (held + c) / at.rho_N, overlapping = w_N - held / at.rho_N;
+        const bool may_overlap = law.may_overlap();
+        r.contact = std::max(0.0, at_bound + (may_overlap ? 0 : c));
+        r.closed = r.contact > 0;
+        r.lands = may_overlap && !r.closed && open <= landing && overlapping >= landing;
+        omega_N = r.closed ? law.contact.rate : r.lands ? landing : open;
+        if (may_overlap && !r.lands && open <= landing) {
+            r.pull = 0;
+            if (!r.closed) omega_N = overlapping;
+        }
+        if (r.lands && c > 0) r.pull = (at.rho_N * (w_N - landing) - held) / c;
+    }
+    find_tangential(law, at, w_T, r);
+    if (r.sticks) omega_T = r.kink;
+    else if (!std::isinf(at.rho_T)) omega_T += (r.tangential - at.tangential) / at.rho_T;
+    const bool has_no_slip = r.sticks && r.cohesion_sign == 0 && law.material->gamma * c > 0;
+    const double mean_N = r.lands ? 0 : law.u_N + kick * omega_N, mean_T = has_no_slip ? 0 : law.u_T + kick * omega_T,
+                 end_T = law.u_T + h * omega_T, s = law.material->equivalent_opening(mean_N, mean_T);
+    const auto sign = [](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; };
+    update_cohesion(law, law.u_N + h * omega_N, end_T, r);
+    r.full_cohesion = std::exchange(r.cohesion_theta, c / law.strength);
+    r.on_ramp = s < law.ramp;
+    r.ramp_part = std::min(s / law.ramp, 1.0);
+    r.opens_on_ramp = mean_N > 0;
+    r.cohesion_sign = sign(mean_T), r.end_sign = sign(end_T);
+    return law.strength * r.full_cohesion * std::min(s, law.ramp);
+}
+
+/// [kg m] kappa dc/d omega of c = C beta_theta min(s/kappa, 1), s in the middle of the step, beta_theta of its end.
+Vec2 ramp_slope(const PointLaw& law, const PointResponse& r, Softening softening) {
+    const double gamma = law.material->gamma;
+    Vec2 slope = Vec2::Zero();
+    if (r.on_ramp)
+        slope = law.strength * r.full_cohesion * law.step->kick() * Vec2(r.opens_on_ramp, gamma * r.cohesion_sign);
+    if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks))
+        slope -= law.ramp * r.ramp_part * softening_modulus(law, r, softening) * Vec2(r.opens, gamma * r.end_sign);
+    return slope;
+}
+
+/// [1/kg] -d omega/dc. `rubs`: mu sgn of friction that follows p = pull c + ...
+Vec2 rates_of_cohesion(const PointLaw& law, const Multipliers& at, const PointResponse& r, double rubs) {
+    return {r.closed || !r.opens_on_ramp || !law.contact.may_touch ? 0 : 1 / at.rho_N,
+            r.sticks ? 0 : (law.material->gamma * r.cohesion_sign + r.pull * rubs) / at.rho_T};
+}
+
+double rubs(const PointLaw& law, const PointResponse& r) { return r.closed ? law.friction * r.friction_sign : 0; }
+
+/// The resolvent of a ramp: c falls with the rates that it leaves, of which it is an increasing function.
+PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
+    PointResponse r;
+    const double full = law.strength * law.cohesion;
+    double low = 0, high = full, c = full;
+    for (int i = 0; i < max_ramp_steps; ++i) {
+        const double beyond = law.ramp * c - respond_to_cohesion(law, at, w_N, w_T, c, r);
+        (beyond > 0 ? high : low) = c;
+        const Vec2 moves = rates_of_cohesion(law, at, r, at.friction_follows ? rubs(law, r) : 0);
+        double next = c - beyond / (law.ramp + ramp_slope(law, r, Softening::now).dot(moves));
+        if (std::abs(next - c) <= rounding * full || high - low <= rounding * full) break;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        c = next;
+    }
+    r.state = piece(at, r);
+    return r;
+}
+
+/// omega = w + (q - q^)/rho where it is free, q = (p - pull c, -gamma c sgn - mu p sgn), dc = slope . d omega/kappa.
+Eigen::Matrix2d ramp_tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening,
+                             double friction) {
+    Vec2 slope = ramp_slope(law, r, softening);
+    slope /= law.ramp + slope.dot(rates_of_cohesion(law, at, r, friction));
+    if (r.closed) slope.x() = friction * at.rho_N / at.rho_T * slope.y();
+    if (r.lands || (r.closed && r.sticks)) slope.x() = 0;
+    if (r.sticks) slope.y() = 0;
+    const Vec2 along(r.pull, r.sticks ? 0 : law.material->gamma * r.cohesion_sign + r.pull * friction);
+    Eigen::Matrix2d D = along * slope.transpose();
+    if (r.closed || r.lands) D.row(0) << at.rho_N, 0;
+    if (r.closed && !r.sticks) D(1, 0) -= friction * at.rho_N;
+    if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
+    if (std::abs(D(0, 1) - D(1, 0)) <= 8 * rounding * std::abs(D(0, 1))) D(1, 0) = D(0, 1);
+    return D;
+}
+
+}  // namespace
+
+void PointLaw::set_staircase() {
+    tangential = {};
+    add_friction_theta(friction, tangential);
+    const double until = ramp > 0 ? step->theta * step->h : step->h;  // [s] the slip at this time has the sign
+    tangential.add({.rate = u_T == 0 ? 0 : -u_T / until, .cohesive = material->gamma * strength, .friction = 0}, 0);
+}
+
+PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
+    if (law.ramp > 0) return respond_on_ramp(law, at, w_N, w_T);
+    PointResponse r;
+    r.contact = law.contact.may_touch ? std::max(0.0, at.contact - at.rho_N * (w_N - law.contact.rate)) : 0;
+    r.closed = r.contact > 0;
+    // a closed or sticking component has the rate of its bound or kink, not the one of the augmentation
+    const double u_N = law.u_N + law.step->h * (r.closed ? law.contact.rate : w_N), u_T = law.u_T + law.step->h * w_T;
+    update_cohesion(law, u_N, u_T, r);
+    find_tangential(law, at, w_T, r);
+    if (r.sticks) {
+        update_cohesion(law, u_N, r.kink == 0 ? law.u_T : 0, r);
+        const double kink = r.kink;
+        find_tangential(law, at, w_T, r);
+        if (!r.sticks || r.kink != kink) update_cohesion(law, u_N, u_T, r);
+    }
+    r.state = piece(at, r);
+    return r;
+}
+
+double softening_modulus(const PointLaw& law, const PointResponse& r, Softening softening) {
+    const bool one_piece = r.softens && softening == Softening::now;
+    return law.material->relaxed_part(law.step->h) * law.strength * law.step->theta * law.step->h /
+           (one_piece ? law.material->piece_length(r.piece) : law.material->softening_length(law.cohesion));
+}
+
+Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
+    return {r.opens && !r.closed ? 1.0 : 0.0, r.sticks ? 0 : law.material->gamma * r.cohesion_sign};
+}
+
+Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening) {
+    const bool with_friction = r.closed && law.friction > 0 && at.friction_follows && softening != Softening::at_all;
+    if (law.ramp > 0) return ramp_tangent(law, at, r, softening, with_friction ? rubs(law, r) : 0);
+    Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
+    if (r.closed) D(0, 0) = at.rho_N;
+    if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
+    else if (with_friction) D(1, 0) = -law.friction * r.friction_sign * at.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
+    if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
+        // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds (opens, gamma sgn) . dw
+        const Vec2 loss = loss_direction(law, r);
+        const double modulus = softening_modulus(law, r, softening);
+        D -= modulus * loss * loss.transpose();
+        // the contact of a closed point carries the lost tension, and its friction grows with it
+        if (with_friction) D(0, 1) -= modulus * loss.y();
+    }
+    return D;
+}
+
+}  // namespace knap
