@@ -6,6 +6,7 @@
 #include "model/body_in_obstacles.hpp"
 #include "model/fans.hpp"
 #include "model/selections.hpp"
+#include "model/state.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -71,10 +72,15 @@ private:
             add_corner_load(first + (side + 1) % 3, end * force);
             if (mesh_.order == 2) add_corner_load(first + 3 + side, 4. / 6 * force);
             if (is_traction || !model_.large_rotation) continue;
-            const Index face = static_cast<Index>(model_.face_stresses.size());
-            model_.face_stresses.push_back({.corner = {first + side, first + (side + 1) % 3}, .stress = load.stress});
+            // the traction sigma n of the present edge e + u_b - u_a: -t/2 sigma turned(e + u_b - u_a) on both ends
+            const auto on_present_edge = [force = Vec2(end * force), a = first + side, b = first + (side + 1) % 3,
+                                          stress = load.stress, thickness = model_.thickness](const State& state) {
+                const Vec2 moved = state.displacement_of(b) - state.displacement_of(a);
+                return Vec2(force - 0.5 * thickness * stress_times(stress, turned_left(moved)));
+            };
             for (std::size_t i = model_.corner_loads.size() - 2; i < model_.corner_loads.size(); ++i)
-                model_.corner_loads[i].face_stress = face;
+                model_.corner_loads[i].state_force = static_cast<Index>(model_.state_forces.size());
+            model_.state_forces.emplace_back(on_present_edge);
         }
     }
 

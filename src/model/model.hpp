@@ -19,10 +19,13 @@
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 
+#include <functional>
 #include <span>
 #include <vector>
 
 namespace knap {
+
+struct State;
 
 inline constexpr Index rigid_support = -1;  // stands for the rigid support where a corner or a triangle is expected
 
@@ -68,18 +71,18 @@ struct Fan {
 struct CornerLoad {
     Index corner;
     Index history;            // into Model::histories
-    Vec2 force;               // [N]
-    Index face_stress = -1;   // into Model::face_stresses, with large rotations, where the force follows the face
+    Vec2 force;               // [N]; one that depends on the state: that of the body at rest where it starts
+    Index state_force = -1;   // into Model::state_forces, if it depends on the state
     bool is_release = false;  // a force of what was excavated, which fades; its history follows those of the scenario
 
-    bool follows_face() const { return face_stress >= 0; }
+    bool depends_on_state() const { return state_force >= 0; }
 };
 
-/// A stress around the body, on one boundary edge: both its corners have half of the traction on the present edge.
-struct FaceStress {
-    std::array<Index, 2> corner;   // the ends of the edge, the body to the left
-    std::array<double, 3> stress;  // [Pa] xx, yy, xy
-};
+/// [N] A force on a corner that depends on displacements or velocities (a stress that follows its face, an elastic
+/// bedding, drag), for a history of 1. Both schemes take it at the start of the step; its work is one of loads. The
+/// stable step does not know it: beside the mass m of a corner and the step h, its stiffness k and viscosity c must
+/// keep k h^2 and c h far below m.
+using StateForce = std::function<Vec2(const State& state)>;
 
 /// A fluid in cracks on the mesh (CrackPressure).
 struct CrackFluid {
@@ -151,7 +154,7 @@ struct Model {
     std::vector<TimeFunction> histories;   // of the loads and crack fluids, in their order; then those of excavations
     std::vector<std::string> load_names;   // likewise
     std::vector<CornerLoad> corner_loads;  // in the order of the corners
-    std::vector<FaceStress> face_stresses;
+    std::vector<StateForce> state_forces;
     std::vector<CrackFluid> crack_fluids;
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1

@@ -158,13 +158,9 @@ Rotation fan_frame(const Model& model, const State& state, const Fan& fan);
 /// Mean rotation of the two triangles beside a point of a split fan, whose parts turn by themselves.
 Rotation point_frame(const Model& model, const State& state, const FanPoint& point);
 
-/// [N] Of a load of factor 1. A stress on a face has the traction sigma n of the present edge: with large rotations
-/// -t/2 sigma turned(e + u_b - u_a) on both ends a and b of the edge e, of which the first part is load.force.
+/// [N] Of a load of factor 1.
 inline Vec2 force_of(const Model& model, const CornerLoad& load, const State& state) {
-    if (!load.follows_face()) return load.force;
-    const auto& [ends, stress] = model.face_stresses[load.face_stress];
-    const Vec2 moved = state.displacement_of(ends[1]) - state.displacement_of(ends[0]);
-    return load.force - 0.5 * model.thickness * stress_times(stress, turned_left(moved));
+    return load.depends_on_state() ? model.state_forces[load.state_force](state) : load.force;
 }
 
 /// The law of a point at the temperature of this moment.

@@ -208,7 +208,7 @@ struct Still {
         if (interfaces == Interfaces::glued) model.laws_follow_temperature = false;
         if (!turned.large_rotation) return;
         model.histories.push_back({.time = {0}, .value = {1}});
-        for (CornerLoad& load : model.corner_loads) load.face_stress = -1;
+        for (CornerLoad& load : model.corner_loads) load.state_force = -1;
         for (Index c = 0; c < model.mesh.n_corners(); ++c)
             model.corner_loads.push_back(
                 {.corner = c, .history = static_cast<Index>(model.histories.size()) - 1, .force = Vec2::Zero()});

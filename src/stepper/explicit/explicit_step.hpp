@@ -44,7 +44,7 @@ inline Index place_among(std::span<const Index> corners, Index corner) {
 
 /// force_of without a call where the force does not follow a face: a weight acts on every corner of the body.
 inline Pair force_at_once(const Model& model, const CornerLoad& corner_load, const State& state) {
-    return corner_load.follows_face() ? load(force_of(model, corner_load, state)) : load(corner_load.force);
+    return corner_load.depends_on_state() ? load(force_of(model, corner_load, state)) : load(corner_load.force);
 }
 
 /// [N s] That takes a mass [kg] from `before` to `after` [m/s], against the damping d [-].

@@ -81,7 +81,7 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     std::ranges::fill(load_, Vec2::Zero());
     released_.clear();
     for (const CornerLoad& load : model_.corner_loads) {
-        load_[load.corner] += amplitude_[load.history] * load.force;
+        load_[load.corner] += amplitude_[load.history] * force_of(model_, load, begin);
         if (load.is_release)
             released_.push_back({.corner = load.corner, .force = amplitude_[load.history] * load.force});
     }
