@@ -1,5 +1,5 @@
 #pragma once
-// Tresca's law at single points of the active set (AugmentedLagrangian::find_pieces): their friction is bounded by
+// Tresca's law at single points of the active set (active_set.hpp): their friction is bounded by
 // contact impulses that follow from step to step with a delay.
 //
 // A point that friction makes no P problem changes its piece for ever: closed, its impulse is a tension; open, its
