@@ -1,9 +1,9 @@
 #pragma once
-// The primal-dual active set of an implicit step: Newton's method on the laws themselves. An augmentation of the size of
-// inertia and stiffness shows on which piece of its law a point is; a step solves the equations of these pieces, on
-// stiff springs, with multipliers that follow at once. (Stiff springs would stop it at the first point that changes its
-// piece.) Multipliers that follow slowly or march are extrapolated (MultiplierSeries), the points of a few fans that
-// cycle are solved in addition (LocalPoints), or their friction lags (LaggedFriction).
+// The primal-dual active set of an implicit step: Newton's method on the laws themselves. An augmentation of the size
+// of inertia and stiffness shows on which piece of its law a point is; a step solves the equations of these pieces, on
+// stiff springs, with multipliers that follow at once. (Stiff springs would stop it at the first point that changes
+// its piece.) Multipliers that follow slowly or march are extrapolated (MultiplierSeries), the points of a few fans
+// that cycle are solved in addition (LocalPoints), or their friction lags (LaggedFriction).
 // (S. Hueber, G. Stadler, B. Wohlmuth, SIAM J. Sci. Comput. 30, 2008, from memory)
 #include "stepper/implicit/lagged_friction.hpp"
 #include "stepper/implicit/line_search.hpp"
