@@ -6,6 +6,7 @@
 #include "stepper/common/point_work.hpp"
 #include "stepper/scheme_change.hpp"
 
+#include <cassert>
 #include <climits>
 #include <cmath>
 #include <vector>
@@ -90,6 +91,7 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
 }
 
 void EnergyLedger::add(const State& end, const StepReport& report) {
+    assert(report.rejection == Rejection::none);
     const double surface_before = row_.surface();
     ++n_steps_;
     path_ += end.last_step * report.largest_speed;

@@ -1,5 +1,7 @@
 #include "lcp/linear_system.hpp"
 
+#include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace knap {
@@ -11,6 +13,7 @@ constexpr double max_density = 0.08;  // of a matrix whose sparse factors pay
 }  // namespace
 
 LcpMatrix submatrix(const LcpMatrix& M, const std::vector<int>& indices) {
+    assert(std::ranges::is_sorted(indices));
     const int size = static_cast<int>(indices.size());
     std::vector<int> place(M.cols(), -1);
     for (int k = 0; k < size; ++k) place[indices[k]] = k;

@@ -1,6 +1,7 @@
 #include "model/loads.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace knap {
@@ -11,6 +12,7 @@ constexpr double resolved = 1e-3;  // [-] of the values around: the trapezoid mi
 }  // namespace
 
 double TimeFunction::operator()(double t) const {
+    assert(time.size() == value.size());
     if (time.empty()) return 1;
     if (t <= time.front()) return value.front();
     if (t >= time.back()) return value.back();

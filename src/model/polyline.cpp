@@ -2,6 +2,7 @@
 
 #include "mesh/polygon.hpp"
 
+#include <cassert>
 #include <utility>
 
 namespace knap {
@@ -27,6 +28,7 @@ AtCorner at_corner(const Polyline::Side& one, const Polyline::Side& two, const V
 }  // namespace
 
 Polyline::Polyline(const std::vector<Vec2>& points) {
+    assert(points.size() >= 2);
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const Vec2 way = points[i + 1] - points[i], along = way.normalized();
         const double turn = i == 0 ? 0 : cross(sides_.back().along, along);

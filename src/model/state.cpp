@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace knap {
@@ -35,6 +36,7 @@ bool has_incubation(const Model& model) {
 }
 
 void split(const Model& model, Index f, State& state) {
+    assert(state.split_rank[f] < 0);
     reserve_capacity(model.mesh.n_corners(), state.displacement, state.velocity);
     if (state.has_end_velocities()) reserve_capacity(model.mesh.n_corners(), state.rate);
     reserve_capacity(model.fans.size(), state.split_fans, state.first_point);

@@ -4,6 +4,7 @@
 #include <Eigen/QR>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace knap {
@@ -78,6 +79,7 @@ InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double
 void ContactCluster::couple(Index of, Index on, const Eigen::Matrix2d& W) {
     ClusterContact& c = contacts[of];
     if (c.first_coupling == c.last_coupling) c.first_coupling = c.last_coupling = static_cast<Index>(couplings.size());
+    assert(c.last_coupling == static_cast<Index>(couplings.size()));  // one contact after the other
     for (Index k = c.first_coupling; k < c.last_coupling; ++k)
         if (couplings[k].on == on) {
             couplings[k].W += W;
@@ -109,6 +111,7 @@ double ContactCluster::error(Index i, const Vec2& change) const {
 void ContactCluster::add_term(Index contact, const ClusterTerm& term) {
     ClusterContact& c = contacts[contact];
     if (c.first_term == c.last_term) c.first_term = c.last_term = static_cast<Index>(terms.size());
+    assert(c.last_term == static_cast<Index>(terms.size()));  // likewise
     terms.push_back(term);
     ++c.last_term;
 }

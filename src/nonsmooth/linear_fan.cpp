@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace knap {
@@ -51,6 +52,7 @@ void LinearFan::start(const FanProblem& problem, double speed_tolerance) {
 }
 
 bool LinearFan::solve(const std::vector<LinkState>& states, FanMotion& motion, double& mismatch) {
+    assert(states.size() == problem_->links.size());
     bool consistent = true;
     clusters_.start(*problem_);
     known_.resize(n_links());

@@ -12,6 +12,7 @@
 #include "stepper/scheme_change.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace knap {
@@ -74,6 +75,7 @@ double MoreauJean::step_size(const State& begin, double h) const {
 }
 
 StepReport MoreauJean::step(const State& begin, double h, State& end) {
+    assert(h > 0 && &begin != &end);
     if (heat_) end.temperature = heat_->after(begin, h, is_implicit(begin));
     return advance(begin, h, end);
 }

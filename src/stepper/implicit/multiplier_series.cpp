@@ -3,6 +3,7 @@
 #include "base/reserve_capacity.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace knap {
@@ -25,6 +26,7 @@ MultiplierSeries::MultiplierSeries(const Model& model, const ThetaMatrix& matrix
 }
 
 void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_move, std::vector<ActivePoint>& points) {
+    assert(move.size() == points.size());
     force_.resize(matrix_.nodes().n_nodes());  // H' d
     for (const Index node : matrix_.near_nodes()) force_[node].setZero();
     last_move_.resize(points.size(), Vec2::Zero());

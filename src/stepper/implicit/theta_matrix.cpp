@@ -4,6 +4,7 @@
 #include "stepper/implicit/implicit_bulk.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <numeric>
 
@@ -33,6 +34,7 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Da
       is_marked_(dissection_.parts.size(), 0),
       x_(2 * model.mesh.n_corners(), 0),
       y_(x_.size(), 0) {
+    assert(std::ranges::is_sorted(dashpots, {}, &Dashpot::corner));
     reserve_capacity(model.fan_points.size(), with_block_, friction_, points_);
     reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_, local_parts_, path_,
                      reduced_parts_);
