@@ -1,7 +1,7 @@
 #pragma once
 // What a thread needs for fans and contacts, and the exact test of a bonded fan, which uses it.
+#include "nonsmooth/contact_problem.hpp"
 #include "stepper/common/bond_check.hpp"
-#include "stepper/explicit/contact_problem.hpp"
 #include "stepper/explicit/vertex_solver.hpp"
 
 namespace knap {

@@ -13,7 +13,7 @@
 //
 // and of two obstacles the difference of their velocities. Contacts that share a fan or a free obstacle form a cluster.
 // A fan whose parts stay as they are answers with the masses of its parts; the points of any other fan are solved
-// together with the contacts (contact_problem.hpp). Then each of these fans is solved by itself under the impulses
+// together with the contacts (ContactProblem). Then each of these fans is solved by itself under the impulses
 // found (vertex_solver.hpp): that is the motion that it will have, and the contacts are judged by it.
 #include "base/union_find.hpp"
 #include "stepper/contact/face_contacts.hpp"

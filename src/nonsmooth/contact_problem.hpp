@@ -2,7 +2,7 @@
 // A cluster of contacts and the interface points of the fans that they touch, as one problem:
 //
 //     v_b = free_b + M_b^-1 sum along' P    bodies: corners, parts of fans that move as one; rigid bodies
-//     V   = sum along v                     rows: contacts and points; their laws in contact/contact_cluster.hpp
+//     V   = sum along v                     rows: contacts and points; their laws in contact_cluster.hpp
 //
 // Where friction wedges pieces against each other, contacts and fans that take turns need not agree; jointly they do.
 #include "nonsmooth/contact_cluster.hpp"

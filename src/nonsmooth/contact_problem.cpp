@@ -1,4 +1,4 @@
-#include "stepper/explicit/contact_problem.hpp"
+#include "nonsmooth/contact_problem.hpp"
 
 #include "nonsmooth/link_state.hpp"
 

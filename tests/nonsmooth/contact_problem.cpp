@@ -1,5 +1,5 @@
 // Contacts and the points of fans as one problem, against the solver of single fans.
-#include "stepper/explicit/contact_problem.hpp"
+#include "nonsmooth/contact_problem.hpp"
 #include "nonsmooth/fan_solver.hpp"
 #include "support/fan_judge.hpp"
 #include "support/random_fans.hpp"
