@@ -79,9 +79,9 @@ struct CornerLoad {
 };
 
 /// [N] A force on a corner that depends on displacements or velocities (a stress that follows its face, an elastic
-/// bedding, drag), for a history of 1. Both schemes take it at the start of the step; its work is one of loads. The
-/// stable step does not know it: beside the mass m of a corner and the step h, its stiffness k and viscosity c must
-/// keep k h^2 and c h far below m.
+/// bedding, drag), for a history of 1. The explicit scheme takes it at the start of the step, the implicit one at
+/// u + theta h v (so that a spring keeps its energy with theta = 1/2); its work is one of loads. The stable step does
+/// not know it: beside the mass m of a corner its stiffness k and viscosity c must keep k h^2 and c h below m.
 using StateForce = std::function<Vec2(const State& state)>;
 
 /// A fluid in cracks on the mesh (CrackPressure).

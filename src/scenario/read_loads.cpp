@@ -1,10 +1,10 @@
 // [[support]], [[load]], [[pressure]], [[initial]] and [[obstacle]]: place, value and history of what acts on the body.
+#include "base/formatted.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>
 
 namespace knap {
-namespace {}  // namespace
 
 TimeFunction read_history(const Table& table) {
     const auto form = table.one_of({"ramp", "table", "csv"}, false);

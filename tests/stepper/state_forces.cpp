@@ -14,10 +14,10 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr double stiffness = 4, drag = 0.6;  // [1/s2], [1/s] per mass: so the block moves without strain
+constexpr double stiffness = 4;  // [1/s2] per mass: so the block moves without strain
 
-/// A block whose corners feel -m (stiffness u + drag v).
-Model block_on_bedding() {
+/// A block whose corners feel -m (stiffness u + drag v), drag in 1/s.
+Model block_on_bedding(double drag) {
     ModelInput input = free_block(1, CohesiveLaw::unbreakable());
     input.initial_velocities = {{.on = {}, .value = {3, -1}}};
     Model model = make_model(std::move(input));
@@ -27,7 +27,7 @@ Model block_on_bedding() {
                                       .history = static_cast<Index>(model.histories.size()) - 1,
                                       .force = Vec2::Zero(),
                                       .state_force = static_cast<Index>(model.state_forces.size())});
-        model.state_forces.emplace_back([c, m = model.corner_mass[c]](const State& state) -> Vec2 {
+        model.state_forces.emplace_back([c, drag, m = model.corner_mass[c]](const State& state) -> Vec2 {
             return -m * (stiffness * state.displacement_of(c) + drag * state.velocity[state.node_of_corner[c]]);
         });
     }
@@ -37,15 +37,17 @@ Model block_on_bedding() {
 }  // namespace
 
 TEST_CASE("state forces: bedding and drag move a block as the recurrence of each scheme says") {
+    const double drag = 0.6;
     for (const bool implicit : {false, true}) {
-        Run run(block_on_bedding(),
+        Run run(block_on_bedding(drag),
                 {.bulk = implicit ? BulkScheme::implicit_theta : BulkScheme::explicit_lumped, .theta = 0.5});
         const double h = implicit ? 0.05 : 0.4 * run.stepper.stable_step();
         Vec2 u = Vec2::Zero(), v(3, -1);
         for (int i = 0; i < 200; ++i) {
             const double kick = implicit ? h : i == 0 ? 0.5 * h : h;
             const Vec2 before = v;
-            v -= kick * (stiffness * u + drag * v);
+            const Vec2 at = implicit ? Vec2(u + 0.5 * h * v) : u;
+            v -= kick * (stiffness * at + drag * v);
             u += h * (implicit ? Vec2(0.5 * (before + v)) : v);
             run.step(h);
         }
@@ -53,6 +55,21 @@ TEST_CASE("state forces: bedding and drag move a block as the recurrence of each
         CHECK((run.v(1, 2) - v).norm() < 1e-12);
         CHECK(std::abs(run.ledger.row().external_work) > 0.1);
         CHECK(run.ledger.row().residual < 1e-12);
+    }
+}
+
+TEST_CASE("state forces: without drag a bedding neither feeds an oscillation nor damps it") {
+    for (const bool implicit : {false, true}) {
+        Run run(block_on_bedding(0),
+                {.bulk = implicit ? BulkScheme::implicit_theta : BulkScheme::explicit_lumped, .theta = 0.5});
+        const double h = implicit ? 0.3 : 0.4 * run.stepper.stable_step();
+        double largest = 0;
+        for (int i = 0; i < 4000; ++i) {
+            run.step(h);
+            if (i >= 3900) largest = std::max(largest, run.u(0, 0).norm());
+        }
+        const double amplitude = std::sqrt(10.) / std::sqrt(stiffness);  // [m] v/omega
+        CHECK(largest == doctest::Approx(amplitude).epsilon(0.1));
     }
 }
 

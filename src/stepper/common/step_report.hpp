@@ -32,7 +32,7 @@ enum class Combine { sum, maximum };
 /// velocities before and after it.
 struct StepReport {
     double kinetic = 0;            // 1/2 v' M v
-    double strain = 0;             // 1/2 u_n' K u_{n+1}
+    double strain = 0;             // explicit 1/2 u_n' K u_{n+1}, implicit 1/2 u' K u
     double dissipated = 0;         // sum of S G_c f(beta) over all points: not given back when they close
     double recoverable = 0;        // sum of S beta sigma_c s: given back when they close
     double interface_elastic = 0;  // sum of S beta sigma_c s^2/(2 kappa): of points with secant unloading

@@ -11,8 +11,9 @@ constexpr double inner_overlap = 0.005;    // [-] of an edge
 constexpr double same_direction = 1e-9;    // sine of an angle between edges that is rounding
 constexpr double rounded_down = 1 - 1e-6;  // less than the rounding of a bound takes away
 constexpr double parting_slip = 0.02;      // [-] of the edge
-constexpr double parting_turn = 0.2;       // [rad] no corner of a usual triangle is sharper
-constexpr std::ptrdiff_t block = 256;      // fans
+constexpr double parting_turn =
+    0.2;  // [rad] what comes into the crack is a corner, and those of usual triangles are blunter
+constexpr std::ptrdiff_t block = 256;  // fans
 
 /// Mesh::corner of a triangle of first order.
 const Vec2& undeformed(const Model& model, Index c) { return model.mesh.vertices[model.mesh.triangles[c / 3][c % 3]]; }

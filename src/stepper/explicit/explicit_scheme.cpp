@@ -127,7 +127,7 @@ void ExplicitScheme::move_fans(const Sweep<Corner>& sweep) {
     using Fan = typename BlockFans<Corner>::BlockFan;
     constexpr std::size_t fan_batch = 64;
     std::array<Vec2, fan_batch> force;  // [N] on the fans
-    std::array<std::uint8_t, fan_batch> is_closer;
+    std::array<std::uint8_t, fan_batch> needs_decision;
     std::array<Fan, fan_batch> free;
     const BlockFans<Corner>& block = sweep.block;
     const Corner* corner = block.corners.data();
@@ -137,8 +137,9 @@ void ExplicitScheme::move_fans(const Sweep<Corner>& sweep) {
         std::uint8_t any_closer = 0;
         for (std::size_t i = 0; i < fans.size(); ++i) {
             const Index f = fans[i].fan;
-            is_closer[i] = fan_is_candidate_[f] | splits_[f] | (sweep.step.begin.split_rank[f] >= 0) | !fans[i].is_free;
-            any_closer |= is_closer[i];
+            needs_decision[i] =
+                fan_is_candidate_[f] | splits_[f] | (sweep.step.begin.split_rank[f] >= 0) | !fans[i].is_free;
+            any_closer |= needs_decision[i];
             if constexpr (std::is_same_v<Corner, Index>)  // the forces on all corners may be more than the cache holds
                 for (Index k = 0; k < 2 * block.group; ++k)
                     __builtin_prefetch(&sweep.on_corner[corner[block.look_ahead - block.group + k]]);
@@ -164,7 +165,7 @@ void ExplicitScheme::move_fans(const Sweep<Corner>& sweep) {
                 __builtin_prefetch(circle + block.look_ahead + 4);  // the next cache line
             }
             if (!fans[i].is_free) move_free();
-            if (!is_closer[i] || decide_and_move(sweep, fans[i], of_fan, force[i]))
+            if (!needs_decision[i] || decide_and_move(sweep, fans[i], of_fan, force[i]))
                 free[n_free] = fans[i], force[n_free++] = force[i];
         }
         move_free();
@@ -230,7 +231,7 @@ StepReport ExplicitScheme::sweep_blocks(const ExplicitStep& step) {
         for (Index i = block.first_load; i < block.last_load; ++i) {
             const CornerLoad& load = model_.corner_loads[i];
             Vec2& force = corner_force_[load.corner];
-            store(knap::load(force) + amplitude_[load.history] * force_at_once(model_, load, step.begin), force);
+            store(knap::load(force) + amplitude_[load.history] * force_inlined(model_, load, step.begin), force);
         }
         NodeMotion nodes(step);
         move_fans<MeshBlock::Corner>({.block = block.inner,
@@ -421,7 +422,7 @@ void ExplicitScheme::account_loads(std::span<const CornerLoad> loads, const Expl
     const double half_drift = 0.5 * step.drift_time, half_last = 0.5 * begin.last_step, change = step.change_time();
     double external = 0, excavation = 0, strain = 0, rotation = 0, step_change = 0;
     for (const CornerLoad& load : loads) {
-        const Pair force = amplitude_[load.history] * force_at_once(model_, load, begin);
+        const Pair force = amplitude_[load.history] * force_inlined(model_, load, begin);
         const Index from = begin.node_of_corner[load.corner], to = end.node_of_corner[load.corner];
         const Pair before = knap::load(begin.velocity[from]), after = knap::load(end.velocity[to]);
         (load.is_release ? excavation : external) += step.kick_time * dot(force, 0.5 * (before + after));

@@ -42,8 +42,8 @@ inline Index place_among(std::span<const Index> corners, Index corner) {
     return static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
 }
 
-/// force_of without a call where the force does not follow a face: a weight acts on every corner of the body.
-inline Pair force_at_once(const Model& model, const CornerLoad& corner_load, const State& state) {
+/// As force_of; forces that do not depend on the state (a weight has one per corner) without a function call.
+inline Pair force_inlined(const Model& model, const CornerLoad& corner_load, const State& state) {
     return corner_load.depends_on_state() ? load(force_of(model, corner_load, state)) : load(corner_load.force);
 }
 

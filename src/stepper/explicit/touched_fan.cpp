@@ -5,8 +5,8 @@
 
 namespace knap {
 
-/// The parts of a fan move as rigid bodies: corners that points hold together which have not moved. Soft: a fan on a
-/// support, or with prescribed corners that may split, or one whose parts cannot stay as they are.
+/// The parts of a fan move as rigid bodies: corners that points hold together which have not moved. Solved
+/// jointly: a fan on a support, or with prescribed corners that may split, or one whose parts cannot stay as they are.
 void find_parts(const Model& model, const VertexSolver& solver, TouchedFan& touched, const ExplicitStep& step,
                 ThreadWorkspace& work) {
     const State& begin = step.begin;

@@ -310,10 +310,10 @@ Vec2 VertexContacts::rate(Index contact) const {
 void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                                    ThreadWorkspace& work, StepReport& report) {
     ContactProblem& problem = work.contacts;
-    bool has_soft = false;
+    bool any_jointly = false;
     for (const Index s : cluster.touched) {
         find_parts(model_, solver_, touched_[s], step, work);
-        if (touched_[s].solved_jointly) solve_jointly(touched_[s], step.begin, splits), has_soft = true;
+        if (touched_[s].solved_jointly) solve_jointly(touched_[s], step.begin, splits), any_jointly = true;
     }
     spread(cluster);
     for (const Index s : cluster.touched)
@@ -328,13 +328,13 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         std::ranges::any_of(cluster.contacts, [&](Index i) { return !obstacle_terms_of(i).empty(); });
     // with obstacles the first rounds are guesses: the fans judge them, and most agree before the laws of all points do
     const auto effort_of = [&](int round) {
-        if (!meets_obstacles || !has_soft || round >= careful_round) return ClusterEffort::careful;
+        if (!meets_obstacles || !any_jointly || round >= careful_round) return ClusterEffort::careful;
         return round == 0 ? ClusterEffort::active_set : ClusterEffort::proximal_points;
     };
     double residual = 0, least = infinity;
-    bool more_soft = false;
+    bool more_jointly = false;
     for (int round = 0, last_progress = 0; round < max_contact_rounds; ++round) {
-        if (round > 0) assemble(cluster, step, more_soft, work);
+        if (round > 0) assemble(cluster, step, more_jointly, work);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
             const Row& row = rows_[cluster.contacts[k]];
             const double of_gap = cluster.contacts[k] < n_faces() ? error : 0;  // else ObstacleContacts clears it
@@ -347,12 +347,12 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
             impulse_[cluster.contacts[k]] = problem.contact(k).impulse;
         for (const Index o : cluster.obstacles) obstacle_velocity_[o] = problem.velocity_of_rigid_body(rigid_body_[o]);
         spread(cluster);
-        more_soft = false;
+        more_jointly = false;
         for (const Index s : cluster.touched) {
             TouchedFan& touched = touched_[s];
             if (!touched.solved_jointly &&
                 (splits[touched.fan] || !keeps_its_parts(model_, touched, step, work, report)))
-                solve_jointly(touched, step.begin, splits), has_soft = more_soft = true;
+                solve_jointly(touched, step.begin, splits), any_jointly = more_jointly = true;
             if (touched.solved_jointly) {
                 solve_fan(model_, solver_, touched, step, work.split);
             } else {
@@ -362,7 +362,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         }
         work.rate.clear();
         for (const Index i : cluster.contacts) work.rate.push_back(rate(i));
-        if (!has_soft) break;
+        if (!any_jointly) break;
         residual = problem.residual(work.rate);
         if (residual < 0.5 * least) least = residual, last_progress = round;
         if (residual <= convergence_tolerance * speed + error || round - last_progress > patience) break;

@@ -125,7 +125,7 @@ private:
     std::vector<Vec3> obstacle_velocity_;  // [m/s, m/s, rad/s] per obstacle, under the present impulses
     std::vector<Index> rigid_body_;        // per free obstacle of a cluster: its number in the problem
     std::vector<Cluster> clusters_;
-    UnionFind joined_;                       // slots, then obstacles
+    UnionFind joined_;                       // touched fans, then obstacles
     std::vector<Index> cluster_of_member_;   // likewise: its number, or -1
     std::vector<Index> cluster_of_contact_;  // its number
     std::vector<Index> contacts_of_clusters_, touched_of_clusters_, obstacles_of_clusters_;

@@ -80,8 +80,14 @@ void ImplicitBulk::begin_step(const StepContext& step) {
         amplitude_.push_back(history.over_step(begin.time, begin.time + step.h, step.theta));
     std::ranges::fill(load_, Vec2::Zero());
     released_.clear();
+    if (!model_.state_forces.empty()) {
+        predicted_ = begin;
+        for (std::size_t i = 0; i < begin.velocity.size(); ++i)
+            predicted_.displacement[i] += step.kick() * begin.velocity[i];
+    }
+    const State& of_forces = model_.state_forces.empty() ? begin : predicted_;
     for (const CornerLoad& load : model_.corner_loads) {
-        load_[load.corner] += amplitude_[load.history] * force_of(model_, load, begin);
+        load_[load.corner] += amplitude_[load.history] * force_of(model_, load, of_forces);
         if (load.is_release)
             released_.push_back({.corner = load.corner, .force = amplitude_[load.history] * load.force});
     }

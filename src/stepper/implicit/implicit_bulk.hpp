@@ -104,6 +104,7 @@ private:
     const StepContext* step_ = nullptr;
     const CornerPartition* nodes_ = nullptr;
     std::vector<double> amplitude_;         // [-] theta mean of each history
+    State predicted_;                       // u + theta h v, for forces that depend on the state
     std::vector<Vec2> load_, begin_force_;  // [N] F_theta; with it -K u and thermal forces, per corner
     std::vector<CornerLoad> released_;      // [N] of load_, of what was excavated
     std::vector<Vec2> velocity_;            // [m/s] v, per node
