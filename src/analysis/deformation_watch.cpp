@@ -52,6 +52,25 @@ DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
     renew();
 }
 
+/// A triangle passes half a turn where the sine of its angle changes its sign while its cosine is negative.
+void DeformationWatch::count_turns(const State& state) {
+    if (!model_.large_rotation) return;
+    const bool first = turns_.empty();
+    turns_.resize(model_.mesh.triangles.size());
+    for (Index t = 0; t < model_.mesh.n_triangles(); ++t) {
+        const Gradient g = displacement_gradient(model_.mesh, state, t);
+        Turns& turns = turns_[t];
+        const bool clockwise = g.yx < g.xy;
+        if (clockwise != turns.clockwise && 2 + g.xx + g.yy < 0 && !first) turns.full += clockwise ? 1 : -1;
+        turns.clockwise = clockwise;
+    }
+}
+
+double DeformationWatch::turned(const State& state, Index triangle) const {
+    const Gradient g = displacement_gradient(model_.mesh, state, triangle);
+    return std::atan2(g.yx - g.xy, 2 + g.xx + g.yy) / degree + (turns_.empty() ? 0 : 360 * turns_[triangle].full);
+}
+
 void DeformationWatch::look_at_obstacles(const State& state) {
     const auto surface = [&](Index i) -> ObstacleSurface {
         return {model_.obstacles[i].outline, state.obstacles[i].pose};
@@ -125,6 +144,7 @@ double DeformationWatch::rounding_energy(double path) const {
 
 void DeformationWatch::look_at(const State& state) {
     for (const Vec2& u : state.displacement) displacement_ = std::max(displacement_, u.norm());
+    count_turns(state);
     // F = R U with R by the angle atan2(F_yx - F_xy, F_xx + F_yy); the angle is computed only where its tangent exceeds
     // that of the largest so far
     const Mesh& mesh = model_.mesh;

@@ -31,6 +31,11 @@ public:
 
     /// Rotation, or strain if rotations are large, change of area, slip: some ten nanoseconds per triangle.
     void look_at(const State& state);
+    /// With large rotations: counts the full turns of triangles, of which none may turn by more than 90 degrees between
+    /// two calls of this or look_at.
+    void count_turns(const State& state);
+    /// [deg] By which a triangle has turned, with its full turns, at the time of the last count.
+    double turned(const State& state, Index triangle) const;
     /// Overlap: as expensive as some steps.
     void look_for_overlap(const State& state);
 
@@ -72,7 +77,7 @@ public:
 
     void serialize(auto& archive) {
         archive(rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, obstacle_depth_, triangle_area_,
-                displacement_);
+                displacement_, turns_);
     }
 
 private:
@@ -87,6 +92,13 @@ private:
     double reach_ = 0;         // [m] no point of an obstacle beside the body is farther from its reference point
     double stiffest_ = 0;      // [Pa] largest E of the materials
     double displacement_ = 0;  // [m] largest at the last look
+    struct Turns {
+        std::int32_t full = 0;
+        bool clockwise = false;  // the rest, within half a turn
+
+        void serialize(auto& archive) { archive(full, clockwise); }
+    };
+    std::vector<Turns> turns_;  // per triangle, with large rotations
     Extreme rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, obstacle_depth_;
     std::vector<std::array<Index, 2>> obstacle_pairs_;
 };

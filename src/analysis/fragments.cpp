@@ -99,7 +99,10 @@ Fragments find_fragments(const Model& model, const State& state) {
     return found;
 }
 
-double Fragment::rotation() const { return std::atan2(turn.y(), turn.x()) * 180 / std::numbers::pi; }
+double Fragment::rotation() const {
+    const double principal = std::atan2(turn.y(), turn.x()) / degree;
+    return principal + 360 * std::round((near - principal) / 360);
+}
 
 double Fragment::diameter() const { return std::sqrt(4 * area / std::numbers::pi); }
 
@@ -137,7 +140,7 @@ std::span<const Measure<FragmentLine>> fragment_columns(bool turn) {
         {"spin", "rad/s", "angular momentum about the centre of mass over the moment of inertia",
          [](const L& l) { return l.fragment.spin(); }},
         {"kinetic_energy", "J", "kinetic energy", [](const L& l) { return l.fragment.kinetic_energy; }},
-        {"rotation", "deg", "angle by which the fragment has turned, -180 to 180; with large rotations only",
+        {"rotation", "deg", "angle by which the fragment has turned, full turns counted; with large rotations only",
          [](const L& l) { return l.fragment.rotation(); }}};
     return std::span(columns).first(std::size(columns) - (turn ? 0 : 1));  // `rotation` is the last
 }

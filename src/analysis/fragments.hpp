@@ -37,8 +37,9 @@ struct Fragment {
     double kinetic_energy = 0;                         // [J]
     Vec2 start = Vec2::Zero();                         // [m] centre of mass in the undeformed body
     Vec2 turn = Vec2::Zero();                          // [kg m2] sum of m (X . x, X x x) about both centres
+    double near = 0;  // [deg] angle by which a triangle of it has turned, with its full turns
 
-    /// [deg] -180 to 180: of the polar decomposition R U of the sum of m x (x) X, at any size of the rotation.
+    /// [deg] Of the polar decomposition R U of the sum of m x (x) X, with the full turns that come nearest to `near`.
     double rotation() const;
     double diameter() const;                                           // [m] of the circle of the same area
     double spin() const { return angular_momentum / spread.trace(); }  // [rad/s]

@@ -4,6 +4,7 @@
 #include "app/check/heat_scales.hpp"
 #include "app/check/law_table.hpp"
 #include "app/commands.hpp"
+#include "app/ensemble/ensemble.hpp"
 #include "app/run/run_text.hpp"
 #include "app/run/start_state.hpp"
 #include "app/setup/adaptation.hpp"
@@ -220,6 +221,17 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
                 cost.n_frames);
 }
 
+/// What `knap sweep` would run.
+void print_members(const Scenario& scenario, const Cost& cost) {
+    const RandomMembers& random = scenario.sweep.random;
+    if (random.n == 0) return;
+    double n = random.n;
+    for (const std::string& set : scenario.sweep.set) n *= static_cast<double>(sweep_key(set).values.size());
+    std::printf("sweep\n  %.0f runs, %zu keys drawn at random: ", n, random.keys.size());
+    if (cost.given_up_after > 0) std::printf("their time is not known\n");
+    else std::printf("about %s of one core\n", readable(n * (cost.total() - cost.frames - cost.figures), "s").c_str());
+}
+
 void print_warnings(const std::vector<Diagnostic>& warnings) {
     for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
 }
@@ -265,6 +277,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
                     one.triangles.size(), readable(one.at, "s", 6).c_str(), readable(one.ramp, "s", 6).c_str());
     const Cost cost = estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05);
     print_run(scenario, model, plan, cost, time);
+    print_members(scenario, cost);
     std::ranges::move(findings_of_model(read, model, plan, &cost), std::back_inserter(found));
     print_warnings(read.warnings), print_warnings(found);
     return strict && !(read.warnings.empty() && found.empty()) ? exit_bad_input : exit_done;

@@ -73,8 +73,9 @@ void draw_points(Canvas& canvas, const Plot& plot, const Curve& curve) {
 
 Box axis_ranges(const Chart& chart) {
     Box range{Vec2::Zero(), Vec2::Zero()};
-    if (chart.x_logarithmic) range.low.x() = INFINITY, range.high.x() = -INFINITY;
-    if (chart.y_logarithmic) range.low.y() = INFINITY, range.high.y() = -INFINITY;
+    const auto begin_empty = [&](int axis) { range.low[axis] = INFINITY, range.high[axis] = -INFINITY; };
+    if (chart.x_logarithmic || !chart.x_with_zero) begin_empty(0);
+    if (chart.y_logarithmic || !chart.y_with_zero) begin_empty(1);
     const auto add = [&](int axis, double value) {
         if (!std::isfinite(value) || ((axis == 0 ? chart.x_logarithmic : chart.y_logarithmic) && value <= 0)) return;
         range.low[axis] = std::min(range.low[axis], value);
@@ -97,7 +98,8 @@ std::vector<LegendEntry> entries_of(const Chart& chart) {
     std::vector<LegendEntry> entries;
     if (chart.curves.size() > 1)
         for (const Curve& curve : chart.curves)
-            entries.push_back({curve.label, curve.colour, curve.width, curve.dash, curve.marker});
+            if (!curve.label.empty())
+                entries.push_back({curve.label, curve.colour, curve.width, curve.dash, curve.marker});
     return entries;
 }
 

@@ -32,10 +32,12 @@ struct Chart {
     std::vector<Level> levels;
     std::vector<double> marks = {};  // [SI] vertical lines
     bool x_logarithmic = false, y_logarithmic = false;
-    std::optional<Limits> x_within = {};  // [SI] values beyond do not widen the axes; curves are cut off there
+    bool x_with_zero = true, y_with_zero = true;  // of a linear axis
+    std::optional<Limits> x_within = {};          // [SI] values beyond do not widen the axes; curves are cut off there
 };
 
-/// The range of both axes [SI]: of all values, on a linear axis with 0. Infinite, low > high, where there is no value.
+/// The range of both axes [SI]: of all values, on a linear axis with 0 unless the chart is without. Infinite,
+/// low > high, where there is no value.
 Box axis_ranges(const Chart& chart);
 
 struct ChartPlace {
@@ -45,7 +47,7 @@ struct ChartPlace {
     std::size_t n_points = std::numeric_limits<std::size_t>::max();
 };
 
-/// One entry per curve; none for a single curve.
+/// One entry per curve with a label; none for a single curve.
 std::vector<LegendEntry> entries_of(const Chart& chart);
 
 /// Throws OutputError when the file cannot be written.

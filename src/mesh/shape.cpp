@@ -18,15 +18,27 @@ double Shape::area() const {
 
 double Shape::tolerance() const { return 1e-6 * bounding_box(outer.points).diagonal(); }
 
+namespace {
+
+void change_points(Shape& shape, const auto& changed) {
+    const auto change_all = [&](std::vector<Vec2>& points) {
+        for (Vec2& p : points) p = changed(p);
+    };
+    change_all(shape.outer.points);
+    for (Ring& hole : shape.holes) change_all(hole.points);
+    for (Crack& crack : shape.cracks) change_all(crack.points);
+    for (Region& region : shape.regions) change_all(region.points);
+}
+
+}  // namespace
+
 void turn(Shape& shape, const Vec2& about, double angle) {
     const double c = std::cos(angle), s = std::sin(angle);
-    const auto turn_all = [&](std::vector<Vec2>& points) {
-        for (Vec2& p : points) p = about + c * (p - about) + s * turned_left(p - about);
-    };
-    turn_all(shape.outer.points);
-    for (Ring& hole : shape.holes) turn_all(hole.points);
-    for (Crack& crack : shape.cracks) turn_all(crack.points);
-    for (Region& region : shape.regions) turn_all(region.points);
+    change_points(shape, [&](const Vec2& p) -> Vec2 { return about + c * (p - about) + s * turned_left(p - about); });
+}
+
+void move(Shape& shape, const Vec2& by) {
+    change_points(shape, [&](const Vec2& p) -> Vec2 { return p + by; });
 }
 
 namespace {

@@ -44,6 +44,8 @@ struct Shape {
 
 /// Turns a shape about a point by an angle [rad].
 void turn(Shape& shape, const Vec2& about, double angle);
+/// Moves a shape by a vector [m].
+void move(Shape& shape, const Vec2& by);
 
 struct ShapeOverlap {
     double depth;  // [m] of a point of one shape below the border of the other

@@ -25,7 +25,8 @@ struct History {
 
 /// All tables of a run, by the names of their files. A table that a run does not have is empty.
 struct Histories {
-    History energy, cracks, reactions, probes, breaks, stress_strain, fragments, fragment_history, fragment_paths;
+    History energy, cracks, reactions, probes, breaks, stress_strain, fragments, fragment_history, fragment_paths,
+        passages, trajectories;
 
     void serialize(auto& archive);
 };
@@ -44,7 +45,9 @@ inline constexpr HistoryFile history_files[]{{"energy.csv", &Histories::energy, 
                                              {"stress_strain.csv", &Histories::stress_strain, true},
                                              {"fragments.csv", &Histories::fragments},
                                              {"fragment_history.csv", &Histories::fragment_history, false, false},
-                                             {"fragment_paths.csv", &Histories::fragment_paths, false, false}};
+                                             {"fragment_paths.csv", &Histories::fragment_paths, false, false},
+                                             {"passages.csv", &Histories::passages, false, false},
+                                             {"trajectories.csv", &Histories::trajectories, false, false}};
 
 void Histories::serialize(auto& archive) {
     for (const HistoryFile& file : history_files) archive(this->*file.table);

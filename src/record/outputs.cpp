@@ -1,5 +1,6 @@
 #include "record/outputs.hpp"
 
+#include "analysis/collectors.hpp"
 #include "analysis/fragments.hpp"
 #include "base/formatted.hpp"
 #include "figures/ticks.hpp"
@@ -67,6 +68,16 @@ std::vector<OutputTable> all_tables() {
          rows_of(fragment_moment_columns())},
         {"fragment_paths.csv", "the columns of fragments.csv of the thousand heaviest fragments, at the same times",
          fragment_path_columns()},
+        {"trajectories.csv",
+         "places, heights and energies of the hundred heaviest fragments and of free obstacles, at the same times; "
+         "with "
+         "output.trajectories, in place of fragment_paths.csv",
+         rows_of(trajectory_columns())},
+        {"passages.csv",
+         "a line for every passage of a fragment or of a free obstacle through a [[collector]], when it is a "
+         "thousandth "
+         "of its diameter beyond the line",
+         rows_of(passage_columns())},
         {"gates",
          "checks of the validity of a run: `gates` of run.json, each with value, unit, warning, limit, level, pass, "
          "place_m, meaning and cure",
@@ -103,15 +114,17 @@ std::vector<OutputTable> all_tables() {
                        {"deviation", "", "standard deviation of the sample"},
                        {"smallest", "", "smallest value"},
                        {"largest", "", "largest value"}}});
-    tables.push_back({"sweep.csv",
-                      "a line per run of `knap sweep`; the varied keys follow its name, each quantity with its unit "
-                      "comes last",
-                      {{"run", "", "name of its directory"},
-                       {"seed", "", "of the run"},
-                       {"status", "", "of the run"},
-                       {"triangles", "", "number of triangles"},
-                       {"steps", "", "number of steps"},
-                       {"cpu", "s", "processor time without output"}}});
+    tables.push_back(
+        {"sweep.csv",
+         "a line per run of `knap sweep`; the varied keys and what is drawn at random follow its name, "
+         "each quantity with its unit comes last",
+         {{"run", "", "name of its directory"},
+          {"seed", "", "of the run"},
+          {"status", "", "of the run"},
+          {"triangles", "", "number of triangles"},
+          {"steps", "", "number of steps"},
+          {"cpu", "s", "processor time without output"},
+          {"at_rest", "", "1: the run ended at rest, 0: time.end came before; only with until = \"rest\""}}});
     return tables;
 }
 

@@ -27,6 +27,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
       statuses_(model),
       reactions_(model),
       probes_(model, options_.probes),
+      collectors_(model, start, options_.collectors),
       tables_(options_.directory, options_.context.celsius),
       lines_(options_.history_every),
       fragments_(options_.fragments_every),
@@ -52,7 +53,9 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     tables_.add(&Histories::fragment_history, names_of(fragment_moment_columns()));
     std::vector<std::string> path_columns;
     for (const Output& column : fragment_path_columns(model.large_rotation)) path_columns.emplace_back(column.name);
-    tables_.add(&Histories::fragment_paths, std::move(path_columns));
+    if (options_.trajectories) tables_.add(&Histories::trajectories, names_of(trajectory_columns()));
+    else tables_.add(&Histories::fragment_paths, std::move(path_columns));
+    if (!options_.collectors.empty()) tables_.add(&Histories::passages, names_of(passage_columns()));
     if (options_.breaks || options_.specimen) {
         breaks_.emplace(model, start);
         tables_.add(&Histories::breaks, names_of(break_columns()));
@@ -89,8 +92,11 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     probes_.after_step(now);
     watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);
-    follow_cracks(now);
+    const bool changed = follow_cracks(now);
     reactions_.after_step(now);
+    if (!options_.collectors.empty())
+        for (std::vector<double>& line : collectors_.after_step(now, report.largest_speed, changed))
+            tables_.add_line(&Histories::passages, std::move(line));
     if (breaks_) {  // every step: between two lines none must be missed
         const Timed timed(time_);
         if (specimen_) specimen_->after_step(now);
@@ -130,9 +136,20 @@ Strength Recorder::strength() const {
     return strength_of(specimen_->curve(breaks_->n_tensile(), breaks_->n_shear()), options_.specimen->modulus_between);
 }
 
-/// In every step, so that what is found does not depend on the lines that are written.
-void Recorder::follow_cracks(const State& now) {
-    cracks_.grow(now.time, statuses_.changed(now), ledger_.row().cohesive_work);
+/// In every step, so that what is found does not depend on the lines that are written. Returns whether the status of an
+/// interface changed.
+bool Recorder::follow_cracks(const State& now) {
+    const std::vector<EdgeStatus>& changed = statuses_.changed(now);
+    cracks_.grow(now.time, changed, ledger_.row().cohesive_work);
+    return !changed.empty();
+}
+
+/// With the full turns of each.
+Fragments Recorder::find_turned_fragments(const State& now) {
+    Fragments found = find_fragments(model_, now);
+    deformation_.count_turns(now);
+    for (Fragment& piece : found.pieces) piece.near = deformation_.turned(now, piece.first_triangle);
+    return found;
 }
 
 void Recorder::finish(const State& now, bool ended_early) {
@@ -148,7 +165,7 @@ void Recorder::finish(const State& now, bool ended_early) {
     {
         const Timed timed(time_);
         tables_.close();
-        tables_.all().fragments = fragment_table(find_fragments(model_, now));
+        tables_.all().fragments = fragment_table(find_turned_fragments(now));
         tables_.write("fragments.csv", histories().fragments);
         write_arms();
         tables_.write_missing();
@@ -193,12 +210,16 @@ void Recorder::write_lines(const State& now) {
 
 void Recorder::write_fragments(const State& now) {
     const Timed timed(time_);
-    const Fragments fragments = find_fragments(model_, now);
+    const Fragments fragments = find_turned_fragments(now);
     const History table = fragment_table(fragments);
     tables_.add_line(&Histories::fragment_history,
                      values_of(fragment_moment_columns(), FragmentMoment{now.time, fragments, table}));
-    for (std::vector<double>& line : fragment_path_lines(now.time, fragments, table))
-        tables_.add_line(&Histories::fragment_paths, std::move(line));
+    if (options_.trajectories)
+        for (std::vector<double>& line : trajectory_lines(model_, now))
+            tables_.add_line(&Histories::trajectories, std::move(line));
+    else
+        for (std::vector<double>& line : fragment_path_lines(now.time, fragments, table))
+            tables_.add_line(&Histories::fragment_paths, std::move(line));
 }
 
 /// The arms as they are known at the end: an arm counts once it is long, but it grew from its first edge on, and so did

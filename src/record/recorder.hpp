@@ -2,6 +2,7 @@
 // Observes a run: energy ledger, gates, deformation, cracks; Tables, FrameOutput and FigureOutput write what they find
 // at its times.
 #include "analysis/breaks.hpp"
+#include "analysis/collectors.hpp"
 #include "analysis/crack_history.hpp"
 #include "analysis/deformation_watch.hpp"
 #include "analysis/energy_ledger.hpp"
@@ -40,7 +41,9 @@ struct RecorderOptions {
     std::vector<FigureOptions> figures;
     FigureContext context;
     std::vector<ProbeOptions> probes;
-    bool breaks = false;  // record every interface that breaks; a specimen implies it
+    std::vector<CollectorOptions> collectors;
+    bool trajectories = false;  // in place of the paths of fragments
+    bool breaks = false;        // record every interface that breaks; a specimen implies it
     std::optional<SpecimenOptions> specimen;
     LawStrength law_strength;
     struct Calibrated {
@@ -115,7 +118,7 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(deformation_, look_, search_, obstacle_look_, gates_, tables_, lines_, fragments_, last_line_, figures_,
-                frames_, time_, reactions_, probes_);
+                frames_, time_, reactions_, probes_, collectors_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);
@@ -132,11 +135,12 @@ private:
         }
     };
     void renew_observers();
-    void follow_cracks(const State& now);
+    bool follow_cracks(const State& now);
     void watch_deformation(const State& now, double speed);
     void write_lines(const State& now);
     void write_arms();
     void write_fragments(const State& now);
+    Fragments find_turned_fragments(const State& now);
 
     const Model& model_;
     RecorderOptions options_;
@@ -147,6 +151,7 @@ private:
     StatusWatch statuses_;
     Reactions reactions_;
     Probes probes_;
+    Collectors collectors_;
     std::optional<Breaks> breaks_;
     std::optional<Specimen> specimen_;
     std::optional<RestWatch> rest_;

@@ -347,6 +347,7 @@ std::vector<Output> summary_outputs() {
     std::vector<Output> outputs;
     for (const SummaryRow& row : rows) outputs.push_back({row.name, row.unit, row.doc});
     for (const auto& row : driver_rows) outputs.push_back({row.name, row.unit, row.doc});
+    outputs.insert(outputs.end(), collector_numbers().begin(), collector_numbers().end());
     return outputs;
 }
 
@@ -360,6 +361,12 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
         for (const auto& row : driver_rows)
             summary.values.emplace_back(names[i] + std::string(row.name.substr(1)),
                                         row.of({i, facts.reactions[i], recorder.reactions().largest_forces()[i]}));
+    for (std::size_t k = 0; k < recorder.options().collectors.size(); ++k) {
+        const Passages passages = passages_of(recorder.histories().passages, k);
+        for (const auto& row : collector_numbers())
+            summary.values.emplace_back(recorder.options().collectors[k].name + std::string(row.name.substr(1)),
+                                        row.of(passages));
+    }
     if (facts.driver) summary.reaction_of = names[facts.driver->number];
     return summary;
 }

@@ -21,7 +21,7 @@ struct Summary {
 Summary summarise(const Model& model, const State& end, const Recorder& recorder);
 
 /// All numbers that a summary may contain, in order; the last ones, "*_force_x", of every load and obstacle that
-/// drives.
+/// drives, and "*_passages" of every collector.
 std::vector<Output> summary_outputs();
 
 /// A bound of [expect] on a number of the summary.

@@ -1,6 +1,7 @@
 #pragma once
 // [study] and [sweep]: which runs of a scenario are made, and by which numbers they are compared. SI throughout.
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -42,11 +43,32 @@ struct StudyOptions {
     std::vector<StudyQuantity> quantities;
 };
 
+/// A key that every member of a sweep draws anew, from one distribution.
+struct RandomKey {
+    std::string key;  // of a number, such as "body.boulder.velocity.x"
+    enum class Distribution { uniform, normal, lognormal, choice } distribution = Distribution::uniform;
+    std::array<double, 2> of{};  // its ends, or its mean and standard deviation; in the unit of the key
+    std::optional<std::array<double, 2>> within;  // values outside are drawn again
+    std::vector<std::string> choices;             // as after KEY=
+    bool whole = false;                           // whole numbers
+    std::string unit;                             // of the key
+
+    /// The value of a member as after KEY=. It depends on seed, key and member only, not on other keys or members.
+    std::string drawn(std::uint64_t seed, int member) const;
+};
+
+struct RandomMembers {
+    int n = 0;  // 0: none
+    std::uint64_t seed = 1;
+    std::vector<RandomKey> keys;
+};
+
 struct SweepOptions {
     std::vector<std::string> set;         // KEY=VALUE,VALUE,...
     int n_seeds = 0;                      // 0: the seed of the scenario
     std::vector<std::string> quantities;  // numbers of the summary that the table shows
-    std::string show = "cracks";          // subject of the contact sheet
+    std::string show = "cracks";          // subject of the contact sheet; empty: none is drawn
+    RandomMembers random;                 // members of every combination
 };
 
 }  // namespace knap

@@ -103,6 +103,7 @@ void add_keys_of_body(KeyTable& t) {
     add_outline(t, "body[]");
     t.number("angle", "deg", "angle by which it is turned, with holes, cracks and regions: about the origin of a "
         "rectangle, the first point of a polygon, the centre of a disc").otherwise("0");
+    t.number("shift", "m", "vector by which it is moved, with all its parts, after that").pair().otherwise("[0, 0]");
     add_matter_and_motion(t);
     add_parts(t, "body[]");
 
@@ -144,6 +145,7 @@ void add_keys_of_body(KeyTable& t) {
         .only_with("pattern", {"heap"}).to(&InclusionOptions::direction, radians);
     t.number("angle", "deg", "angle by which the pattern is turned about its origin or the lower left "
         "corner of its box").otherwise("0");
+    t.number("shift", "m", "vector by which it is moved after that").pair().otherwise("[0, 0]");
     add_matter_and_motion(t);
 
     t.table("mesh", "the triangle mesh").required();
@@ -387,6 +389,9 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("radius", "m", "radius").above(0).required().only_with("shape", {"disc"}).to(&Outline::radius);
     t.number("points", "m", "corners in order; of a polyline instead of csv").points()
         .only_with("shape", {"polygon", "polyline"});
+    t.number("angle", "deg", "angle by which it is turned about its centre of mass").otherwise("0")
+        .only_with("shape", {"disc", "polygon"});
+    t.number("shift", "m", "vector by which it is moved after that").pair().otherwise("[0, 0]");
     add_contact(t);
     t.number("velocity", "m/s", "prescribed velocity, x and y").pair().or_word("free");
     t.number("displacement", "m", "prescribed displacement, x and y").pair().or_word("free");

@@ -89,6 +89,9 @@ void add_keys_of_run(KeyTable& t) {
     t.flag("fields", "write .vtu frames").otherwise("true").to(&OutputOptions::fields);
     t.flag("report", "write report.html, a page with figures, frames, numbers and warnings; of studies and sweeps, too")
         .otherwise("true").to(&OutputOptions::report);
+    t.flag("trajectories", "write trajectories.csv, a small table of the pieces that move, in place of "
+        "fragment_paths.csv: a sweep draws the ways of all its runs from it; in sweeps with random members of pieces "
+        "that turn or fly it is on").otherwise("false").to(&OutputOptions::trajectories);
     t.flag("breaks", "write breaks.csv, a line for every broken interface: time, place, direction, length, mode (part "
         "of sliding) and energy")
         .computed("true with a specimen or a figure that needs them").to(&OutputOptions::breaks);
@@ -137,6 +140,20 @@ void add_keys_of_run(KeyTable& t) {
         "its triangles move on; without it the whole body")
         .box().only_with("watch", {"stress"}).to(&ProbeOptions::box);
     t.text("name", "prefix of its columns").a_name().computed("probe1, probe2, ...").to(&ProbeOptions::name);
+
+    t.list("collector[]", "a line that counts the pieces passing through it, fragments of the body and free obstacles: "
+        "passages.csv has time, mass, size, height, velocity, spin and energies of each, the summary their statistics");
+    t.number("from", "m", "one end, such as the foot of a barrier").pair().to(&CollectorOptions::from);
+    t.number("to", "m", "the other end").pair().to(&CollectorOptions::to);
+    t.number("x", "m", "in place of both: a vertical without ends; heights are those above obstacles that do not move "
+        "freely").to(&CollectorOptions::x);
+    t.word("direction", {"both", "forward", "backward"}, "passages that count; forward: from the left of the line to "
+        "its right as seen from `from` to `to`, or towards larger x")
+        .otherwise("both").to(&CollectorOptions::direction,
+                              {CollectorOptions::Direction::both, CollectorOptions::Direction::forward,
+                               CollectorOptions::Direction::backward});
+    t.text("name", "prefix of its numbers in the summary").a_name().computed("collector1, collector2, ...")
+        .to(&CollectorOptions::name);
 
     t.list("figure[]", "a picture drawn by the run");
     t.text("file", "file name that ends in .png, .svg or .pdf; the time is added if there are several. An animation of "
@@ -255,9 +272,25 @@ void add_keys_of_ensembles(KeyTable& t) {
     t.integer("seeds", "number of seeds of every combination, counted from `seed`")
         .at_least(1).at_most(100000).to(&SweepOptions::n_seeds);
     t.word("quantities", summary_names(), "numbers of the summary in the table of results").list()
-        .computed("with a specimen peak_stress and tangent_modulus, broken_length, dissipated, fragments")
+        .computed("with a specimen peak_stress and tangent_modulus, broken_length, dissipated, fragments; of every "
+            "collector NAME NAME_passages, NAME_largest_energy, NAME_largest_height")
         .to(&SweepOptions::quantities);
-    t.word("show", figure_subjects(), "subject of the contact sheet").otherwise("cracks").to(&SweepOptions::show);
+    t.word("show", figure_subjects(), "subject of the contact sheet").computed("cracks; with random members no sheet")
+        .to(&SweepOptions::show);
+    t.table("sweep.random", "members of every combination, for which keys are drawn at random");
+    t.integer("members", "their number").at_least(1).at_most(100000).required().to(&RandomMembers::n);
+    t.integer("seed", "seed of what is drawn: the values of a member depend on it, on its number and on the key only")
+        .at_least(0).computed("`seed`").to(&RandomMembers::seed);
+    t.list("sweep.random.vary[]", "a key that is drawn anew for every member; with one of uniform, normal, lognormal "
+        "and choice");
+    t.text("key", "key of a number, as body.boulder.shift.x, body.boulder.spin, obstacle.terrain.friction, seed: after "
+        "a list the name of an entry, after a pair its component x or y").required().to(&RandomKey::key);
+    t.number("uniform", "*", "smallest and largest value, in the unit of the key").pair();
+    t.number("normal", "*", "mean and standard deviation").pair();
+    t.number("lognormal", "*", "mean and standard deviation of the values themselves").pair();
+    t.number("within", "*", "of normal and lognormal: values outside of these two are drawn again").pair();
+    t.text("choice", "values of which each is as likely; one that occurs twice is twice as likely").list().any_value()
+        .to(&RandomKey::choices);
 
     t.table("study", "convergence study or statistics of `knap study`");
     t.word("refine", {"step", "mesh", "both"}, "what a level divides: time.step, the sizes of [mesh], or both; a step "

@@ -72,8 +72,22 @@ std::string pattern_of(std::string_view path) {
         if (const std::size_t bracket = part.find('['); bracket != std::string::npos) part.replace(bracket, -1, "[]");
         const Key* parent = find_key(pattern);
         pattern = joined_path(pattern, parent && parent->kind == Kind::names ? "*" : part);
+        if (const std::string list = pattern + "[]"; !path.empty() && !find_key(pattern) && find_key(list)) {
+            path.remove_prefix(std::min(path.find('.', 1), path.size() - 1) + 1);  // the name of an entry
+            pattern = list;
+        }
     }
     return pattern;
+}
+
+const Key* key_at(std::string_view path) {
+    const std::string pattern = pattern_of(path);
+    if (const Key* key = find_key(pattern)) return key;
+    for (const char* component : {".x", ".y", "[]"})
+        if (const std::size_t n = std::string_view(component).size(); pattern.ends_with(component))
+            if (const Key* key = find_key(pattern.substr(0, pattern.size() - n)); key && key->form == Form::pair)
+                return key;
+    return nullptr;
 }
 
 std::string joined_path(std::string_view table, std::string_view key) {
@@ -89,7 +103,8 @@ std::string describe_one(const Key& key, std::string_view unit) {
     switch (key.kind) {
         case Kind::boolean: return "true or false";
         case Kind::integer: return "a whole number";
-        case Kind::text: return key.words.empty() ? "a text" : "one of " + joined(key.words);
+        case Kind::text:
+            return key.takes_values ? "a value" : key.words.empty() ? "a text" : "one of " + joined(key.words);
         case Kind::number: break;
         default: return "a table";
     }

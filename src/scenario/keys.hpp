@@ -71,6 +71,7 @@ struct Key {
     std::string_view default_doc = {};  // a computed default, in words
     bool is_required = false;           // within its table
     bool is_a_name = false;             // of a text: it must be a name (is_name)
+    bool takes_values = false;          // of a text: numbers and lists stand for their text
     Condition condition = {};
     std::string_view text_key = {};                      // of a table: the key that a text in place of the table gives
     const std::type_info* owner = nullptr;               // the options struct that has a member for the value
@@ -95,6 +96,7 @@ struct Key {
     Key& at_least(double x) { return range.low = x, *this; }
     Key& below(double x) { return range.high = x, range.high_included = false, *this; }
     Key& at_most(double x) { return range.high = x, *this; }
+    Key& any_value() { return takes_values = true, *this; }
     Key& a_name() { return is_a_name = true, *this; }
     Key& or_word(const char* word) { return words = {word}, *this; }
     Key& required() { return is_required = true, *this; }
@@ -138,8 +140,11 @@ std::span<const Key> keys();
 const Key* find_key(std::string_view pattern);
 /// Rows directly below the row of a table.
 const std::vector<const Key*>& keys_below(std::string_view pattern);
-/// "load[2].on.box" -> "load[].on.box", "material.glass.E" -> "material.*.E"
+/// "load[2].on.box" -> "load[].on.box", "material.glass.E" -> "material.*.E", "body.boulder.spin" -> "body[].spin"
 std::string pattern_of(std::string_view path);
+/// The row of the value at a path: of "body.boulder.velocity.x" and "body[0].velocity[0]" that of the pair. Null if
+/// there is none.
+const Key* key_at(std::string_view path);
 
 /// "a", "b" -> "a.b"
 std::string joined_path(std::string_view table, std::string_view key);

@@ -24,6 +24,14 @@ bool remove(Node& root, const std::vector<PathPart>& parts) {
     return parent;
 }
 
+/// "named: boulder, slab"
+std::string names_in(const Node& list) {
+    std::vector<std::string> names;
+    for (const Node& entry : list.children)
+        if (const Node* name = entry.find("name")) names.push_back(name->text);
+    return names.empty() ? "it has no names; [0] is its first entry" : "named: " + joined(names);
+}
+
 /// Applies one KEY=VALUE. `error` takes a message and a note.
 void apply(Node& root, const std::string& text, const auto& error) {
     const std::string set_by = "--set " + text;
@@ -45,8 +53,22 @@ void apply(Node& root, const std::string& text, const auto& error) {
         return error("the path has more than " + std::to_string(max_key_parts) + " parts", "");
     Node* node = &root;
     for (const PathPart& part : *parts) {
+        if (node->type == Node::Type::array) {
+            Node* entry = find_part(*node, part);
+            if (!entry) return error("`" + path + "`: there is no `" + part.name + "` in this list", names_in(*node));
+            node = entry;
+            continue;
+        }
         if (node->type != Node::Type::table)
             return error("`" + path + "`: there is no table above `" + part.name + "`", "");
+        if (const bool last = &part == &parts->back();
+            last && (part.name == "x" || part.name == "y") && node->children.empty() && !node->set_by.empty())
+            if (const Key* key = key_at(path); key && key->form == Form::pair) {  // the other component is zero
+                node->type = Node::Type::array;
+                node->children = {Node::of_integer(0), Node::of_integer(0)};
+                node = &node->children[part.name == "y"];
+                continue;
+            }
         const Node* list = node->find(part.name);
         if (!list) list = &node->children.emplace_back(Node{.name = part.name, .set_by = set_by});
         node = find_part(*node, part);

@@ -95,17 +95,21 @@ Body& add_body(const Table& table, const std::string& name) {
     return body;
 }
 
+/// Turns a shape about a point and shifts it, as the keys of its table say.
+void place(const Table& table, const Vec2& about, Shape& shape) {
+    if (const double degrees = table.number("angle").value_or(0); degrees != 0) turn(shape, about, degrees * degree);
+    if (const Vec2 shift = table.get<Vec2>("shift").value_or(Vec2::Zero()); !shift.isZero(0)) move(shape, shift);
+}
+
 void read_one_body(const Table& table) {
     table.compute("name", Node::of_text("body" + std::to_string(table.scenario().bodies.size() + 1)));
     const std::string name = table.text("name");
     Body& body = add_body(table, name);
     Shape& shape = body.shape;
     read_shape(table, body.mesh, name + ".", shape);
-    const double degrees = table.number("angle").value_or(0);
-    if (degrees == 0 || shape.outer.points.empty()) return;
+    if (shape.outer.points.empty()) return;
     const bool round = table.text("shape") == "disc";
-    turn(shape, round ? table.get<Vec2>("centre").value_or(Vec2::Zero()) : Vec2(shape.outer.points.front()),
-         degrees * degree);
+    place(table, round ? table.get<Vec2>("centre").value_or(Vec2::Zero()) : Vec2(shape.outer.points.front()), shape);
 }
 
 // ---- [[bodies]]
@@ -176,7 +180,7 @@ void read_pattern(const Table& table) {
         for (std::size_t side = 0; side < points.size(); ++side)
             shape.outer.boundary.push_back(boundary_index(
                 shape, own + (blocks ? std::array{".bottom", ".right", ".top", ".left"}[side] : ".rim")));
-        turn(shape, origin, table.number("angle").value_or(0) * degree);
+        place(table, origin, shape);
     }
     scenario.groups.push_back(group);
 }

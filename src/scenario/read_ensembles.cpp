@@ -3,10 +3,12 @@
 #include "analysis/energy_ledger.hpp"
 #include "analysis/probes.hpp"
 #include "analysis/reactions.hpp"
+#include "base/random.hpp"
 #include "record/outputs.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace knap {
 namespace {
@@ -116,7 +118,141 @@ std::vector<StudyLine> study_lines(const Table& study, bool statistics) {
     return lines;
 }
 
+// ---- [sweep.random]
+
+/// The row of a key that can be drawn; null, and an error, where it cannot.
+const Key* check_drawn_key(const Table& table, const std::string& path) {
+    const Key* key = key_at(path);
+    const Node* there = &table.reading().values.root;
+    std::string above;
+    for (const PathPart& part : path_parts(path).value_or(std::vector<PathPart>{})) {
+        const Node* below = find_part(const_cast<Node&>(*there), part);
+        if (!below && there->type == Node::Type::array && key) {
+            std::vector<std::string> names;
+            for (const Node& entry : there->children)
+                if (const Node* name = entry.find("name")) names.push_back(name->text);
+            table.error("unknown-name", "key", "= \"" + path + "\": there is no `" + part.name + "` in `" + above + "`",
+                        names.empty() ? "there is none" : "known: " + first_of(names), did_you_mean(part.name, names));
+            return nullptr;
+        }
+        if (!below) break;  // a key without a value
+        there = below, above = joined_path(above, part.name);
+    }
+    if (key && !key->is_table() && !path.starts_with("sweep.") && !path.starts_with("study.")) return key;
+    std::vector<std::string> known;
+    for (const Key& each : keys())
+        if (each.kind == Kind::number || each.kind == Kind::integer) known.push_back(each.path);
+    table.error(key ? "out-of-range" : "unknown-key", "key", "= \"" + path + "\" is not a key that can be drawn",
+                "as body.boulder.velocity.x, seed", did_you_mean(pattern_of(path), known));
+    return nullptr;
+}
+
+/// Values that a normal distribution has within two bounds.
+double part_within(double mean, double deviation, const std::array<double, 2>& bounds) {
+    const auto below = [&](double x) { return 0.5 * std::erfc((mean - x) / (deviation * std::sqrt(2.0))); };
+    return below(bounds[1]) - below(bounds[0]);
+}
+
+/// The parameters of one distribution, and whether all its values are allowed.
+void check_distribution(const Table& table, const Key& key, const std::string& name, const RandomKey& drawn) {
+    using Distribution = RandomKey::Distribution;
+    const auto [a, b] = drawn.of;
+    if (drawn.distribution == Distribution::uniform && !(a < b || (drawn.whole && a == b)))
+        return table.error("out-of-range", name, "does not ascend");
+    if (drawn.distribution != Distribution::uniform && !(b > 0))
+        return table.error("out-of-range", name, "has a standard deviation that is not positive");
+    if (drawn.distribution == Distribution::lognormal && !(a > 0))
+        return table.error("out-of-range", name, "has a mean that is not positive");
+    std::array<double, 2> values{-infinity, infinity};  // that occur
+    if (drawn.distribution == Distribution::uniform) values = drawn.of;
+    if (drawn.distribution == Distribution::lognormal) values[0] = std::numeric_limits<double>::min();
+    if (drawn.within) {
+        const auto [low, high] = *drawn.within;
+        if (!(low < high)) return table.error("out-of-range", "within", "does not ascend");
+        values = {std::max(values[0], low), std::min(values[1], high)};
+        const double variance = std::log(1 + b * b / (a * a));
+        const double part =
+            drawn.distribution == Distribution::normal
+                ? part_within(a, b, values)
+                : part_within(std::log(a) - 0.5 * variance, std::sqrt(variance),
+                              {std::log(std::max(values[0], 1e-300)), std::log(std::max(high, 1e-300))});
+        if (part < 1e-3)
+            return table.error("out-of-range", "within", "holds less than a thousandth of the distribution");
+    }
+    const bool low = key.range.contains(values[0]) || (values[0] == -infinity && key.range.low == -infinity),
+               high = key.range.contains(values[1]) || (values[1] == infinity && key.range.high == infinity);
+    if (!low || !high)
+        table.error("out-of-range", name,
+                    "gives values that `" + drawn.key + "` cannot have: it must be " + key.range.text(),
+                    drawn.distribution == Distribution::uniform ? "" : "within = [smallest, largest]");
+}
+
+void read_drawn_key(const Table& table, RandomMembers& random) {
+    using Distribution = RandomKey::Distribution;
+    RandomKey drawn;
+    table.fill(drawn);
+    const std::vector<std::string> names{"uniform", "normal", "lognormal", "choice"};
+    const auto name = table.one_of(names, true);
+    if (!table.has("key")) return;
+    const Key* key = check_drawn_key(table, drawn.key);
+    if (!key || !name) return;
+    const bool number = key->kind == Kind::integer || (key->kind == Kind::number && key->unit != "*"),
+               component = key->form == Form::pair && pattern_of(drawn.key) != key->path;
+    if (*name != "choice" && !(number && (key->form == Form::one || component)))
+        return table.error("wrong-type", *name, "needs a key of one number, and `" + drawn.key + "` has another value",
+                           key->form == Form::pair ? drawn.key + ".x, its component" : "choice = [...]");
+    if (!table.has(*name)) return;
+    drawn.distribution = static_cast<Distribution>(std::ranges::find(names, *name) - names.begin());
+    drawn.whole = key->kind == Kind::integer;
+    drawn.unit = key->has_fixed_unit() ? key->unit : "";
+    if (const auto of = table.get<std::array<double, 2>>(*name); of && *name != "choice") drawn.of = *of;
+    drawn.within = table.get<std::array<double, 2>>("within");
+    const bool has_tails = *name == "normal" || *name == "lognormal";
+    if (table.given("within") && !has_tails) table.error("exclusive-keys", "within", "belongs to normal and lognormal");
+    if (*name != "choice") check_distribution(table, *key, *name, drawn);
+    const auto is_it = [&](const RandomKey& other) { return other.key == drawn.key; };
+    if (std::ranges::any_of(random.keys, is_it))
+        table.error("duplicate-name", "key", "= \"" + drawn.key + "\" is drawn twice");
+    for (const std::string& set : table.scenario().sweep.set)
+        if (trimmed(std::string_view(set).substr(0, set.find('='))) == drawn.key)
+            table.error("exclusive-keys", "key", "= \"" + drawn.key + "\" is a key of sweep.set, too");
+    random.keys.push_back(std::move(drawn));
+}
+
+void read_members(Reading& reading) {
+    const Table table = reading.table("sweep.random");
+    RandomMembers& random = reading.scenario.sweep.random;
+    table.compute("seed", Node::of_integer(static_cast<int>(reading.scenario.seed)));
+    table.fill(random);
+    for (const Table& vary : table.list("vary")) read_drawn_key(vary, random);
+    if (table.list("vary").empty())
+        table.error("missing-key", "vary", "is missing: all members would be the same", "[[sweep.random.vary]]");
+    if (reading.table("sweep").given("seeds"))
+        reading.table("sweep").error("exclusive-keys", "seeds", "belongs to a sweep without random members",
+                                     "draw the key `seed`: [[sweep.random.vary]] with key = \"seed\"");
+}
+
 }  // namespace
+
+std::string RandomKey::drawn(std::uint64_t seed, int member) const {
+    constexpr int most_draws = 1'000'000;  // at least a thousandth of the distribution is within the bounds
+    Random random(seed, "member " + std::to_string(member) + " " + key);
+    if (distribution == Distribution::choice)
+        return choices[std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(choices.size())),
+                                choices.size() - 1)];
+    const auto value = [&] {
+        switch (distribution) {
+            case Distribution::normal: return of[0] + of[1] * random.normal();
+            case Distribution::lognormal: return of[0] * random.lognormal(of[1] / of[0]);
+            default:
+                return whole ? of[0] + std::floor(random.uniform() * (of[1] - of[0] + 1))
+                             : random.uniform(of[0], of[1]);
+        }
+    };
+    double x = value();
+    for (int i = 0; within && !(x >= (*within)[0] && x <= (*within)[1]) && i < most_draws; ++i) x = value();
+    return shortest(whole ? std::round(x) : x);
+}
 
 void read_study(Reading& reading) {
     const Table table = reading.table("study");
@@ -132,11 +268,18 @@ void read_study(Reading& reading) {
 void read_sweep(Reading& reading) {
     const Table table = reading.table("sweep");
     SweepOptions& sweep = reading.scenario.sweep;
+    const bool has_members = reading.table("sweep.random").given();
+    if (!has_members) table.compute("show", Node::of_text("cracks"));
+    else sweep.show = "";
     table.fill(sweep);
+    if (has_members) read_members(reading);
     for (const std::string& name : sweep.quantities) reading.check_summary_number(table.path("quantities"), name);
     if (!sweep.quantities.empty()) return;
     if (reading.scenario.specimen) sweep.quantities = {"peak_stress", "tangent_modulus"};
     sweep.quantities.insert(sweep.quantities.end(), {"broken_length", "dissipated", "fragments"});
+    for (const CollectorOptions& collector : reading.scenario.collectors)
+        for (const char* number : {"_passages", "_largest_energy", "_largest_height"})
+            sweep.quantities.push_back(collector.name + number);
 }
 
 }  // namespace knap

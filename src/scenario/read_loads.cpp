@@ -262,6 +262,8 @@ void read_obstacle(const Table& table) {
     table.fill(obstacle);
     table.fill(obstacle.contact);
     read_outline(table, obstacle);  // first: csv of a polyline has its points, and stays only after an error
+    obstacle.start.angle = table.number("angle").value_or(0) * degree;
+    obstacle.start.position += table.get<Vec2>("shift").value_or(Vec2::Zero());
     const bool has_bad_points = table.text("shape") == "polyline" && table.given("csv");
     const TimeFunction history = has_bad_points ? TimeFunction() : read_history(table);
     read_inertia(table, obstacle);

@@ -151,6 +151,21 @@ void read_probe(const Table& table, std::size_t number) {
     table.scenario().probes.push_back(std::move(probe));
 }
 
+void read_collector(const Table& table, std::size_t number) {
+    table.compute("name", Node::of_text("collector" + std::to_string(number)));
+    table.check_column_name(table.text("name"));
+    CollectorOptions collector;
+    table.fill(collector);
+    const bool vertical = table.given("x"), ends = table.given("from") || table.given("to");
+    if (vertical && ends)
+        table.error("exclusive-keys", "x", "is a vertical without ends, and from and to are the ends of a line");
+    if (!vertical && !(table.given("from") && table.given("to")))
+        table.error("missing-key", "", "has no line", "either from and to, its ends, or x, a vertical without ends");
+    if (table.has("from") && table.has("to") && collector.from == collector.to)
+        table.error("out-of-range", "to", "is the same point as from: the line has no length");
+    table.scenario().collectors.push_back(std::move(collector));
+}
+
 FigureNeed need_of(const Table& figure) {
     const FigureOptions usual;
     return need_of_figure(figure.has("show") ? figure.text("show") : usual.show,
@@ -418,6 +433,8 @@ void read_run(Reading& reading) {
     check_states(output, scenario.time.end);
     std::size_t n_probes = 0;
     for (const Table& table : reading.list("probe")) read_probe(table, ++n_probes);
+    std::size_t n_collectors = 0;
+    for (const Table& table : reading.list("collector")) read_collector(table, ++n_collectors);
     for (const Table& table : reading.list("figure")) check_subject(table);
     read_specimen(reading);
     std::set<std::string> files;

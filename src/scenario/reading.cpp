@@ -145,6 +145,11 @@ void Reading::check_summary_number(const std::string& path, const std::string& n
     const Output* row = find_output("summary", name);
     if (!row || !row->name.starts_with('*')) return;
     std::vector<std::string> known;
+    if (std::ranges::count(collector_numbers(), row->name, &Output::name) > 0) {
+        for (const CollectorOptions& collector : scenario.collectors) known.push_back(collector.name);
+        find(path, "collector", name.substr(0, name.size() + 1 - row->name.size()), known);
+        return;
+    }
     for (const auto& [driver, end] : drivers()) known.push_back(driver);
     find(path, "load with prescribed motion, or obstacle,", name.substr(0, name.size() + 1 - row->name.size()), known);
 }
@@ -207,14 +212,15 @@ void Table::check_column_name(const std::string& name) const {
     const auto is_used = [&](const auto& list) {
         return std::ranges::any_of(list, [&](const auto& other) { return other.name == name; });
     };
-    const std::string other = is_used(scenario().loads)       ? "a load"
-                              : is_used(scenario().obstacles) ? "an obstacle"
-                              : is_used(scenario().probes)    ? "a probe"
-                                                              : "";
+    const std::string other = is_used(scenario().loads)        ? "a load"
+                              : is_used(scenario().obstacles)  ? "an obstacle"
+                              : is_used(scenario().probes)     ? "a probe"
+                              : is_used(scenario().collectors) ? "a collector"
+                                                               : "";
     if (!other.empty())
         error("duplicate-name", "name", ": `" + name + "` is the name of " + other + " already, and both have columns");
     const std::vector<Output>& numbers = output_table("summary").rows;  // "largest_slip" must have one meaning
-    for (const char* file : {"probes.csv", "reactions.csv"})
+    for (const char* file : {"probes.csv", "reactions.csv", "summary"})
         for (const Output& row : output_table(file).rows) {
             const std::string column = name + std::string(row.name.substr(1));
             if (row.name.starts_with('*') && std::ranges::count(numbers, column, &Output::name) > 0)

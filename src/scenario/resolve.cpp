@@ -86,6 +86,10 @@ private:
         }
         // a bare text of the command line that is read as another type: name=2026
         const bool raw = !node.set_by.empty() && node.type != Node::Type::text && key_.form == Form::one;
+        if (key_.takes_values && node.type != Node::Type::text && node.type != Node::Type::table) {
+            value.text = toml_text(node), value.type = Node::Type::text;
+            return value;
+        }
         if (!raw && node.type != Node::Type::text) return wrong(node);
         value.text = raw ? node.set_by.substr(node.set_by.find('=') + 1) : node.text;
         value.type = Node::Type::text;
@@ -169,6 +173,11 @@ std::string_view unit_of_key(const Key& key, const Node& table) {
     if (key.unit != "*") return key.unit;
     if (key.path.starts_with("expect.")) return unit_of("summary", table.name);
     if (key.path.starts_with("study.")) return unit_of_quantity(key, table);
+    if (key.path.starts_with("sweep.")) {
+        const Node* of = table.find("key");
+        const Key* varied = of ? key_at(of->text) : nullptr;
+        return varied && varied->has_fixed_unit() ? varied->unit : "";
+    }
     const Node *show = table.find("show"), *colour = table.find("colour");
     const FigureOptions usual;
     if (key.path == "figure[].measured") return shows_body(show ? show->text : usual.show) ? "m" : "";

@@ -1,5 +1,6 @@
 #pragma once
 // A scenario: the options structs of the lower layers. SI throughout.
+#include "analysis/collectors.hpp"
 #include "analysis/energy_ledger.hpp"
 #include "analysis/gates.hpp"
 #include "analysis/probes.hpp"
@@ -97,6 +98,7 @@ struct OutputOptions {
     double history_every = 0;      // [s] between lines of energy.csv and cracks.csv
     bool fields = true;            // write .vtu frames
     bool breaks = false;           // write breaks.csv
+    bool trajectories = false;     // write trajectories.csv in place of fragment_paths.csv
     bool report = true;            // write report.html
     double checkpoint_every = 60;  // [s] of wall time between checkpoints
     std::vector<double> states;    // [s] at which the whole state is kept
@@ -156,6 +158,7 @@ struct Scenario {
     TimeOptions time;
     OutputOptions output;
     std::vector<ProbeOptions> probes;
+    std::vector<CollectorOptions> collectors;
     std::optional<SpecimenOptions> specimen;
     StrengthOptions strength;
     std::vector<FigureOptions> figures;

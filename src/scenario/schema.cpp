@@ -225,7 +225,8 @@ std::string schema_markdown() {
            "\n## Units\n\nA number is in the unit shown above, or a text with a unit of the same kind: `\"40 mm\"`, "
            "`\"3.08 MPa\"`, `\"3 J/m2\"`.\n\n" +
            units_markdown() +
-           "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes and obstacles have names by one rule: " +
+           "\n## Names\n\nMaterials, interfaces, boundaries, loads, probes, collectors and obstacles have names by one "
+           "rule: " +
            rule_for_names +
            ". As a key, a name with blanks is in quotes: `[material.\"hard rock\"]`. A material's name has "
            "no `-`, which joins two of them in `[interface.A-B]`. "

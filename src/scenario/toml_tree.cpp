@@ -97,8 +97,19 @@ std::optional<std::vector<PathPart>> path_parts(std::string_view path) {
     return parts;
 }
 
-Node* find_part(Node& table, const PathPart& part) {
-    Node* node = table.find(part.name);
+Node* find_part(Node& above, const PathPart& part) {
+    if (above.type == Node::Type::array) {
+        const auto is_named = [&](const Node& entry) {
+            const Node* name = entry.find("name");
+            return name && name->text == part.name;
+        };
+        const auto found = std::ranges::find_if(above.children, is_named);
+        if (part.index) return nullptr;
+        if (found != above.children.end()) return &*found;
+        const bool is_pair = above.children.size() == 2 && above.children.front().type != Node::Type::table;
+        return is_pair && (part.name == "x" || part.name == "y") ? &above.children[part.name == "y"] : nullptr;
+    }
+    Node* node = above.find(part.name);
     if (!node || !part.index) return node;
     return node->type == Node::Type::array && *part.index < node->children.size() ? &node->children[*part.index]
                                                                                   : nullptr;

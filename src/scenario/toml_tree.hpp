@@ -105,8 +105,9 @@ struct PathPart {
 };
 /// The parts of a path; none if it is malformed.
 std::optional<std::vector<PathPart>> path_parts(std::string_view path);
-/// The node at a part below `table`; null if there is none.
-Node* find_part(Node& table, const PathPart& part);
+/// The node at a part below a table; below a list of tables that with this name ("boulder" of "body.boulder.velocity"),
+/// below a pair its component x or y. Null if there is none.
+Node* find_part(Node& above, const PathPart& part);
 
 /// "load", 2 -> "load[2]"
 inline std::string item(const std::string& list, std::size_t i) { return list + "[" + std::to_string(i) + "]"; }

@@ -136,6 +136,8 @@ centre = ["0 mm", "60 mm"]
 radius = "5 mm"
 restitution = 0.5
 density = "2 g/cm3"
+angle = "30 deg"
+shift = ["1 mm", "0 mm"]
 initial_velocity = [0, "-4 m/s"]
 initial_spin = "180 deg/s"
 [[obstacle]]
@@ -192,6 +194,13 @@ box = ["0 mm", "1 mm", "10 mm", "11 mm"]
 watch = "tip"
 at = ["5 mm", "5 mm"]
 radius = "2 mm"
+[[collector]]
+name = "net"
+from = ["0 mm", "1 mm"]
+to = ["0 mm", "5 mm"]
+direction = "forward"
+[[collector]]
+x = "3 mm"
 [[figure]]
 file = "a.svg"
 show = "cracks"
@@ -330,6 +339,7 @@ arcs = [{ side = 3, through = ["205 mm", "12 mm"] }]
 shape = "disc"
 centre = ["150 mm", "50 mm"]
 radius = "10 mm"
+shift = ["1 mm", 0]
 [[load]]
 on = { body = "cap" }
 acceleration = [0, "-9.81 m/s2"]
@@ -355,6 +365,24 @@ body = "body3"
 density = 8000
 E = 190e9
 nu = 0.3
+[sweep.random]
+members = 5
+seed = 9
+[[sweep.random.vary]]
+key = "body.cap.shift.x"
+uniform = ["-1 mm", "1 mm"]
+[[sweep.random.vary]]
+key = "body.body3.spin"
+normal = ["10 deg/s", "1 rad/s"]
+within = [0, 90]
+[[sweep.random.vary]]
+key = "material.steel.E"
+lognormal = ["190 GPa", "10 GPa"]
+[[sweep.random.vary]]
+key = "domain.model"
+choice = ["plane strain", "plane stress"]
+[output]
+trajectories = true
 )");
 
 const std::string patterns = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([domain]
@@ -393,6 +421,7 @@ pattern = "heap"
 box = ["500 mm", 0, "600 mm", "100 mm"]
 size = "20 mm"
 number = 3
+shift = ["1 mm", 0]
 [contact]
 friction = 0.6
 restitution = 0.3
@@ -698,6 +727,8 @@ const Case cases[] = {
     {rectangle, "obstacle[1].radius", "0.005"},
     {rectangle, "obstacle[1].restitution", "0.5"},
     {rectangle, "obstacle[1].density", "2000"},
+    {rectangle, "obstacle[1].angle", "30"},
+    {rectangle, "obstacle[1].shift", "[0.001, 0]"},
     {rectangle, "obstacle[1].initial_velocity", "[0, -4]"},
     {rectangle, "obstacle[1].initial_spin", "180"},
     {rectangle, "obstacle[2].points", "[[0.06, 0], [0.06, 0.01], [0.07, 0.01], [0.07, 0]]"},
@@ -754,6 +785,11 @@ const Case cases[] = {
     {rectangle, "probe[0].name", "\"middle\""},
     {rectangle, "probe[1].box", "[0, 0.001, 0.01, 0.011]"},
     {rectangle, "probe[2].radius", "0.002"},
+    {rectangle, "collector[0].name", "\"net\""},
+    {rectangle, "collector[0].from", "[0, 0.001]"},
+    {rectangle, "collector[0].to", "[0, 0.005]"},
+    {rectangle, "collector[0].direction", "\"forward\""},
+    {rectangle, "collector[1].x", "0.003"},
     {rectangle, "figure[0].file", "\"a.svg\""},
     {rectangle, "figure[1].show", "\"stress_xy\""},
     {rectangle, "figure[0].at", "[2e-05]"},
@@ -855,6 +891,16 @@ const Case cases[] = {
     {scene, "body[2].name", "\"body3\""},
     {scene, "body[2].centre", "[0.15, 0.05]"},
     {scene, "body[2].radius", "0.01"},
+    {scene, "body[2].shift", "[0.001, 0]"},
+    {scene, "sweep.random.members", "5"},
+    {scene, "sweep.random.seed", "9"},
+    {scene, "sweep.random.vary[0].key", "\"body.cap.shift.x\""},
+    {scene, "sweep.random.vary[0].uniform", "[-0.001, 0.001]"},
+    {scene, "sweep.random.vary[1].normal", "[10, 57.29577951308232]"},
+    {scene, "sweep.random.vary[1].within", "[0, 90]"},
+    {scene, "sweep.random.vary[2].lognormal", "[1.9e+11, 1e+10]"},
+    {scene, "sweep.random.vary[3].choice", "[\"plane strain\", \"plane stress\"]"},
+    {scene, "output.trajectories", "true"},
     {scene, "load[0].on.body", "\"cap\""},
     {scene, "absorb[0].on.body", "\"cap\""},
     {scene, "support[0].on.body", "\"body3\""},
@@ -880,6 +926,7 @@ const Case cases[] = {
     {patterns, "bodies[1].box", "[0.2, 0, 0.26, 0.04]"},
     {patterns, "bodies[1].size", "0.02"},
     {patterns, "bodies[1].spread", "0.1"},
+    {patterns, "bodies[3].shift", "[0.001, 0]"},
     {patterns, "bodies[2].fraction", "0.2"},
     {patterns, "bodies[2].distance", "0.002"},
     {patterns, "bodies[2].corners", "5"},

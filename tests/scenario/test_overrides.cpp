@@ -70,10 +70,10 @@ TEST_CASE("set: mistakes name the option") {
           Case{"mesh.size=-1", "out-of-range", "greater than 0"}, Case{"mesh.size=true", "wrong-type", "a length"},
           Case{"domain.model=plain strain", "unknown-word", "plane strain"},
           Case{"load[5].traction=1", "bad-override", "has 2"}, Case{"mesh[0]=", "bad-override", "cannot be left out"},
-          Case{"load.traction=1", "bad-override", "no table"}, Case{"load[x].traction=1", "bad-override", "not a path"},
-          Case{"mesh..size=1", "bad-override", "not a path"}, Case{"mesh.size.x=1", "bad-override", "no table"},
-          Case{"mesh.size", "bad-override", "KEY=VALUE"}, Case{"=3", "bad-override", "KEY=VALUE"},
-          Case{"load[0].on=topp", "unknown-name", "did you mean `top`?"},
+          Case{"load.traction=1", "bad-override", "no `traction` in this list"},
+          Case{"load[x].traction=1", "bad-override", "not a path"}, Case{"mesh..size=1", "bad-override", "not a path"},
+          Case{"mesh.size.x=1", "bad-override", "no table"}, Case{"mesh.size", "bad-override", "KEY=VALUE"},
+          Case{"=3", "bad-override", "KEY=VALUE"}, Case{"load[0].on=topp", "unknown-name", "did you mean `top`?"},
           Case{"load[0].velocity=[0, 1]", "exclusive-keys", "velocity"}}) {
         CAPTURE(c.set);
         const std::vector<Diagnostic> found = mistakes(loaded, {c.set});

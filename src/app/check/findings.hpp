@@ -30,6 +30,9 @@ std::vector<Diagnostic> findings_of_places(const ReadResult& read, const Model& 
 /// Warnings: probes outside the body, between two bodies or faces, far from the interface that they watch.
 std::vector<Diagnostic> findings_of_probes(const ReadResult& read, const Model& model);
 
+/// Warnings: collectors whose heights have no origin.
+std::vector<Diagnostic> findings_of_collectors(const ReadResult& read, const Model& model);
+
 /// Warnings: supports between bodies that touch.
 std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
 

@@ -1,4 +1,4 @@
-// Warnings about what probes watch.
+// Warnings about what probes watch and what collectors count.
 #include "analysis/nearest.hpp"
 #include "app/check/findings.hpp"
 #include "app/setup/setup.hpp"
@@ -88,6 +88,22 @@ std::vector<Diagnostic> findings_of_probes(const ReadResult& read, const Model& 
     ProbeFindings findings(read, model);
     for (std::size_t i = 0; i < read.scenario.probes.size(); ++i) findings.look_at(i);
     return std::move(findings.found);
+}
+
+std::vector<Diagnostic> findings_of_collectors(const ReadResult& read, const Model& model) {
+    std::vector<Diagnostic> found;
+    if (read.scenario.collectors.empty()) return found;
+    const State start = initial_state(model);
+    for (std::size_t k = 0; k < read.scenario.collectors.size(); ++k) {
+        const CollectorOptions& collector = read.scenario.collectors[k];
+        if (!collector.x || std::isfinite(ground_below(model, start, {*collector.x, infinity}))) continue;
+        found.push_back(read.at(
+            item("collector", k) + ".x",
+            {.code = "no-ground",
+             .message = "no obstacle lies below the collector `" + collector.name + "`: its passages have no height",
+             .note = "from and to give a line whose lower end is the origin of heights"}));
+    }
+    return found;
 }
 
 }  // namespace knap

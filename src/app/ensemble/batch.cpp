@@ -127,6 +127,7 @@ DirectoryLock take_directory(const fs::path& directory, const std::string& kind)
 std::vector<const EnsembleRun*> runs_to_do(const std::vector<EnsembleRun>& all, const fs::path& runs, bool force) {
     std::vector<const EnsembleRun*> to_do;
     for (const EnsembleRun& run : all) {
+        if (!run.refusal.empty()) continue;
         const fs::path there = runs / run.name;
         const EarlierRecord record = earlier_record(there);
         const bool exists = !never_began(there, record),
@@ -186,18 +187,20 @@ void write_report(const Ensemble& ensemble, const std::vector<fs::path>& figures
         if (const std::string trouble = run.result.trouble(); !trouble.empty())
             troubles.push_back(run.name + ": " + trouble);
         const std::string name = html_text(run.name);
+        if (std::error_code none; !fs::exists(directory / "runs" / run.name / "report.html", none)) continue;
         runs += "<li><a href=\"runs/" + name + "/report.html\">" + name + "</a> " + html_text(run.result.status) +
                 "</li>\n";
     }
     write_whole_file(
         directory / "report.html",
-        html_page(
-            ensemble.title.empty() ? ensemble.name : ensemble.title, ensemble.question,
-            html_section("Warnings", html_list(troubles, "bad")) + html_section("Results", html_of_markdown(overview)) +
-                html_section("Figures", html_figures(figures)) + html_section("Runs", "<ul>\n" + runs + "</ul>\n") +
-                html_section("How to repeat it",
-                             html_table({}, {{"command", command_line(command)},
-                                             {"program", "knap " + version() + " (" + git_hash() + ")"}}))));
+        html_page(ensemble.title.empty() ? ensemble.name : ensemble.title, ensemble.question,
+                  html_section("Warnings", html_list(troubles, "bad")) +
+                      html_section("Results", html_of_markdown(overview)) +
+                      html_section("Figures", html_figures(figures)) +
+                      (runs.empty() ? "" : html_section("Runs", "<ul>\n" + runs + "</ul>\n")) +
+                      html_section("How to repeat it",
+                                   html_table({}, {{"command", command_line(command)},
+                                                   {"program", "knap " + version() + " (" + git_hash() + ")"}}))));
 }
 
 }  // namespace
@@ -224,12 +227,16 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
         return exit_done;
     }
     if (!do_runs(scenario, to_do, runs, options)) return exit_interrupted;
-    for (EnsembleRun& run : ensemble.runs) run.result = read_result(runs / run.name, ensemble.quantities);
+    for (EnsembleRun& run : ensemble.runs) {
+        run.result = read_result(runs / run.name, ensemble.quantities);
+        if (!run.refusal.empty()) run.result.reason = run.refusal;
+    }
     if (ensemble.is_study() && ensemble.n_seeds == 0) judge_errors(ensemble);
-    const std::string text = overview(ensemble);
+    const std::string text = overview(ensemble) + (ensemble.collectors.empty() ? "" : passages_table(ensemble, runs));
     write_whole_file(directory / (kind + ".md"), text);
     write_whole_file(directory / (kind + ".csv"), runs_csv(ensemble));
-    if (ensemble.n_seeds > 0) write_whole_file(directory / "statistics.csv", statistics_csv(ensemble));
+    if (!ensemble.collectors.empty()) write_whole_file(directory / "passages.csv", passages_csv(ensemble, runs));
+    if (ensemble.has_statistics()) write_whole_file(directory / "statistics.csv", statistics_csv(ensemble));
     std::printf("%s%-9s%s\n", text.c_str(), (kind + ":").c_str(), directory.c_str());
     const std::vector<fs::path> figures = draw_ensemble(ensemble, directory);
     for (const fs::path& figure : figures) std::printf("figure:  %s\n", figure.c_str());

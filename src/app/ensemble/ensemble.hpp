@@ -7,7 +7,8 @@
 //     read_result              the numbers of a run, from its directory
 //     judge_errors             of a study: errors and orders of convergence (convergence.hpp)
 //     overview, ..._csv        tables
-//     draw_ensemble            diagrams of a study, contact sheet of a sweep
+//     draw_ensemble            diagrams of a study; contact sheet and trajectories of a sweep
+//     passages_csv             what went through collectors in all runs
 #include "app/ensemble/convergence.hpp"
 #include "app/run/run.hpp"
 #include "figures/figures.hpp"
@@ -37,6 +38,7 @@ struct RunResult {
     double triangles = 0, steps = 0, cutbacks = 0, linear_solves = 0, factorisations = 0;
     double step = NAN;           // [s] as planned
     double cpu = NAN;            // [s] processor time without output
+    double at_rest = NAN;        // 1: ended at rest, 0: time.end came before; NaN: it does not end at rest
     std::vector<double> values;  // per quantity; NaN without a value
 
     /// Whether its process wrote the record for the last time while it was at work.
@@ -54,12 +56,14 @@ struct EnsembleRun {
     std::uint64_t seed = 1;
     std::string name;                    // of its directory
     std::vector<std::string> overrides;  // KEY=VALUE
+    std::vector<std::string> drawn;      // values of Ensemble::random
+    std::string refusal = {};            // of a random member that is no scenario: why; it does not start
     std::string resolved;                // its resolved.toml: a directory with another one holds another run
     double mesh_size = 0;                // [m] smallest requested size; 0 of a mesh that is read
     RunResult result = {};
 };
 
-/// One combination of values; its runs differ in the seed only.
+/// One combination of values; its runs differ in the seed, or in what is drawn at random, only.
 struct Variant {
     std::string name;                    // for directories
     std::vector<std::string> values;     // per entry of Ensemble::keys
@@ -76,13 +80,22 @@ struct Ensemble {
     std::vector<std::string> keys;  // that are varied; of a study "line" and "level"
     std::vector<Variant> variants;
     std::size_t n_seeds = 0;        // 0: the seed is not varied
+    RandomMembers random;           // of a sweep: in place of seeds
     std::vector<EnsembleRun> runs;  // by variant, then by seed
     std::vector<StudyQuantity> quantities;
     StudyOptions study;                  // of a study
     std::vector<QuantityErrors> errors;  // per quantity, of a study without seeds
-    FigureOptions sheet;                 // of a sweep: the figure of each run on its contact sheet
+    FigureOptions sheet;                 // of a sweep: the figure of each run on its contact sheet; show empty: none
+    bool trajectories = false;           // the runs of a sweep have trajectories.csv
+    std::vector<Obstacle> obstacles;     // of a sweep, as the scenario has them
+    std::vector<CollectorOptions> collectors;
 
     bool is_study() const { return kind == "study"; }
+    /// Number of runs of a variant: seeds or members.
+    std::size_t n_each() const {
+        return random.n > 0 ? static_cast<std::size_t>(random.n) : std::max<std::size_t>(n_seeds, 1);
+    }
+    bool has_statistics() const { return n_seeds > 0 || random.n > 0; }
     std::span<const EnsembleRun> runs_of(std::size_t variant) const;
     Spread spread(std::size_t variant, const std::function<double(const EnsembleRun&)>& number) const;
     Spread spread(std::size_t variant, std::size_t quantity) const;
@@ -126,6 +139,16 @@ std::string overview(const Ensemble& ensemble);
 std::string runs_csv(const Ensemble& ensemble);
 /// statistics.csv: a row per variant and quantity.
 std::string statistics_csv(const Ensemble& ensemble);
+
+/// passages.csv of a sweep: the lines of all its runs that are done, which are in `runs`, with their names.
+std::string passages_csv(const Ensemble& sweep, const std::filesystem::path& runs);
+/// A row per collector: statistics of the passages of all these runs together.
+std::string passages_table(const Ensemble& sweep, const std::filesystem::path& runs);
+
+/// Of a sweep: trajectories of all its runs over the ground, heights and energies over x, run-outs, sizes of pieces.
+/// Returns the files; none where nothing has moved.
+std::vector<std::filesystem::path> draw_trajectories(const Ensemble& sweep, const std::filesystem::path& runs,
+                                                     const std::filesystem::path& figures);
 
 /// Returns the files.
 std::vector<std::filesystem::path> draw_ensemble(const Ensemble& ensemble, const std::filesystem::path& directory);

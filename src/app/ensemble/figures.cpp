@@ -1,5 +1,5 @@
 // Figures of a study: errors over cost and over h, or means with their deviations over both. Of a sweep: a contact
-// sheet.
+// sheet; its trajectories are in trajectories.cpp.
 #include "app/ensemble/ensemble.hpp"
 #include "base/error.hpp"
 #include "figures/chart.hpp"
@@ -158,8 +158,14 @@ fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
 }  // namespace
 
 std::vector<fs::path> draw_ensemble(const Ensemble& ensemble, const fs::path& directory) {
-    if (!ensemble.is_study()) return {draw_sheet(ensemble, directory)};
+    std::vector<fs::path> drawn;
+    if (!ensemble.is_study() && !ensemble.sheet.show.empty()) drawn.push_back(draw_sheet(ensemble, directory));
+    if (!ensemble.is_study() && !ensemble.trajectories) return drawn;
     fs::create_directories(directory / "figures");
+    if (!ensemble.is_study())
+        for (fs::path& file : draw_trajectories(ensemble, directory / "runs", directory / "figures"))
+            drawn.push_back(std::move(file));
+    if (!ensemble.is_study()) return drawn;
     return draw_study(ensemble, directory / "figures");
 }
 

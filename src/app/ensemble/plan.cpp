@@ -22,6 +22,18 @@ constexpr std::size_t max_directory_name = 120, max_quantity_name = 150;
 
 void append(Texts& all, const Texts& more) { all.insert(all.end(), more.begin(), more.end()); }
 
+/// Resolves a run: what it is, and its smallest mesh size.
+void read_run(const std::string& scenario, EnsembleRun& run) {
+    const ReadResult read = open_scenario(scenario, run.overrides);
+    run.seed = read.scenario.seed;
+    run.resolved = resolved_for_run(read);
+    if (read.scenario.given) return;
+    run.mesh_size = read.scenario.mesh.size;
+    for (const auto& place : read.scenario.mesh.refine) run.mesh_size = std::min(run.mesh_size, place.size);
+    for (const Body& body : read.scenario.bodies) run.mesh_size = std::min(run.mesh_size, body.mesh.size);
+    if (read.scenario.adapt.active()) run.mesh_size = read.scenario.adapt.size;
+}
+
 /// Adds and resolves the runs of all variants: a mistake in any of them is reported before the first one starts.
 void add_runs(const std::string& scenario, Ensemble& ensemble) {
     const bool seeds = ensemble.n_seeds > 0;
@@ -29,19 +41,21 @@ void add_runs(const std::string& scenario, Ensemble& ensemble) {
     for (std::size_t v = 0; v < ensemble.variants.size(); ++v) {
         const Variant& variant = ensemble.variants[v];
         const std::uint64_t first_seed = seeds ? open_scenario(scenario, variant.overrides).scenario.seed : 0;
-        for (std::size_t s = 0; s < std::max<std::size_t>(ensemble.n_seeds, 1); ++s) {
+        for (std::size_t s = 0; s < ensemble.n_each(); ++s) {
             EnsembleRun run{.variant = v, .name = variant.name, .overrides = variant.overrides};
-            if (seeds) run.overrides.push_back("seed=" + std::to_string(first_seed + s));
-            const ReadResult read = open_scenario(scenario, run.overrides);
-            run.seed = read.scenario.seed;
-            run.resolved = resolved_for_run(read);
-            if (!read.scenario.given) {
-                run.mesh_size = read.scenario.mesh.size;
-                for (const auto& place : read.scenario.mesh.refine) run.mesh_size = std::min(run.mesh_size, place.size);
-                for (const Body& body : read.scenario.bodies) run.mesh_size = std::min(run.mesh_size, body.mesh.size);
-                if (read.scenario.adapt.active()) run.mesh_size = read.scenario.adapt.size;
+            for (const RandomKey& random : ensemble.random.keys) {
+                run.drawn.push_back(random.drawn(ensemble.random.seed, static_cast<int>(s) + 1));
+                run.overrides.push_back(random.key + "=" + run.drawn.back());
             }
-            if (seeds || run.name.empty()) run.name += (run.name.empty() ? "s" : "_s") + std::to_string(run.seed);
+            if (seeds) run.overrides.push_back("seed=" + std::to_string(first_seed + s));
+            try {
+                read_run(scenario, run);
+            } catch (const UserError& error) {  // what is drawn may lie in another body
+                if (ensemble.random.n == 0) throw;
+                run.refusal = error.diagnostics.front().message;
+            }
+            if (ensemble.random.n > 0) run.name += (run.name.empty() ? "m" : "_m") + std::to_string(s + 1);
+            else if (seeds || run.name.empty()) run.name += (run.name.empty() ? "s" : "_s") + std::to_string(run.seed);
             if (run.name.size() > max_directory_name) run.name = "run_" + std::to_string(ensemble.runs.size() + 1);
             if (!names.insert(run.name).second)
                 throw UserError("duplicate-name", "two runs would be called `" + run.name + "`",
@@ -49,6 +63,8 @@ void add_runs(const std::string& scenario, Ensemble& ensemble) {
             ensemble.runs.push_back(std::move(run));
         }
     }
+    const auto is_refused = [](const EnsembleRun& run) { return !run.refusal.empty(); };
+    if (std::ranges::all_of(ensemble.runs, is_refused)) read_run(scenario, ensemble.runs.front());  // throws
 }
 
 // ---- study
@@ -117,8 +133,8 @@ std::string without_quotes(std::string value) {
 }
 
 /// All combinations of the values; the last key varies fastest.
-std::vector<Variant> combinations(const std::vector<SweepKey>& keys, std::size_t n_seeds) {
-    double n_runs = static_cast<double>(std::max<std::size_t>(n_seeds, 1));
+std::vector<Variant> combinations(const std::vector<SweepKey>& keys, std::size_t n_each) {
+    double n_runs = static_cast<double>(n_each);
     for (const SweepKey& key : keys) n_runs *= static_cast<double>(key.values.size());
     if (n_runs > max_runs)
         throw UserError("too-many-runs", "this sweep has " + shortest(n_runs) + " runs",
@@ -141,7 +157,7 @@ std::vector<Variant> combinations(const std::vector<SweepKey>& keys, std::size_t
 }  // namespace
 
 std::span<const EnsembleRun> Ensemble::runs_of(std::size_t variant) const {
-    const std::size_t n = std::max<std::size_t>(n_seeds, 1);
+    const std::size_t n = n_each();
     return {runs.data() + variant * n, n};
 }
 
@@ -166,7 +182,8 @@ std::string Ensemble::caption(const EnsembleRun& run) const {
     Texts parts;
     for (std::size_t k = 0; k < keys.size(); ++k)
         parts.push_back(last_part(keys[k]) + " " + without_quotes(variants[run.variant].values[k]));
-    if (n_seeds > 0 || parts.empty()) parts.push_back("seed " + std::to_string(run.seed));
+    if (random.n > 0) parts.push_back(run.name);
+    else if (n_seeds > 0 || parts.empty()) parts.push_back("seed " + std::to_string(run.seed));
     return joined(parts);
 }
 
@@ -273,7 +290,14 @@ Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
                    .question = question_of(read.source.text()),
                    .report = base.output.report,
                    .record = "# knap sweep " + quoted_for_shell(scenario),
-                   .n_seeds = static_cast<std::size_t>(base.sweep.n_seeds)};
+                   .n_seeds = static_cast<std::size_t>(base.sweep.n_seeds),
+                   .random = base.sweep.random,
+                   .trajectories = base.output.trajectories,
+                   .obstacles = base.obstacles,
+                   .collectors = base.collectors};
+    const auto is_free = [](const Obstacle& obstacle) { return obstacle.is_free(); };
+    if (sweep.random.n > 0 && (base.large_rotation || std::ranges::any_of(base.obstacles, is_free)))
+        sweep.trajectories = true;
     for (const std::string& set : overrides) sweep.record += " -s " + quoted_for_shell(set);
     sweep.record += "\n";
     for (const std::string& name : base.sweep.quantities)
@@ -287,7 +311,7 @@ Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
         return is_single || of_sweep;
     });
     for (const SweepKey& key : keys) sweep.keys.push_back(key.key);
-    sweep.variants = combinations(keys, sweep.n_seeds);
+    sweep.variants = combinations(keys, sweep.n_each());
 
     // a panel of the contact sheet shows the end of a run as the scenario draws it
     const auto own = std::ranges::find(base.figures, base.sweep.show, &FigureOptions::show);
@@ -298,8 +322,12 @@ Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
     sweep.sheet.panel = true;
     // the runs keep what their panels need, are no sweeps themselves, and may miss [expect]
     Texts last{"output.fields=false",
-               "figure=[{ file = \"sheet.png\", show = \"" + sweep.sheet.show + "\", panel = true }]",
+               base.sweep.show.empty()
+                   ? "figure="
+                   : "figure=[{ file = \"sheet.png\", show = \"" + sweep.sheet.show + "\", panel = true }]",
                "expect=", "study=", "sweep="};
+    if (sweep.random.n > 0) last.emplace_back("output.report=false");
+    if (sweep.trajectories) last.emplace_back("output.trajectories=true");
     if (base.output.breaks) last.emplace_back("output.breaks=true");
     for (Variant& variant : sweep.variants) {
         variant.overrides.insert(variant.overrides.begin(), common.begin(), common.end());

@@ -130,6 +130,8 @@ RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& qua
     result.step = number(record["step_s"]);
     result.cpu = number(record["cpu_s"]) - number(record["cpu_parts_s"]["output"]);
     if (result.status != "done") return result;
+    if (const Json& summary = record["summary"]; summary.contains("rest_time"))
+        result.at_rest = summary["rest_time"].is_null() ? 0 : 1;
     for (std::size_t q = 0; q < quantities.size(); ++q)
         result.values[q] = value_of(quantities[q], record["summary"], run, result.bulk == "explicit");
     return result;

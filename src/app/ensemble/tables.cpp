@@ -24,7 +24,12 @@ constexpr Number numbers[] = {
     {"linear_solves", [](const EnsembleRun& run) { return run.result.linear_solves; }},
     {"factorisations", [](const EnsembleRun& run) { return run.result.factorisations; }},
     {"cpu", [](const EnsembleRun& run) { return run.result.cpu; }},
+    {"at_rest", [](const EnsembleRun& run) { return run.result.at_rest; }},
 };
+
+bool end_at_rest(const Ensemble& ensemble) {
+    return std::ranges::any_of(ensemble.runs, [](const EnsembleRun& run) { return !std::isnan(run.result.at_rest); });
+}
 
 /// "-" for a value that is not finite; `format` as of printf.
 std::string number_text(double value, const char* format) {
@@ -103,7 +108,7 @@ DisplayUnit display_unit_of(const Ensemble& ensemble, std::size_t q) {
 
 /// A row per variant: values, finished runs, mean numbers of its runs, and some of the quantities.
 std::string variants_table(const Ensemble& ensemble, const std::vector<std::size_t>& quantities) {
-    const bool errors = !ensemble.errors.empty(), extremes = ensemble.n_seeds > 0 && quantities.size() == 1;
+    const bool errors = !ensemble.errors.empty(), extremes = ensemble.has_statistics() && quantities.size() == 1;
     Table table(ensemble.variants.size());
     for (std::size_t k = 0; k < ensemble.keys.size(); ++k)
         table.add(ensemble.keys[k], [&](std::size_t v) { return ensemble.variants[v].values[k]; });
@@ -114,11 +119,18 @@ std::string variants_table(const Ensemble& ensemble, const std::vector<std::size
                 std::ranges::count(runs, "done", [](const EnsembleRun& run) { return run.result.status; });
             return std::to_string(n_done) + " of " + std::to_string(runs.size());
         });
-    for (const Number& number : numbers)
+    if (end_at_rest(ensemble))
+        table.add("at rest", [&](std::size_t v) {
+            return std::to_string(
+                std::ranges::count(ensemble.runs_of(v), 1, [](const EnsembleRun& run) { return run.result.at_rest; }));
+        });
+    for (const Number& number : numbers) {
+        if (number.name == "at_rest") continue;
         table.add(std::string(number.name), [&](std::size_t v) {
             const double mean = ensemble.spread(v, number.of).mean;
             return mean > 0 ? shown(mean, unit_of("study.csv", number.name)) : "-";
         });
+    }
     for (const std::size_t q : quantities) {
         const DisplayUnit unit = display_unit_of(ensemble, q);
         table.add(with_unit(ensemble.quantities[q].name, unit.unit), [&](std::size_t v) {
@@ -196,9 +208,15 @@ std::string overview(const Ensemble& ensemble) {
         if (!ensemble.errors.empty()) text += orders_text(ensemble, q);
     }
     if (!ensemble.is_study()) text = variants_table(ensemble, all) + "\n";
-    for (const EnsembleRun& run : ensemble.runs)
+    std::vector<std::string> restless;
+    for (const EnsembleRun& run : ensemble.runs) {
         if (const std::string trouble = run.result.trouble(); !trouble.empty())
             troubles += "- " + run.name + ": " + trouble + "\n";
+        if (run.result.at_rest == 0) restless.push_back(run.name);
+    }
+    if (!restless.empty())
+        troubles += "- not at rest at time.end, " + std::to_string(restless.size()) + " of " +
+                    std::to_string(ensemble.runs.size()) + " runs: " + joined(restless) + "\n";
     return text + troubles + (troubles.empty() ? "" : "\n");
 }
 
@@ -207,6 +225,7 @@ std::string runs_csv(const Ensemble& ensemble) {
     Table table(runs.size());
     const auto value = [&](std::size_t i, std::size_t k) { return ensemble.variants[runs[i].variant].values[k]; };
     for (const Output& output : output_table(ensemble.kind + ".csv").rows) {
+        if (output.name == "at_rest" && !end_at_rest(ensemble)) continue;
         table.add(with_unit(std::string(output.name), std::string(output.unit)), [&](std::size_t i) {
             const EnsembleRun& run = runs[i];
             if (output.name == "run") return run.name;
@@ -218,9 +237,12 @@ std::string runs_csv(const Ensemble& ensemble) {
             if (output.name == "cohesion") return run.result.cohesion;
             return csv_number(std::ranges::find(numbers, output.name, &Number::name)->of(run));
         });
-        if (output.name == "run")  // of a sweep
-            for (std::size_t k = 0; k < ensemble.keys.size(); ++k)
-                table.add(ensemble.keys[k], [&](std::size_t i) { return value(i, k); });
+        if (output.name != "run") continue;
+        for (std::size_t k = 0; k < ensemble.keys.size(); ++k)  // of a sweep
+            table.add(ensemble.keys[k], [&](std::size_t i) { return value(i, k); });
+        for (std::size_t k = 0; k < ensemble.random.keys.size(); ++k)
+            table.add(with_unit(ensemble.random.keys[k].key, ensemble.random.keys[k].unit),
+                      [&](std::size_t i) { return runs[i].drawn[k]; });
     }
     for (std::size_t q = 0; q < ensemble.quantities.size(); ++q) {
         const auto& [name, unit] = std::pair(ensemble.quantities[q].name, ensemble.quantities[q].unit);

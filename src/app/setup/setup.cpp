@@ -136,6 +136,8 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
                         .materials = scenario.material_names(),
                         .celsius = scenario.heat && scenario.heat->celsius},
             .probes = scenario.probes,
+            .collectors = scenario.collectors,
+            .trajectories = scenario.output.trajectories,
             .breaks = scenario.output.breaks,
             .specimen = scenario.specimen,
             .law_strength = law_strength(scenario),
