@@ -127,6 +127,93 @@ class ManyRuns(unittest.TestCase):
         self.assertEqual(len(study.runs), 2)
 
 
+class Statistics(unittest.TestCase):
+    def test_exceedance_counts_what_is_as_large(self):
+        values, part = knap.exceedance([3, 1, np.nan, 2, 2])
+        self.assertEqual(list(values), [1, 2, 2, 3])
+        self.assertEqual(list(part), [1, 0.75, 0.75, 0.25])
+        self.assertEqual(list(knap.exceedance([5, 7], total=8)[1]), [0.25, 0.125])
+        self.assertEqual(len(knap.exceedance([])[0]), 0)
+
+    def test_percentile_of_draws_is_that_of_numpy(self):
+        random = np.random.default_rng(1)
+        values = random.exponential(size=60)
+        n, again, draws = len(values), np.random.default_rng(0), []
+        for _ in range(300):
+            draws.append(np.percentile(np.sort(values)[again.integers(0, n, n)], 95))
+        value, low, high = knap.percentile(np.sort(values), 95, draws=300)
+        self.assertAlmostEqual(value, np.percentile(values, 95), delta=1e-14)
+        self.assertAlmostEqual(low, np.percentile(draws, 2.5), delta=1e-12)
+        self.assertAlmostEqual(high, np.percentile(draws, 97.5), delta=1e-12)
+        self.assertEqual(knap.percentile([2, 2, 2], 99), (2, 2, 2))
+        self.assertTrue(np.isnan(knap.percentile([], 95)).all())
+
+    def test_interval_has_its_confidence(self):
+        random, hits, true = np.random.default_rng(2), 0, -np.log(0.05)
+        for i in range(60):
+            _, low, high = knap.percentile(random.exponential(size=400), 95, draws=200, seed=i)
+            hits += low <= true <= high
+        self.assertGreater(hits, 48)  # the percentile method covers 92 % of such samples: 55, and 48 is three deviations less
+
+    def test_pieces_of_a_drop_are_not_independent(self):
+        drops = np.random.default_rng(3).normal(size=40)
+        pieces, of = np.repeat(drops, 50), np.repeat(np.arange(40), 50)
+        one, all_of_one = (knap.percentile(*arguments, draws=500) for arguments in ((drops, 95), (pieces, 95, of)))
+        self.assertLess(abs((all_of_one[2] - all_of_one[1]) / (one[2] - one[1]) - 1), 0.3)
+        alone = knap.percentile(pieces, 95, draws=500)
+        self.assertLess(alone[2] - alone[1], 0.5 * (all_of_one[2] - all_of_one[1]))
+
+    def test_sweep_has_the_passages_of_its_runs(self):
+        out, scene = runs / "drops", runs / "drops.toml"
+        scene.write_text(drops, encoding="utf-8")
+        subprocess.run([knap.program(), "sweep", scene, "-o", out, "--force", "-q"], check=True, capture_output=True)
+        sweep = knap.read(out)
+        net = sweep.passages("net")
+        self.assertEqual(list(net["run"]), ["m1", "m2", "m3"])
+        self.assertEqual(net.units["energy"], "J")
+        speeds = [sweep.runs[name].summary["net_largest_speed"] for name in net["run"]]
+        self.assertEqual(list(net["speed"]), speeds)
+        self.assertEqual(len(sweep.passages("far")["run"]), 0)
+        self.assertEqual(len(sweep.table["body.stone.velocity.x"]), 3)
+        self.assertEqual(sweep.table.units["body.stone.velocity.x"], "m/s")
+        with self.assertRaisesRegex(knap.KnapError, "no collector 'nett'"):
+            sweep.passages("nett")
+
+
+drops = """knap = 1
+[domain]
+rotation = "large"
+[mesh]
+size = 1
+[[body]]
+name = "stone"
+shape = "rectangle"
+size = [1, 1]
+velocity = [5, 0]
+[material.rock]
+density = 2600
+E = "20 MPa"
+nu = 0.25
+[interface.default]
+breakable = false
+[[collector]]
+name = "net"
+from = [1, -5]
+to = [1, 5]
+[[collector]]
+name = "far"
+from = [9, -5]
+to = [9, 5]
+[time]
+end = 0.4
+[sweep.random]
+members = 3
+[[sweep.random.vary]]
+key = "body.stone.velocity.x"
+uniform = ["5 m/s", "6 m/s"]
+"""
+
+
 class Examples(unittest.TestCase):
     def call(self, *words):
         return subprocess.run([sys.executable, *map(str, words)], check=True, capture_output=True, text=True).stdout

@@ -8,6 +8,9 @@
     frame.bulk.points, frame.bulk.cells, frame.bulk["stress"]      # m, corners of triangles, Pa
     sweep = knap.read("sweeps/plate")
     sweep.table["mesh.size"], sweep.table.units["mesh.size"], sweep.table["dissipated"], sweep.run(0)
+    net = sweep.passages("net")                                    # what went through a collector in all runs
+    energy, part = knap.exceedance(net["energy"])                  # part of the passages with this energy or more
+    knap.percentile(net["energy"], 95, of=net["run"])              # value and the ends of its 95 % interval
 
 All names, units and meanings: scenarios/OUTPUTS.md.
 """
@@ -118,10 +121,48 @@ class Ensemble:
         """The run of a line of the table of a sweep."""
         return Run(self.directory / "runs" / self.table["run"][line])
 
+    def passages(self, collector):
+        """The passages through a collector in all runs of a sweep that are done, with the name of the run in `run`."""
+        table = read_csv(self.directory / "passages.csv")
+        names = table["collector"].astype(str) if len(table["collector"]) else np.array([], str)
+        if collector not in names and not any(f"{collector}_passages" in run.summary for run in self.runs.values()):
+            raise KnapError(f"{self.directory} has no collector {collector!r}")
+        return Table({name: column[names == collector] for name, column in table.items()}, table.units)
+
     @property
     def runs(self):
         """All runs that were started, by name."""
         return {file.parent.name: Run(file.parent) for file in sorted(self.directory.glob("runs/*/run.json"))}
+
+
+def exceedance(values, total=None):
+    """The exceedance curve: the values in ascending order, and for each the part of all that is as large or larger.
+    `total`: number of all where some have no value, as drops that never reach a barrier."""
+    values = np.sort(np.asarray(values, float)[np.isfinite(values)])
+    first = np.searchsorted(values, values, side="left")  # equal values have one part
+    return values, (len(values) - first) / (total or max(len(values), 1))
+
+
+def percentile(values, q, of=None, confidence=95, draws=2000, seed=0):
+    """The q-th percentile of values, and the lower and the upper end of its confidence interval [%] by the bootstrap (Efron
+    1979, percentile method). `of`: the run of each value. Then runs are drawn with all their values, as pieces of one drop
+    are not independent. Nan where there is no value."""
+    values, keep = np.asarray(values, float), np.isfinite(values)
+    _, group = np.unique(np.asarray(of)[keep] if of is not None else np.arange(keep.sum()), return_inverse=True)
+    values = values[keep]
+    if len(values) == 0:
+        return np.nan, np.nan, np.nan
+    order = np.argsort(values, kind="stable")
+    values, group = values[order], group[order]
+    n, random, found = group.max() + 1, np.random.default_rng(seed), []
+    for _ in range(draws):
+        count = np.bincount(random.integers(0, n, n), minlength=n)[group]  # how often each value was drawn
+        last = np.cumsum(count)
+        place = q / 100 * (last[-1] - 1) if last[-1] else 0
+        low, high = (np.searchsorted(last, rank, side="right") for rank in (np.floor(place), np.ceil(place)))
+        found.append(values[low] + (place - np.floor(place)) * (values[high] - values[low]))
+    ends = np.percentile(found, [(100 - confidence) / 2, (100 + confidence) / 2])
+    return float(np.percentile(values, q)), float(ends[0]), float(ends[1])
 
 
 def read(directory):
