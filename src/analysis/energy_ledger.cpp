@@ -3,7 +3,7 @@
 #include "element/triangle_matrices.hpp"
 #include "stepper/adapt/excavation.hpp"
 #include "stepper/common/elastic_energy.hpp"
-#include "stepper/common/point_work.hpp"
+#include "stepper/common/surface_energy.hpp"
 #include "stepper/scheme_change.hpp"
 
 #include <cassert>
@@ -37,30 +37,6 @@ constexpr EnergyTerm number(const char* name, const char* unit, const char* doc,
     return {{{name, unit, doc}, [](const EnergyRow& row) { return row.*member; }}, member, use};
 }
 
-/// What interfaces had consumed and stored before the start.
-StepReport surface_of(const Model& model, const State& state) {
-    StepReport sum;
-    for (std::size_t rank = 0; rank < state.split_fans.size(); ++rank) {
-        const auto points = model.points(model.fans[state.split_fans[rank]]);
-        for (std::size_t j = 0; j < points.size(); ++j) {
-            const PointState& at = state.points[state.first_point[rank] + j];
-            if (points[j].cracked || at.cohesion == 1) continue;
-            const CohesiveLaw& law = law_of(model, state, points[j]);
-            const Vec2 u = opening(model, state, points[j].point);
-            const double s = law.equivalent_opening(u.x(), u.y());
-            account_cohesion(points[j], law,
-                             {.area = points[j].area,
-                              .before = at.cohesion,
-                              .after = at.cohesion,
-                              .opening = s,
-                              .at_works = s,
-                              .kappa = law.ramp(at.cohesion, at.largest_opening)},
-                             sum);
-        }
-    }
-    return sum;
-}
-
 enum CurveColour { blue, vermilion, green, orange, purple, sky };  // in the order of curve_colour()
 
 }  // namespace
@@ -82,7 +58,7 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
     start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
-    const StepReport surface = surface_of(model, start);
+    const StepReport surface = surface_energy(model, start);
     row_.dissipated = surface.dissipated, row_.recoverable = surface.recoverable;
     row_.interface_elastic = surface.interface_elastic;
     start_surface_ = row_.surface();
@@ -167,7 +143,7 @@ void EnergyLedger::assume(const Model& model, const State& now) {
         now.has_end_velocities() ? elastic_energy(model, now, force) : leapfrog_energies(model, now).strain;
     row_.assumptions += strain - row_.strain;
     row_.strain = strain;
-    const double recoverable = surface_of(model, now).recoverable;
+    const double recoverable = surface_energy(model, now).recoverable;
     start_surface_ += recoverable - row_.recoverable;
     row_.recoverable = recoverable;
 }
@@ -339,6 +315,28 @@ std::span<const EnergyTerm> energy_terms() {
                                          .label = "dissipated by delay",
                                          .colour = vermilion,
                                          .dash = 2}),
+        number<&R::vibration_booked>("vibration_booked", "J",
+                                     "kinetic energy of the vibration of pieces that became rigid so far, taken from "
+                                     "the body: never positive; with [rigid]",
+                                     {.with = &W::rigid,
+                                      .step = &S::vibration_booked,
+                                      .work = 1,
+                                      .drawn = -1,
+                                      .label = "vibration booked",
+                                      .colour = orange,
+                                      .dash = 2}),
+        number<&R::sleep_work>("sleep_work", "J",
+                               "kinetic energy of rigid pieces that fell asleep so far, never positive; with [rigid]",
+                               {.with = &W::rigid, .step = &S::sleep_work, .work = 1}),
+        number<&R::projection_work>(
+            "projection_work", "J",
+            "work so far of loads (weight) against which positions of rigid pieces that overlapped were corrected; no "
+            "term of the balance, which has no energy of place; with [rigid]",
+            {.with = &W::rigid, .step = &S::projection_work}),
+        number<&R::rigid_injection>(
+            "rigid_injection", "J",
+            "positive works so far of contacts of rigid pieces, by the residual of their laws; with [rigid]",
+            {.with = &W::rigid, .step = &S::rigid_injection}),
         number<&R::heat>("heat", "J", "heat stored since the start, sum of C (T - T at the start); with conduction",
                          {.with = &W::conduction}),
         number<&R::heat_in>("heat_in", "J",

@@ -3,8 +3,8 @@
 //
 //     residual        kinetic + strain - (both at the start) - works: zero to rounding, the energy identity of the
 //                     discrete scheme. Works: external - cohesive + friction + impact + step change + rotation +
-//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation + assumptions -
-//                     excavated energy - scheme dissipation
+//                     damping + bulk viscosity + radiated + excavation + thermal work + adaptation + assumptions +
+//                     vibration booked + sleep work - excavated energy - scheme dissipation
 //     rotation work   large rotations: the trapezoidal defect of the elastic energy U, which is not quadratic,
 //                     tau = U_n - U_n-1 + 1/2 (f_n-1 + f_n) . (u_n - u_n-1),  f = -grad U; O(h^3) a step. Its sum stays
 //                     bounded (central differences are symplectic) and is of second order in h; zero where rotations
@@ -26,6 +26,11 @@
 //     crossing loss   part of the cohesive work that is stored nowhere: where a slip crosses zero within a step, the
 //                     implicit sign of the tangential cohesion takes some of its kinetic energy (slip-reversal loss);
 //                     high-frequency slips are damped by it
+//     vibration       kinetic energy of the vibration of pieces that become rigid ([rigid]); their elastic energy stays
+//     booked
+//     sleep work      kinetic energy of rigid pieces that fall asleep
+//     projection      work of loads against which positions of rigid pieces are corrected where they overlap: energy of
+//     work            place, no term of the balance
 //     excavated       kinetic and elastic energy of the regions that vanished, and the recoverable energy of their
 //                     interfaces; what these had dissipated remains in Psi
 //     viscous         dissipation of delayed softening: what points bear beyond their softening curve while beta falls
@@ -66,7 +71,8 @@ struct EnergyRow {
     double thermal_work = 0;                                 // of thermal strains that change
     double law_change = 0;                                   // of strengths that follow the temperature
     double viscous_dissipation = 0;                          // of delayed softening, in addition to `dissipated`
-    double heat = 0, heat_in = 0;                            // with conduction: stored, and what came in
+    double vibration_booked = 0, sleep_work = 0, projection_work = 0, rigid_injection = 0;  // as in StepReport
+    double heat = 0, heat_in = 0;  // with conduction: stored, and what came in
     double residual = 0, crossing_loss = 0, law_lag = 0;
 
     double surface() const { return dissipated + recoverable + interface_elastic; }  // Psi
@@ -78,14 +84,14 @@ struct EnergyRow {
 struct RareWorks {
     bool rotation = false, damping = false, viscosity = false, radiation = false, excavation = false,
          adaptation = false, secant = false, heat = false, conduction = false, law_change = false, delay = false,
-         incubation = false, cohesive_friction = false, new_assumptions = false;
+         incubation = false, cohesive_friction = false, new_assumptions = false, rigid = false;
 
     static constexpr auto all() {
         using R = RareWorks;
-        return std::array{&R::rotation,          &R::damping,        &R::viscosity, &R::radiation,
-                          &R::excavation,        &R::adaptation,     &R::secant,    &R::heat,
-                          &R::conduction,        &R::law_change,     &R::delay,     &R::incubation,
-                          &R::cohesive_friction, &R::new_assumptions};
+        return std::array{&R::rotation,          &R::damping,         &R::viscosity, &R::radiation,
+                          &R::excavation,        &R::adaptation,      &R::secant,    &R::heat,
+                          &R::conduction,        &R::law_change,      &R::delay,     &R::incubation,
+                          &R::cohesive_friction, &R::new_assumptions, &R::rigid};
     }
     void include(const RareWorks& other) {
         for (const auto work : all()) this->*work = this->*work || other.*work;

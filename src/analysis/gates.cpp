@@ -161,6 +161,18 @@ const GateRule rules[] = {
                               ? run.ledger.worst().contact_injection / std::max(scale, least)
                               : 0.0};
      }},
+    {{"rigid_injection", "",
+      "positive works of contacts of rigid pieces, by the residual of their laws, over the work of impact and "
+      "friction; "
+      "momentum and energy are exact all the same",
+      "Usual cause: many pieces wedged by friction. Try a smaller rigid.step."},
+     {1e-3, infinity, fixed},
+     [](const GateView& run) {
+         const EnergyRow& row = run.ledger.row();
+         const double least = std::max(1e-3 * run.ledger.largest_energy(), 1e6 * rounding_energy(run));
+         return GateValue{.value = row.rigid_injection / std::max(-row.impact_work - row.friction_work, least),
+                          .judged = run.ended && row.rigid_injection > 0};
+     }},
     {{"contact_residual", "",
       "largest error of the rates of contacts of free faces and obstacles over their speeds; momentum and energy are "
       "exact all the same, but single contacts may do positive work",

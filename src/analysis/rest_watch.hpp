@@ -20,7 +20,8 @@ class RestWatch {
 public:
     RestWatch(const Model& model, const RestOptions& options);
 
-    void after_step(const EnergyRow& row);
+    /// `lies_still`: all pieces of the body are rigid and asleep, which is rest at once.
+    void after_step(const EnergyRow& row, bool lies_still = false);
 
     bool at_rest() const { return at_rest_; }
     double since() const { return since_; }        // [s] the end of the first step at rest; NaN while the body moves

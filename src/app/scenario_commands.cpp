@@ -20,6 +20,7 @@
 #include "microstructure/grain_mesh.hpp"
 #include "model/selections.hpp"
 #include "scenario/write_scenario.hpp"
+#include "stepper/rigid/freeze.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -236,6 +237,19 @@ void print_warnings(const std::vector<Diagnostic>& warnings) {
     for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
 }
 
+/// Which pieces are rigid at the start, and between which times of steps the run lies.
+std::string rigid_text(const Model& model, const RigidOptions& options, const Cost& cost) {
+    State start = initial_state(model);
+    const FrozenPieces frozen = freeze(model, start);
+    std::size_t n = 0;
+    for (const FrozenBody::Piece& piece : frozen.body->pieces) n += can_break(piece, options);
+    return formatted(
+        "  rigid   %zu pieces at the start, %zu of them can break; steps take %s of processor time if all are rigid at "
+        "all times%s\n",
+        frozen.body->pieces.size(), n, readable(cost.rigid_steps, "s", 2).c_str(),
+        n == 0 ? ", as here" : ("; the times above are those if none is, " + readable(cost.steps, "s", 2)).c_str());
+}
+
 void print_grains(const Scenario& scenario, const Mesh& mesh) {
     const GrainReport grains = judge_grains(mesh);
     std::printf("%-28s %d, of them %d whole\n", "grains", grains.n_grains, grains.n_whole);
@@ -278,6 +292,8 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     const Cost cost = estimate_cost(scenario, model, plan, model_seconds, time ? 0.5 : 0.05);
     print_run(scenario, model, plan, cost, time);
     print_members(scenario, cost);
+    if (scenario.time.scheme.rigid.active())
+        std::fputs(rigid_text(model, scenario.time.scheme.rigid, cost).c_str(), stdout);
     std::ranges::move(findings_of_model(read, model, plan, &cost), std::back_inserter(found));
     print_warnings(read.warnings), print_warnings(found);
     return strict && !(read.warnings.empty() && found.empty()) ? exit_bad_input : exit_done;

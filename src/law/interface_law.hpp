@@ -9,6 +9,7 @@
 // (contact_cluster.hpp). The rate is the end velocity V+ with the explicit bulk, the mean rate w in the theta scheme.
 #include "base/vec.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <span>
@@ -29,6 +30,12 @@ ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, 
 /// Theta scheme, w >= bound. Touching: Newton's law V+ = -e V- for an approach, else w >= 0. Apart: as above, or the
 /// point stops when the gap is closed.
 ContactBound contact_bound_theta(double u_N, double V_N, double restitution, double h, double theta, double touching);
+
+/// Whether sides that approach with a speed [m/s] come to rest within the step, since their lasting pressure causes the
+/// approach `push` [m/s] in a step. A ball rests after infinitely many rebounds, in 2 e |V_N|/((1 - e) push) steps.
+inline bool rests_under(double restitution, double approach, double push) {
+    return 2 * restitution * std::max(approach, 0.0) < (1 - restitution) * push;
+}
 
 /// Admissible tangential impulses with a contact impulse p: |P_T + offset + contact_offset p| <= jump + contact_jump p.
 struct TangentialRange {

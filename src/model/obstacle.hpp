@@ -153,6 +153,7 @@ struct Obstacle {
     std::vector<ObstacleForce> forces;
     Vec3 initial_velocity = Vec3::Zero();  // [m/s, m/s, rad/s] of free components
     CohesiveLaw contact;                   // friction and restitution; it has no cohesion
+    bool gives_restitution = false;        // as of ContactLaw
 
     bool is_free(int k) const { return drive[k].kind == Drive::Kind::free; }
     bool is_free() const { return is_free(0) || is_free(1) || is_free(2); }

@@ -1,7 +1,9 @@
 #pragma once
 // All that changes during a run, and all that a restart needs.
 #include "model/model.hpp"
+#include "model/rigid_body.hpp"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -107,6 +109,10 @@ struct State {
     std::vector<Incubation> incubation;    // per fan; empty where no law has an incubation time
     std::vector<PieceMotion> free_pieces;  // in the order of their triangles; empty: damping acts on no vibration alone
 
+    Motion motion = Motion::deformable;    // of the next step
+    SharedFrozenBody frozen;               // null: the last step was none of rigid pieces
+    std::vector<RigidPiece> rigid_pieces;  // in the order of FrozenBody::pieces
+
     SharedTemperatures temperature;         // null: no heat
     SharedTemperatures temperature_before;  // one step before, or the same object where it has not changed
 
@@ -124,6 +130,15 @@ struct State {
 
     /// The last step was one of the implicit scheme; with bulk = "auto", so is the next one.
     bool has_end_velocities() const { return !rate.empty(); }
+    /// All pieces are asleep or held.
+    bool lies_still() const {
+        return frozen && std::ranges::all_of(rigid_pieces, [&](const RigidPiece& piece) {
+                   return piece.state == PieceState::asleep || frozen->pieces[&piece - rigid_pieces.data()].held;
+               });
+    }
+    PieceState piece_state(Index triangle) const {
+        return frozen ? rigid_pieces[frozen->piece_of_triangle[triangle]].state : PieceState::deformable;
+    }
     /// [-] phi of the points of a fan.
     double strength_factor(Index fan) const { return incubation.empty() ? 1 : incubation[fan].factor; }
     bool has_retired(Index point) const { return !retired.empty() && retired[point] == Retirement::retired; }
@@ -132,7 +147,11 @@ struct State {
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
                 split_rank, reaction, obstacles, elastic_energy, elastic_work, viscous_stress, retired, face_contacts,
-                obstacle_contacts, incubation, free_pieces);
+                obstacle_contacts, incubation, free_pieces, motion, rigid_pieces);
+        FrozenBody body = frozen ? *frozen : FrozenBody{};
+        archive(body);
+        if constexpr (Archive::is_loading::value)
+            frozen = body.pieces.empty() ? nullptr : std::make_shared<FrozenBody>(std::move(body));
         const bool same = temperature == temperature_before;
         for (SharedTemperatures* shared : {&temperature, &temperature_before}) {
             Temperatures values = *shared && (!same || shared == &temperature) ? **shared : Temperatures{};

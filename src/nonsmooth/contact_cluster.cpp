@@ -11,9 +11,11 @@ namespace knap {
 namespace {
 
 constexpr int first_sweeps = 12, last_sweeps = 100;
-constexpr double exact = 1e-13;           // [-] of the speeds: a residual at rounding
-constexpr double accepted_error = 1e-11;  // [-] of the speeds: not worth proximal points
-constexpr double too_strong = 20;         // impulses of the last step that would cause larger rates are dropped
+constexpr int many_sweeps = 50, few_points = 4;  // ClusterEffort::sweeps
+constexpr double rough = 1e-3;                   // [-] of the speeds: a residual of sweeps that is not left
+constexpr double exact = 1e-13;                  // [-] of the speeds: a residual at rounding
+constexpr double accepted_error = 1e-11;         // [-] of the speeds: not worth proximal points
+constexpr double too_strong = 20;                // impulses of the last step that would cause larger rates are dropped
 constexpr std::size_t bold_attempts = 6, max_attempts = 20;  // of the active set
 constexpr Eigen::Index max_dense = 60;                       // rows of W: more are solved by blocks
 constexpr double surely_regular = 1e-6;  // smallest over largest pivot: no estimate of the condition is needed
@@ -201,6 +203,12 @@ double ContactCluster::solve(double speed, double rounding, ClusterEffort effort
     if (2 * size() <= max_dense && settle_states(speed, tolerance))
         if (const double now = largest_error(); now < best) best = now, best_ = contacts;
     contacts = best_;
+    if (effort == ClusterEffort::sweeps && best > accepted_error * speed + rounding) {
+        best = sweep_to(exact * speed, many_sweeps);
+        best_ = contacts;
+        if (best <= rough * speed + rounding) return best;
+        return approach(best, speed, rounding, {1e-3, 0.2, few_points});
+    }
     const auto approach_with = [&](const Weights& weights) {
         if (best > accepted_error * speed + rounding) best = approach(best, speed, rounding, weights);
     };

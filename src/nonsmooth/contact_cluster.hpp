@@ -45,8 +45,8 @@ struct ClusterContact {
 };
 
 /// How much is spent on a problem that sweeps and the active set leave unsolved: nothing, fast proximal points, careful
-/// ones where these fail.
-enum class ClusterEffort { active_set, proximal_points, careful };
+/// ones where these fail. Sweeps: more of these, and proximal points only where they leave much.
+enum class ClusterEffort { sweeps, active_set, proximal_points, careful };
 
 struct ClusterBody {
     Vec3 inverse_mass;           // [1/kg, 1/kg, 1/(kg m2)]

@@ -87,6 +87,8 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
             frame.stress.push_back(stress.head<3>());
             frame.stress_zz.push_back(stress[3]);
             frame.region.push_back(mesh.region[t]);
+            if (state.motion != Motion::deformable)
+                frame.piece_state.push_back(static_cast<std::int32_t>(state.piece_state(t)));
             if (!mesh.grain.empty()) frame.grain.push_back(mesh.grain[t]);
         }
 }

@@ -35,16 +35,17 @@ struct Frame {
     double length_scale = 1;  // [m] diagonal of the reference body
 
     // bulk: triangle t owns the corners 3t, 3t+1, 3t+2; a triangle of second order is drawn as six of these
-    std::vector<Vec2> position;           // [m] per corner, reference
-    std::vector<Vec2> displacement;       // [m] per corner
-    std::vector<Vec2> velocity;           // [m/s] per corner
-    std::vector<Eigen::Vector3d> stress;  // [Pa] per triangle: xx, yy, xy
-    std::vector<double> stress_zz;        // [Pa] per triangle; empty in frames of versions that did not store it
-    std::vector<double> temperature;      // [K] per corner; empty without heat
-    bool celsius = false;                 // temperatures are in degrees Celsius
-    std::vector<std::int32_t> region;     // per triangle
-    std::vector<std::int32_t> grain;      // per triangle, -1: in none; empty where the body has no grains
-    std::vector<std::int32_t> fragment;   // per triangle, 0 the heaviest; empty where it is not known
+    std::vector<Vec2> position;             // [m] per corner, reference
+    std::vector<Vec2> displacement;         // [m] per corner
+    std::vector<Vec2> velocity;             // [m/s] per corner
+    std::vector<Eigen::Vector3d> stress;    // [Pa] per triangle: xx, yy, xy
+    std::vector<double> stress_zz;          // [Pa] per triangle; empty in frames of versions that did not store it
+    std::vector<double> temperature;        // [K] per corner; empty without heat
+    bool celsius = false;                   // temperatures are in degrees Celsius
+    std::vector<std::int32_t> region;       // per triangle
+    std::vector<std::int32_t> grain;        // per triangle, -1: in none; empty where the body has no grains
+    std::vector<std::int32_t> piece_state;  // per triangle, PieceState; empty without [rigid]
+    std::vector<std::int32_t> fragment;     // per triangle, 0 the heaviest; empty where it is not known
 
     // interfaces: interface i owns the points 2i, 2i+1 (its two ends); one of second order is drawn as two halves
     std::vector<std::array<Index, 2>> side_a;  // per interface: the corner of side A at each end, -1: support

@@ -194,6 +194,8 @@ const std::vector<FramePart>& parts() {
                                      "number of the material of a triangle, in the order of `materials` of run.json"),
           stored<Int, 1, &F::grain>(cells, "grain", "", "number of the grain, -1: none; only where there are grains",
                                     true),
+          stored<Int, 1, &F::piece_state>(cells, "piece_state", "",
+                                          "0: its piece is deformable, 1: rigid, 2: asleep; with [rigid]", true),
           stored<Int, 1, &F::fragment>(
               cells, "fragment", "", "number of the fragment at this time, as in fragment_paths.csv; the heaviest is 0",
               true)}},

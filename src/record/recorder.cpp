@@ -88,7 +88,7 @@ void Recorder::open_files() {
 
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
-    if (rest_) rest_->after_step(ledger_.row());
+    if (rest_) rest_->after_step(ledger_.row(), now.lies_still());
     probes_.after_step(now);
     watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);

@@ -168,6 +168,19 @@ const std::vector<Member>& members() {
                          {"assumption_1", r.scheme.respect_assumption_1 ? "respect" : "ignore"}};
          },
          is_scheme},
+        {"pieces", "",
+         "with [rigid]: deformable, rigid and asleep pieces at the end; those below rigid.smallest that have points "
+         "which "
+         "could break, and their mass; time in which all were deformable",
+         [](R r) {
+             if (!r.pieces) return absent;
+             Json json;
+             for (const PieceState state : {PieceState::deformable, PieceState::rigid, PieceState::asleep})
+                 json[name_of(state)] = r.pieces->n[static_cast<std::size_t>(state)];
+             json["never_break"] = r.pieces->n_never_break, json["never_break_mass_kg"] = r.pieces->mass_never_break;
+             json["deformable_time_s"] = r.pieces->thawed_time;
+             return json;
+         }},
         {"scheme_changes", "",
          "with bulk = \"auto\": list of the changes: time_s, to (explicit or implicit) and reason (of a change to "
          "explicit steps, a name in cuts)",

@@ -45,6 +45,14 @@ struct RunRecord {
     double smallest_step = 0, largest_step = 0;                     // [s] accepted steps
     std::array<std::int64_t, cutback_reasons.size()> n_cutbacks{};  // in the order of cutback_reasons
     std::vector<SchemeChangeEvent> scheme_changes;                  // with BulkScheme::automatic
+    /// With [rigid], at the end.
+    struct Pieces {
+        std::array<std::int64_t, 3> n{};  // by PieceState
+        std::int64_t n_never_break = 0;   // smaller than `smallest`, though they have points that could
+        double mass_never_break = 0;      // [kg] of these
+        double thawed_time = 0;           // [s] in which all were deformable
+    };
+    std::optional<Pieces> pieces;
     SchemeOptions scheme;
     double mean_edge = 0;                // [m]
     double rayleigh_speed = 0;           // [m/s]

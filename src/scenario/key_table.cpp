@@ -423,6 +423,25 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("restitution", "", "Newton's coefficient of restitution").at_least(0).at_most(1)
         .computed("as in [contact]").to(&ContactLaw::restitution);
 
+    t.table("rigid", "pieces of the body move as rigid ones, in steps of milliseconds, while nothing can break them: "
+        "free flight, sliding, rolling, rest. A harder blow makes all deformable until nothing has broken for a while. "
+        "The energy of a vibration that ends so is `vibration_booked`. It needs [contact], and loads that are "
+        "accelerations; without this table all is deformable always");
+    t.number("step", "s", "largest step of rigid pieces; it is divided where faces that meet move by more than a "
+        "twentieth of an edge").above(0).computed("0.5 ms").to(&RigidOptions::step);
+    t.number("thaw", "", "k of the blow k sigma_c/(rho c) min(1, sqrt(10 L/D)) (a speed; c = sqrt(E/rho), L edge, D = "
+        "sqrt(area) of the piece, sigma_c its smallest strength now) from which on a piece may break; 0: pieces are "
+        "never rigid").at_least(0).computed("0.3").to(&RigidOptions::thaw);
+    t.number("hold", "", "time for which all stays deformable after the last blow and the last loss of cohesion, in "
+        "passages D/c of a wave through the body").above(0).computed("20").to(&RigidOptions::hold);
+    t.number("smallest", "m", "pieces of a smaller diameter (fragments.csv) never break; run.json has their mass")
+        .at_least(0).computed("0").to(&RigidOptions::smallest);
+    t.number("sleep", "m/s", "pieces that stay slower for 0.2 s, and press on what stands still, fall asleep: they "
+        "stand still until they are hit faster; 0: none does").at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
+    t.number("restitution", "", "Newton's coefficient of rigid pieces that cannot break, where neither the pair of "
+        "materials, [contact], the interface law nor the obstacle gives one; what can break has 0 below the blow")
+        .at_least(0).at_most(1).computed("0.9").to(&RigidOptions::restitution);
+
     t.list("excavation[]", "a region of the body that vanishes at a time, given by points, by centre and radius, or "
         "by a box, in the undeformed body: what is there at the start vanishes, wherever it has moved. The mesh "
         "follows its outline. Until then it is ordinary material; then the forces that it exerted on the rest decrease "

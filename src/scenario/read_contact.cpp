@@ -65,6 +65,7 @@ void read_contact(Reading& reading) {
             if (const Index number = reading.scenario.law_of_pair[a][b]; number >= 0)  // otherwise reported
                 law = {reading.scenario.laws[number].law.friction, reading.scenario.laws[number].law.restitution};
             table.fill(law);
+            law.gives_restitution = law.restitution > 0 || table.given("restitution");
         }
     std::set<std::pair<Index, Index>> pairs;
     for (const Table& row : table.list("pair")) {
@@ -79,6 +80,7 @@ void read_contact(Reading& reading) {
         if (!row.given("friction") && !row.given("restitution"))
             row.error("missing-key", "", "has neither friction nor restitution");
         row.fill(contact_of_pair[a][b]);
+        contact_of_pair[a][b].gives_restitution |= row.given("restitution");
         contact_of_pair[b][a] = contact_of_pair[a][b];
     }
 }

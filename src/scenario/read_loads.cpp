@@ -261,6 +261,7 @@ void read_obstacle(const Table& table) {
     table.compute("name", Node::of_text(obstacle.name));
     table.fill(obstacle);
     table.fill(obstacle.contact);
+    obstacle.gives_restitution = table.given("restitution");
     read_outline(table, obstacle);  // first: csv of a polyline has its points, and stays only after an error
     obstacle.start.angle = table.number("angle").value_or(0) * degree;
     obstacle.start.position += table.get<Vec2>("shift").value_or(Vec2::Zero());

@@ -173,6 +173,7 @@ void read_heat(Reading& reading);         // after materials, body and time
 void read_contact(Reading& reading);      // after laws and time
 void read_pressures(Reading& reading);    // after laws and microstructure: joints have laws
 void read_excavations(Reading& reading);  // after microstructure and time: outlines that the mesh follows
+void read_rigid(Reading& reading);        // likewise
 void read_adapt(Reading& reading);        // after everything that it does not go together with
 void read_strength(Reading& reading);     // after laws, body, specimen and adapt: it divides sigma_c by the surplus
 void read_toughness(Reading& reading);    // after laws, body and adapt: it divides G_c by the surplus of the mesh

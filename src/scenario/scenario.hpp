@@ -219,7 +219,8 @@ struct Scenario {
                 .delay = any_law([](const CohesiveLaw& law) { return law.relaxation_time > 0; }),
                 .incubation = any_law([](const CohesiveLaw& law) { return law.incubation_time > 0; }),
                 .cohesive_friction =
-                    any_law([](const CohesiveLaw& law) { return law.sigma_c > 0 && law.friction_range()[1] > 0; })};
+                    any_law([](const CohesiveLaw& law) { return law.sigma_c > 0 && law.friction_range()[1] > 0; }),
+                .rigid = time.scheme.rigid.active()};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

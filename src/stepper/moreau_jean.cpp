@@ -21,6 +21,7 @@ MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model
     if (options.takes_implicit_steps() && model.large_rotation)  // the scheme is linear in the displacement
         throw UserError("large-rotation", "large rotations need the explicit bulk");
     if (!changes()) make_scheme(options.takes_implicit_steps());
+    if (options.rigid.active()) rigid_ = std::make_unique<RigidScheme>(model, options);
     if (model.heat) heat_.emplace(model);
 }
 
@@ -46,6 +47,7 @@ double MoreauJean::theta_of(const State& begin, double h) const {
 }
 
 StepScheme& MoreauJean::scheme_of(const State& begin, double h) {
+    if (begin.motion == Motion::rigid) return *rigid_;
     const bool implicit = is_implicit(begin);
     const std::unique_ptr<StepScheme>& scheme = implicit ? implicit_ : explicit_;
     if (!scheme) make_scheme(implicit);
@@ -55,6 +57,14 @@ StepScheme& MoreauJean::scheme_of(const State& begin, double h) {
 
 void MoreauJean::begin(State& start) const {
     if (changes()) begin_theta_scheme(start);
+    if (rigid_) start.motion = rigid_->may_begin(start) ? Motion::rigid : Motion::thawed;
+}
+
+StepReport MoreauJean::thaw(const State& begin, State& end) {
+    const double h = begin.last_step * closing_part;
+    StepReport report = complete(begin, h, rigid_->thaw(begin, h, end), end);
+    end.last_step = 0;
+    return report;
 }
 
 void MoreauJean::give_up_when(GiveUp condition) {
@@ -95,13 +105,17 @@ StepReport MoreauJean::close_leapfrog(const State& begin, State& end) {
 
 /// With the temperatures of the end already there.
 StepReport MoreauJean::advance(const State& begin, double h, State& end) {
-    StepReport report = scheme_of(begin, h).step(begin, h, end);
+    return complete(begin, h, scheme_of(begin, h).step(begin, h, end), end);
+}
+
+StepReport MoreauJean::complete(const State& begin, double h, StepReport report, State& end) const {
     if (heat_) end.temperature_before = begin.temperature;
     if (model_.laws_follow_temperature) account_law_change(model_, begin, report);
     if (report.rejection != Rejection::none) return report;
     end.time = begin.time + h;
     end.last_step = h;
     end.n_steps = begin.n_steps + 1;
+    if (begin.motion == Motion::thawed) end.motion = Motion::thawed, end.frozen = nullptr, end.rigid_pieces.clear();
     if (std::isfinite(report.kinetic + report.strain)) return report;
     throw SimulationError(
         formatted("the motion is no longer finite at t = %s (step %lld) at ", readable(end.time, "s", 9).c_str(),

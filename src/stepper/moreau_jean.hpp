@@ -6,10 +6,12 @@
 //
 // with unknown impulses P. Two schemes solve it: explicit_scheme.hpp (lumped mass, forces at the start of the step, one
 // problem per vertex) and implicit_scheme.hpp (all interfaces and the stiffness together), each with explicit or
-// implicit cohesion.
+// implicit cohesion. A third one, rigid/rigid_scheme.hpp, moves pieces that nothing can break now as rigid bodies;
+// which one takes a step is in the state: State::motion, State::has_end_velocities.
 #include "heat/heat_step.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/equilibrium.hpp"
+#include "stepper/rigid/rigid_scheme.hpp"
 
 #include <memory>
 #include <optional>
@@ -32,7 +34,11 @@ public:
     /// far, so that implicit ones can follow (stepper/scheme_change.hpp). `end` is void after a rejection.
     StepReport close_leapfrog(const State& begin, State& end);
 
-    /// Before the first step of a run: that of an automatic bulk is implicit.
+    /// From rigid pieces to a deformable body, whose next step is explicit (rigid/rigid_scheme.hpp).
+    StepReport thaw(const State& begin, State& end);
+
+    /// Before the first step of a run: that of an automatic bulk is implicit; with [rigid] that of pieces which vibrate
+    /// or are held and can break is one of the deformable body.
     void begin(State& start) const;
 
     /// Static equilibrium at start.time (stepper/equilibrium.hpp).
@@ -51,11 +57,13 @@ private:
     void make_scheme(bool implicit);
     StepScheme& scheme_of(const State& begin, double h);
     StepReport advance(const State& begin, double h, State& end);
+    StepReport complete(const State& begin, double h, StepReport report, State& end) const;
 
     const Model& model_;
     SchemeOptions options_;
     GiveUp give_up_ = nullptr;
     std::unique_ptr<StepScheme> explicit_, implicit_;  // null: not used so far
+    std::unique_ptr<RigidScheme> rigid_;               // null: no [rigid]
     std::optional<HeatStep> heat_;
 };
 

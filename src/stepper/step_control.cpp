@@ -32,6 +32,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"cohesive_work", "a large implicit step misses the work of cohesion"},
     {"jammed", "contacts are driven against each other, and no motion was found that obeys their laws"},
     {"impact", "a hard impact moves faces by more than the critical opening"},
+    {"blow", "a piece is hit so hard that it may break; the body is deformable now"},
 }};
 
 /// [s] Rounding of a time that is a sum of steps.
@@ -61,17 +62,17 @@ bool StepControl::has_reached(const State& state, double time) {
 }
 
 double StepControl::tolerance(const State& begin) const {
-    return std::min(time_rounding(begin, limits_.end), 0.25 * step_);
+    return std::min(time_rounding(begin, limits_.end), 0.25 * size(begin));
 }
 
 bool StepControl::depends_on_end(const State& begin) const {
-    return limits_.end - begin.time < 2 * step_ - tolerance(begin);
+    return limits_.end - begin.time < 2 * size(begin) - tolerance(begin);
 }
 
 double StepControl::next(const State& begin) const {
-    const double left = limits_.end - begin.time;
-    if (!depends_on_end(begin) || std::abs(left - step_) <= tolerance(begin)) return step_;
-    return left < step_ ? left : 0.5 * left;
+    const double left = limits_.end - begin.time, step = size(begin);
+    if (!depends_on_end(begin) || std::abs(left - step) <= tolerance(begin)) return step;
+    return left < step ? left : 0.5 * left;
 }
 
 std::optional<Cutback> StepControl::reason_against(const State& begin, double h, const StepReport& report) const {
@@ -88,6 +89,7 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
             return because(CutbackReason::contact_residual, report.where, report.rejected_value);
         case Rejection::not_converged: return because(CutbackReason::not_converged, report.where);
         case Rejection::jammed: return because(CutbackReason::jammed, report.where);
+        case Rejection::blow:  // judge_rigid
         case Rejection::none:
         case Rejection::too_coarse: break;
     }
@@ -116,7 +118,36 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
     return report.released > 0 ? std::optional(because(CutbackReason::release)) : std::nullopt;
 }
 
+/// A step of rigid pieces. What cannot be resolved with smaller ones is left to the deformable body.
+std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, const StepReport& report) {
+    constexpr double aimed_motion = 0.04, largest_growth = 1.5, smallest_part = 1. / 64;
+    const double motion = std::max(report.contact_motion, 1e-300), smallest = smallest_part * limits_.rigid.step;
+    const double fitting = std::min(aimed_motion / motion, largest_growth) * h;
+    if (report.rejection == Rejection::none) {
+        rigid_step_ = std::clamp(fitting, smallest, limits_.rigid.step);
+        smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
+        largest_taken_ = std::max(largest_taken_, h);
+        return std::nullopt;
+    }
+    Cutback cut{.reason = CutbackReason::contact_speed,
+                .time = begin.time,
+                .from = h,
+                .to = h,
+                .place = report.where,
+                .value = report.rejected_value};
+    if (report.rejection == Rejection::blow) {
+        cut.reason = CutbackReason::blow, cut.thaws = true, cut.to = step_;
+        deformable_until_ = begin.time + h + limits_.rigid.hold;
+    } else {
+        cut.to = rigid_step_ = std::max(std::min(fitting, 0.5 * h), smallest);
+        if (stuck_ = h <= smallest; stuck_) cut.to = 0.5 * smallest;
+    }
+    ++n_cutbacks_[static_cast<std::size_t>(cut.reason)];
+    return cut;
+}
+
 std::optional<Cutback> StepControl::judge(const State& begin, double h, const StepReport& report) {
+    if (begin.motion == Motion::rigid) return judge_rigid(begin, h, report);
     std::optional<Cutback> cut = reason_against(begin, h, report);
     if (report.rejection == Rejection::none && report.approach * largest_ > hard_impact * limits_.critical_opening)
         struck_until_ = begin.time + passages_of_impact * limits_.passage;
@@ -129,6 +160,11 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
         intact_ = false;
     }
     if (!cut) {
+        if (begin.motion == Motion::thawed) {
+            thawed_time_ += h;
+            if (report.softened > 0 || report.released > 0)
+                deformable_until_ = std::max(deformable_until_, begin.time + h + limits_.rigid.hold);
+        }
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);
         step_ = std::min(step_, largest_);

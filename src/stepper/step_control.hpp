@@ -17,6 +17,10 @@
 //     a run that changes scheme   scheme_change.hpp: implicit steps are quartered down to the cracking step and doubled
 //                                 after each that counts; explicit ones have a size of their own. A size that was not
 //                                 solved is tried again after 8 steps, where it fails again after 16, up to 128
+//     rigid pieces ([rigid])      steps have a size of their own, in which faces that meet move by at most a twentieth
+//                                 of an edge. After a blow the body is deformable until nothing has lost cohesion for
+//                                 `hold` passages of a wave; then a step of rigid pieces is tried, which counts if it
+//                                 is no blow
 //     near the end                the rest, or two halves of it: the last step ends there and is no sliver
 //
 // It depends on the reports alone, so a run takes the same steps whenever it is interrupted.
@@ -39,6 +43,11 @@ struct StepLimits {
     double critical_opening = infinity;        // [m] the smallest of the interfaces that can break
     double passage = 0;                        // [s] of a shear wave through the body
     SchemeChangeOptions change = {};
+    struct Rigid {
+        double step = 0;                // largest of rigid pieces; 0: there are none
+        double hold = 0;                // for which the body stays deformable after the last blow
+        double not_before = -infinity;  // loads change until then, and what is held and may break bears them
+    } rigid = {};
     bool changes() const { return change.explicit_step > 0; }
 };
 
@@ -53,13 +62,14 @@ enum class CutbackReason {
     motion,
     cohesive_work,
     jammed,
-    impact
+    impact,
+    blow
 };
 inline constexpr std::array cutback_reasons{
     CutbackReason::softening,     CutbackReason::release,       CutbackReason::assumption_1,
     CutbackReason::contact_speed, CutbackReason::contact_depth, CutbackReason::contact_residual,
     CutbackReason::not_converged, CutbackReason::motion,        CutbackReason::cohesive_work,
-    CutbackReason::jammed,        CutbackReason::impact};
+    CutbackReason::jammed,        CutbackReason::impact,        CutbackReason::blow};
 std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
 std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
 
@@ -72,6 +82,7 @@ struct Cutback {
     double value = 0;                          // [-] of contacts and impacts: what was too large
     bool changes_to_explicit = false;          // the run goes on with explicit steps
     double explicit_until = 0;                 // [s] the earliest end of these
+    bool thaws = false;                        // the body is deformable from the start of the step on
 };
 
 /// Change of a run between its two schemes.
@@ -89,7 +100,12 @@ struct SchemeChangeEvent {
 class StepControl {
 public:
     explicit StepControl(const StepLimits& limits)
-        : limits_(limits), step_(limits.largest), largest_(limits.largest), change_(limits.change) {}
+        : limits_(limits),
+          step_(limits.largest),
+          largest_(limits.largest),
+          rigid_step_(limits.rigid.step),
+          deformable_until_(limits.rigid.hold),
+          change_(limits.change) {}
 
     /// Starts where another run was: with its step, where cutbacks had made it smaller, and with the cracking step,
     /// where its cohesion had begun to fall. The counts begin at zero.
@@ -109,6 +125,11 @@ public:
     void stay_explicit(const State& now) { change_.stay_explicit(now.time); }
     const std::vector<SchemeChangeEvent>& changes() const { return changes_; }
 
+    /// The next step of a deformable body is tried as one of rigid pieces.
+    bool may_freeze(const State& now) const {
+        return now.motion == Motion::thawed && now.time >= std::max(deformable_until_, limits_.rigid.not_before);
+    }
+
     bool is_stuck() const { return stuck_; }              // the last cutback led below the smallest step
     double smallest_against(CutbackReason reason) const;  // [s] that step
 
@@ -117,6 +138,7 @@ public:
 
     double smallest_taken() const { return smallest_taken_; }  // [s] 0 before the first step
     double largest_taken() const { return largest_taken_; }
+    double thawed_time() const { return thawed_time_; }  // [s] with [rigid]: in which the body was deformable
     /// In the order of cutback_reasons.
     const std::array<std::int64_t, cutback_reasons.size()>& n_cutbacks() const { return n_cutbacks_; }
     const StepReport& rejected_steps() const { return rejected_steps_; }  // sum over the steps that do not count
@@ -125,10 +147,13 @@ public:
     void serialize(Archive& archive) {
         archive(step_, largest_, intact_, n_good_, smallest_taken_, largest_taken_, n_cutbacks_, rejected_steps_);
         archive(change_, changes_, unsolved_, patience_, struck_until_, opened_);
+        archive(rigid_step_, deformable_until_, thawed_time_);
     }
 
 private:
-    double tolerance(const State& begin) const;  // [s]
+    double size(const State& begin) const { return begin.motion == Motion::rigid ? rigid_step_ : step_; }  // [s]
+    double tolerance(const State& begin) const;                                                            // [s]
+    std::optional<Cutback> judge_rigid(const State& begin, double h, const StepReport& report);
     std::optional<Cutback> reason_against(const State& begin, double h, const StepReport& report) const;
     void begin_stage(double step, double largest);
     void shorten_or_change(Cutback& cut);
@@ -144,6 +169,9 @@ private:
     bool stuck_ = false;
     double struck_until_ = -1;  // [s] a hard impact is not over before
     double opened_ = 0;         // [-] StepReport::largest_opened since the step was last looked at to grow
+    double rigid_step_;         // [s]
+    double deformable_until_;   // [s]
+    double thawed_time_ = 0;    // [s] in which the body was deformable
     double smallest_taken_ = 0, largest_taken_ = 0;
     SchemeChange change_;
     std::vector<SchemeChangeEvent> changes_;

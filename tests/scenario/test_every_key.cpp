@@ -429,6 +429,13 @@ restitution = 0.3
 materials = ["steel", "glass"]
 friction = 0.4
 restitution = 0.1
+[rigid]
+step = "1 ms"
+thaw = 0.4
+hold = 30
+smallest = "3 mm"
+sleep = "1 cm/s"
+restitution = 0.8
 [[support]]
 on = { body = "dam", boundary = "bottom" }
 beyond = "30 mm"
@@ -939,6 +946,12 @@ const Case cases[] = {
     {patterns, "contact.pair[0].materials", "[\"steel\", \"glass\"]"},
     {patterns, "contact.pair[0].friction", "0.4"},
     {patterns, "contact.pair[0].restitution", "0.1"},
+    {patterns, "rigid.step", "0.001"},
+    {patterns, "rigid.thaw", "0.4"},
+    {patterns, "rigid.hold", "30"},
+    {patterns, "rigid.smallest", "0.003"},
+    {patterns, "rigid.sleep", "0.01"},
+    {patterns, "rigid.restitution", "0.8"},
     {patterns, "support[0].beyond", "0.03"},
     {patterns, "limits.contact_depth", "0.05"},
     {warm, "material.steel.expansion_table", "[[20, 0], [573, 0.009], [583, 0.015]]"},

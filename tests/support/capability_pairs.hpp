@@ -16,8 +16,9 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 36> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 37> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
+                                                          {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
                                                           {"bulk = \"auto\"", ""},
                                                           {"cohesion = \"implicit\"", ""},
@@ -76,7 +77,8 @@ inline std::vector<CapabilityPair> capability_pairs() {
 inline bool is_excluded(const CapabilityPair& pair) {
     const auto is = [](std::size_t i, std::string_view name) {
         const auto& [own, needs] = capabilities[i];
-        return own == name || needs == name || own.starts_with(std::string(name) + " =");
+        return own == name || needs == name || (own == "[rigid]" && name == "rotation = \"large\"") ||
+               own.starts_with(std::string(name) + " =");
     };
     return std::ranges::any_of(exclusions(), [&](const Exclusion& row) {
         return (is(pair.first, row.one) && is(pair.second, row.other)) ||
@@ -92,7 +94,8 @@ inline std::string name_of(const CapabilityPair& pair) {
 inline std::string scene_of(const CapabilityPair& pair) {
     const auto has = [&](std::string_view name) {
         return std::ranges::any_of(std::array{pair.first, pair.second}, [&](std::size_t i) {
-            return capabilities[i].name == name || capabilities[i].needs == name;
+            return capabilities[i].name == name || capabilities[i].needs == name ||
+                   (capabilities[i].name == "[rigid]" && name == "rotation = \"large\"");
         });
     };
     const bool adapts = has("[adapt]"), bodies = has("[[body]]"), file = has("mesh.file"), tests = has("[specimen]"),
@@ -140,6 +143,7 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(has("incubation_time"), "incubation_time = 1e-6\n");
     add(has("scatter"), "[interface.default.scatter]\nkind = \"weibull\"\nmodulus = 10\n");
     add(has("[contact]"), "[contact]\n");
+    add(has("[rigid]"), "[rigid]\n");
     add(has("[heat]"), "[heat]\ntemperature = \"30*t/1e-4 + 100*x\"\n");
     add(has("heat.conduction"), "conduction = true\n[[heat.exchange]]\non = \"" + prefix + "right\"\nflux = 1e6\n");
     add(has("[[pressure]]"), "[[pressure]]\npressure = 1e5\n");
@@ -151,8 +155,10 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(has("[[absorb]]"), "[[absorb]]\non = \"" + prefix + "right\"\n");
     if (has("[[support]]")) text += "[[support]]\non = \"" + prefix + "bottom\"\nglued = true\n";
     else text += "[[load]]\non = \"" + prefix + "bottom\"\ndisplacement = [0, 0]\n";
-    text += "[[load]]\nname = \"top\"\non = \"" + prefix + "top\"\nramp = 1e-5\n";
-    text += tests ? "displacement = [\"free\", 1e-6]\n" : "traction = [0, 2e5]\n";
+    text += "[[load]]\nname = \"top\"\n";
+    if (has("[rigid]")) text += "acceleration = [0, -9.81]\n";
+    else text += "on = \"" + prefix + "top\"\nramp = 1e-5\n";
+    if (!has("[rigid]")) text += tests ? "displacement = [\"free\", 1e-6]\n" : "traction = [0, 2e5]\n";
     add(tests, "[specimen]\ntest = \"tension\"\nforce = \"top\"\nheight = 0.08\nwidth = 0.08\n");
     if (has("free [[obstacle]]"))
         text +=

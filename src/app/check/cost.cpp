@@ -31,9 +31,11 @@ bool is_late() { return Stopwatch::seconds(CLOCK_PROCESS_CPUTIME_ID) > deadline;
 
 /// [s] Processor time of a step at the start, after the first one: the minimum over some batches, since other load on
 /// the machine only adds. Throws StepGivenUp.
-double measured_step(const Model& model, MoreauJean& stepper, double step, double at_least_for) {
+double measured_step(const Model& model, MoreauJean& stepper, double step, double at_least_for,
+                     Motion motion = Motion::deformable) {
     State now = initial_state(model), next = now;
     stepper.begin(now);
+    now.motion = motion;
     stepper.give_up_when(is_late);
     stepper.step(now, step, next);
     const Stopwatch all;
@@ -133,6 +135,9 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     deadline = Stopwatch::seconds(CLOCK_PROCESS_CPUTIME_ID) + longest_measurement * measure_for;
     try {
         cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
+        if (const double rigid = plan.limits.rigid.step; rigid > 0)
+            cost.rigid_steps =
+                scenario.time.end / rigid * measured_step(model, stepper, rigid, measure_for, Motion::rigid);
     } catch (const StepGivenUp&) {
         cost.given_up_after = longest_measurement * measure_for;
         cost.first_step = NAN;

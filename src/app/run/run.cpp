@@ -18,6 +18,7 @@
 #include "base/whole_file.hpp"
 #include "record/progress.hpp"
 #include "stepper/moreau_jean.hpp"
+#include "stepper/rigid/freeze.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +41,18 @@ struct RunSetup {
 void renew(std::optional<MoreauJean>& stepper, const Model& model, const SchemeOptions& scheme) {
     stepper.emplace(model, scheme);
     stepper->give_up_when(InterruptGuard::interrupted);
+}
+
+/// The pieces of a state, and how they move.
+RunRecord::Pieces pieces_of(const Model& model, State state, const RigidOptions& options) {
+    RunRecord::Pieces found;
+    const FrozenPieces frozen = freeze(model, state);
+    for (const FrozenBody::Piece& piece : frozen.body->pieces) {
+        ++found.n[static_cast<std::size_t>(state.piece_state(piece.first_triangle))];
+        if (piece.weakest < infinity && !can_break(piece, options))
+            ++found.n_never_break, found.mass_never_break += piece.mass;
+    }
+    return found;
 }
 
 /// A run: steps until its end, observed by a recorder, with a record of it all. Every function throws OutputError where
@@ -74,6 +87,7 @@ public:
 
 private:
     void step();
+    void thaw();
     void count(const StepReport& report);
     void excavate();
     void adapt(const std::optional<Vec2>& also = {});
@@ -253,10 +267,12 @@ void Run::step() {
         log_.add(cutback_text(*cut, where, setup_.scenario.time.end));
         if (control_.is_stuck()) throw SimulationError(stuck_text(*cut, where, control_.smallest_against(cut->reason)));
         if (cut->changes_to_explicit) begin_leapfrog(now_);
+        if (cut->thaws) thaw();
         return;
     }
     if (setup_.options.dump_lcp.contains(next_.n_steps))
         log_.add(dump_lcp(setup_.model, now_, h, scheme(), setup_.directory / "lcp"));
+    if (next_.frozen && !now_.frozen) log_.add(rigid_text(now_.time, next_.rigid_pieces.size()));
     count(report);
     if (!control_.ends_explicit_stage(now_)) return;
     const StepReport closing = stepper_->close_leapfrog(now_, next_);
@@ -264,6 +280,15 @@ void Run::step() {
     control_.begin_implicit_stage(next_, closing);
     log_.add(quiet_text(next_.time));
     count(closing);
+}
+
+/// Rigid pieces are deformable from now on; a trial of them from a deformable state leaves it as it is.
+void Run::thaw() {
+    if (!now_.frozen) {
+        now_.motion = Motion::thawed;
+        return;
+    }
+    count(stepper_->thaw(now_, next_));
 }
 
 /// The step to the next state has been taken.
@@ -294,6 +319,7 @@ void Run::step_to_end() {
                 record_.status = "interrupted";
                 break;
             }
+            if (control_.may_freeze(now_)) now_.motion = Motion::rigid;
             if (!depends_on_end_ && control_.depends_on_end(now_)) {  // from here the finished run can be extended
                 depends_on_end_ = true;
                 try {
@@ -350,6 +376,10 @@ void Run::finish() {
         const double n = n_triangles_of(recorder_.deformation().body_area(), size), steps = now_.n_steps;
         record_.adaptation = adaptation_.counts(setup_.model, now_);
         record_.adaptation_gain = adaptation_.stays_coarse() ? NAN : n * steps / triangle_steps_;
+    }
+    if (scheme().rigid.active()) {
+        record_.pieces = pieces_of(setup_.model, now_, scheme().rigid);
+        record_.pieces->thawed_time = control_.thawed_time();
     }
     record_.gates = recorder_.gates().gates();
     if (record_.status == "done" && complete)

@@ -19,7 +19,8 @@ std::string at_place(const std::optional<Vec2>& place) { return place ? " at " +
 std::string reason_text(const Cutback& cut) {
     const std::string text(describe(cut.reason));
     if (cut.value == 0) return text;
-    if (cut.reason == CutbackReason::impact) return text + formatted(" (%.4g times)", cut.value);
+    if (cut.reason == CutbackReason::impact || cut.reason == CutbackReason::blow)
+        return text + formatted(" (%.4g times)", cut.value);
     const bool is_length = cut.reason != CutbackReason::contact_residual;
     return text + formatted(is_length ? " (%.4g of an edge)" : " (%.4g of them)", cut.value);
 }
@@ -87,6 +88,10 @@ std::string cutback_text(const Cutback& cut, const Vec2& where, double end) {
 
 std::string quiet_text(double time) {
     return formatted("scheme: implicit from t = %s, the body is quiet\n", readable(time, "s", 9).c_str());
+}
+
+std::string rigid_text(double time, std::size_t n_pieces) {
+    return formatted("rigid: %zu pieces from t = %s on, nothing breaks\n", n_pieces, readable(time, "s", 9).c_str());
 }
 
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest) {

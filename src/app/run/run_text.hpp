@@ -15,6 +15,7 @@ std::string cutback_text(const Cutback& cut, const Vec2& where, double end);
 
 /// The change to implicit steps, likewise.
 std::string quiet_text(double time);
+std::string rigid_text(double time, std::size_t n_pieces);
 
 /// Why a run cannot continue with any step allowed, where, when, and what to change. `smallest` [s].
 std::string stuck_text(const Cutback& cut, const Vec2& where, double smallest);

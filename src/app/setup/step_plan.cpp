@@ -7,6 +7,7 @@
 #include "element/triangle_matrices.hpp"
 #include "model/time_tables.hpp"
 #include "stepper/adapt/adaptation.hpp"
+#include "stepper/rigid/freeze.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,19 @@ double requested_step(const TimeOptions& time, double stable_step) {
     return step;
 }
 
+/// D/c of the largest body. What is held and may break is not rigid before its loads have settled.
+StepLimits::Rigid rigid_limits(const RigidOptions& rigid, const Model& model, double end) {
+    State start = initial_state(model);
+    const FrozenPieces frozen = freeze(model, start);
+    double passage = 0, not_before = -infinity;
+    for (const FrozenBody::Piece& piece : frozen.body->pieces) {
+        const Elastic& material = model.materials[model.mesh.region[piece.first_triangle]];
+        passage = std::max(passage, std::sqrt(piece.area * material.density / material.E));
+        if (piece.held && piece.weakest < infinity) not_before = settling_time(model);
+    }
+    return {.step = std::min(rigid.step, end), .hold = rigid.hold * passage, .not_before = not_before};
+}
+
 }  // namespace
 
 StepLength automatic_step(const TimeOptions& time) {
@@ -125,6 +139,8 @@ StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Mo
     if (double& quiet_for = plan.limits.change.quiet_for; plan.limits.changes() && quiet_for == 0)
         quiet_for = quiet_passages * plan.limits.passage;
     plan.limits.change.weakest_point = weakest_point(model);
+    if (const RigidOptions& rigid = time.scheme.rigid; rigid.active())
+        plan.limits.rigid = rigid_limits(rigid, model, time.end);
     plan.stable_of_triangle = std::move(stable);
     if (time.scheme.takes_implicit_steps()) count_corners(model, std::min(time.end, until), plan);
     return plan;

@@ -23,6 +23,7 @@ enum class Rejection {
     not_converged,     // the solver of the interfaces did not reach its tolerance
     jammed,            // contacts are driven against each other, and no motion was found that obeys their laws
     too_coarse,        // a fan splits that must be refined first (Model::too_coarse)
+    blow,              // a rigid piece is hit so hard that it may break: it has to be deformable
 };
 
 /// How to combine the values of two parts of the body, or of two steps.
@@ -53,6 +54,10 @@ struct StepReport {
     double law_change = 0;           // of recoverable and elastic energy, by strengths that follow the temperature
     double consumed_change = 0;  // likewise of S G_c f(beta), which is in `dissipated` of this step and was not used
     double viscous_dissipation = 0;  // >= 0: of delayed softening, beyond `dissipated`
+    double vibration_booked = 0;     // <= 0: kinetic energy of the vibration of pieces that become rigid
+    double sleep_work = 0;           // <= 0: kinetic energy of pieces that fall asleep
+    double projection_work = 0;      // of loads, against which positions of rigid pieces are corrected; no energy
+    double rigid_injection = 0;      // >= 0: positive works of contacts of rigid pieces, by the residual of their laws
     double scheme_dissipation = 0;   // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
@@ -71,6 +76,7 @@ struct StepReport {
     double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time
     double largest_drop = 0;             // [J] S G_c (fall of beta)^2 of one point: about the error of the step there
     Index drop_corner = -1;              // a corner of that point
+    double contact_motion = 0;           // [-] of rigid pieces: largest motion of faces that meet, over their edge
     std::int64_t fan_solves = 0;         // nonlinear problems of split fans
     std::int64_t fan_iterations = 0;     // linear systems solved for them
     std::int64_t fan_fallbacks = 0;      // of them not solved by the active set
@@ -120,10 +126,20 @@ struct StepReport {
                                          &R::law_change,
                                          &R::consumed_change,
                                          &R::viscous_dissipation,
+                                         &R::vibration_booked,
+                                         &R::sleep_work,
+                                         &R::projection_work,
+                                         &R::rigid_injection,
                                          &R::bulk_viscosity_work};
-        constexpr auto maxima = std::tuple{
-            &R::worst_impact_work,   &R::worst_friction_work,     &R::residual,      &R::penetration, &R::largest_speed,
-            &R::largest_beta_growth, &R::largest_strength_factor, &R::largest_opened};
+        constexpr auto maxima = std::tuple{&R::worst_impact_work,
+                                           &R::worst_friction_work,
+                                           &R::residual,
+                                           &R::penetration,
+                                           &R::largest_speed,
+                                           &R::largest_beta_growth,
+                                           &R::largest_strength_factor,
+                                           &R::largest_opened,
+                                           &R::contact_motion};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
     }

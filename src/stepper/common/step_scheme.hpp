@@ -22,6 +22,18 @@ constexpr const char* name_of(CohesionScheme cohesion) {
 /// implicit/carried_motion.hpp), or their motion as a whole too.
 enum class DampingOf { vibration, motion };
 
+/// Pieces of the body that move as rigid ones while nothing can break them (stepper/rigid).
+struct RigidOptions {
+    double step = 0;      // [s] largest step; 0: the body is always deformable
+    double thaw = 0.3;    // [-] k of the blow k sigma_c/(rho c) min(1, sqrt(10 L/D)) from which on it is deformable
+    double hold = 20;     // [-] passages D/c for which it stays so after the last blow
+    double smallest = 0;  // [m] smaller pieces never break
+    double sleep = 0.02;  // [m/s] slower pieces fall asleep; 0: none does
+    double restitution = 0.9;  // [-] of pieces that cannot break, where nothing else gives one
+
+    bool active() const { return step > 0 && thaw > 0; }
+};
+
 struct SchemeOptions {
     BulkScheme bulk = BulkScheme::explicit_lumped;
     CohesionScheme cohesion = CohesionScheme::explicit_beta;
@@ -30,6 +42,7 @@ struct SchemeOptions {
     double damping = 0;                    // [1/s] alpha of the forces -alpha M v
     DampingOf damping_of = DampingOf::vibration;
     std::vector<Selection> absorbing;  // boundaries that let waves out
+    RigidOptions rigid;
     bool respect_assumption_1 = true;  // reject steps with several solutions; false: continue with one of them
 
     bool takes_implicit_steps() const { return bulk != BulkScheme::explicit_lumped; }

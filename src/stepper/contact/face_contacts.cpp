@@ -11,20 +11,22 @@ namespace {
 constexpr double touching = 1e-3;  // [-] of an edge: gaps and penetrations that count as rounding of the geometry
 // [-] of an edge. Gaps that differ by less do not decide which of two contacts stays: their rounding would do it anew
 // in every step, and what rests would never have the same forces twice.
-constexpr double even_planes = 1e-9;   // of two planes
-constexpr double even_pairs = 1e-5;    // of duplicate pairs, whose edges turn a little
-constexpr double reach_in_steps = 4;   // distances covered in a step at the speeds of its start
-constexpr double deep_in_steps = 2;    // likewise, for a penetration without a history
-constexpr double beyond_end = 0.25;    // [-] of an edge
-constexpr double reflex_turn = -0.02;  // sine of a turn to the right that still counts as flat
-constexpr double flat_turn = 0.2;      // sine of a turn of a flat vertex
+constexpr double even_planes = 1e-9;        // of two planes
+constexpr double even_pairs = 1e-5;         // of duplicate pairs, whose edges turn a little
+constexpr double rigid_reach_in_steps = 1;  // as below, of rigid pieces, which move by a twentieth of an edge
+constexpr double reach_in_steps = 4;        // distances covered in a step at the speeds of its start
+constexpr double deep_in_steps = 2;         // likewise, for a penetration without a history
+constexpr double beyond_end = 0.25;         // [-] of an edge
+constexpr double reflex_turn = -0.02;       // sine of a turn to the right that still counts as flat
+constexpr double flat_turn = 0.2;           // sine of a turn of a flat vertex
 constexpr double cone = NearbyEdges::cone;
 constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
 constexpr double parallel = 0.97;        // likewise for two edges that are one face
 constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are a duplicate pair
 constexpr double largest_motion = 0.05;  // [-] of an edge, in a step
 constexpr double deepest = 0.1;          // [-] of an edge
-constexpr double margin_share = 0.2;     // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
+constexpr double rigid_margin_share = 0.5;  // likewise, of rigid pieces
+constexpr double margin_share = 0.2;  // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
 constexpr double reach_margin = 1.5, motion_margin = 2.5;  // NearbyEdges
 constexpr double extrapolated = 2.5;  // relative speed of a vertex and a point of the prolonged edge, per largest speed
 
@@ -76,7 +78,9 @@ void FaceContacts::read_boundary() {
     }
 }
 
-void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* corner_velocity) {
+void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* corner_velocity,
+                        const RigidFrame* frame) {
+    frame_ = frame;
     contacts_.clear(), found_.clear(), refusal_.reset();
     const bool boundary_changed = boundary_.update(begin.retired);
     if (boundary_changed && boundary_.changed().empty()) complete_ = false;
@@ -120,6 +124,9 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
     const auto numbers = boundary_.corners();
     const std::size_t ground = boundary_.ground_corners()[0], ground_end = boundary_.ground_corners()[1];
     const std::size_t n_ground = ground_end - ground, n_known = complete_ ? nearby_.n_corners() : 0;
+    const bool is_carried = frame_ != nullptr && n_ground == 0;
+    const Vec2 carried = is_carried ? frame_->velocity : Vec2(Vec2::Zero()),
+               shift = is_carried ? Vec2(frame_->origin - searched_origin_) : Vec2(Vec2::Zero());
     const Motion motion = sum_over_blocks(
         numbers.size() - n_ground, block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
             for (std::size_t k = first; k < last; ++k) {
@@ -127,21 +134,21 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
                 const Index node = begin.node_of_corner[numbers[c]];
                 const Vec2 v = rates ? (*rates)[numbers[c]] : begin.velocity[node];
                 CornerMotion& at = corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = v};
-                own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x) : 0,
-                        .squared_speed = at.v.squaredNorm()};
+                own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x - shift) : 0,
+                        .squared_speed = (at.v - carried).squaredNorm()};
             }
         });
     const double speed = std::sqrt(motion.squared_speed);
-    reach_ = touching * longest_ + reach_in_steps * h * extrapolated * speed;
+    reach_ = touching * longest_ + (frame_ ? rigid_reach_in_steps : reach_in_steps) * h * extrapolated * speed;
     if (!(reach_ <= longest_)) {
         for (const CornerMotion& corner : corners_)
-            if (corner.v.squaredNorm() == motion.squared_speed)
+            if ((corner.v - carried).squaredNorm() == motion.squared_speed)
                 refuse({ContactRefusal::Reason::speed, h * speed / longest_, corner.x}, refusal_);
         complete_ = complete_ && !boundary_changed;
         return false;
     }
     const bool moved = reach_margin * reach_ + motion_margin * std::sqrt(motion.squared_move) > nearby_.margin();
-    bool search = !complete_ || moved;
+    bool search = !complete_ || moved || (boundary_changed && !shift.isZero(0));
     if (!search && boundary_changed) {
         is_used_.resize(boundary_.edges().size(), 0);
         search = !nearby_.add(boundary_.edges(), corners_, boundary_.changed());
@@ -153,10 +160,12 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
     }
     if (search) {
         const double mean = total_ / static_cast<double>(boundary_.edges().size());
-        nearby_.find(boundary_.edges(), corners_, margin_share * mean + reach_margin * reach_);
+        nearby_.find(boundary_.edges(), corners_,
+                     (frame_ ? rigid_margin_share : margin_share) * mean + reach_margin * reach_);
         is_used_.assign(boundary_.edges().size(), 0), used_.clear();
         for (std::size_t b = 0; b < nearby_.n_blocks(); ++b) use_edges_of(b);
         complete_ = true;
+        if (is_carried) searched_origin_ = frame_->origin;
     }
     sides_.resize(boundary_.edges().size());
     for (const Index e : used_) {

@@ -87,9 +87,20 @@ class FaceContacts {
 public:
     explicit FaceContacts(const Model& model);
 
+    /// Pieces that move as rigid ones, in a frame that moves with all of them: what they have in common brings none
+    /// nearer to another one.
+    struct RigidFrame {
+        Vec2 origin = Vec2::Zero(), velocity = Vec2::Zero();  // [m], [m/s]
+    };
+    void set_pieces(std::span<const Index> piece_of_triangle) {
+        nearby_.set_pieces(piece_of_triangle);
+        complete_ = false;
+    }
+
     /// Reads positions and velocities, State::retired and State::face_contacts. `corner_velocity` [m/s, per corner]: in
     /// place of those of the state.
-    void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr);
+    void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr,
+              const RigidFrame* frame = nullptr);
     /// In the order of (vertex, edge).
     std::span<const FaceContact> all() const { return contacts_; }
     /// Where the step moves a contact by more than 0.05 L, or else where one is deeper than 0.1 L: the worst place.
@@ -180,7 +191,9 @@ private:
     double longest_ = 0, total_ = 0;     // [m] lengths of free edges, undeformed
     std::size_t n_read_ = 0;             // edges in them
     std::vector<CornerMotion> corners_;  // as they are now
-    double reach_ = 0;                   // [m] no contact has a larger gap
+    const RigidFrame* frame_ = nullptr;
+    Vec2 searched_origin_ = Vec2::Zero();  // [m] of the frame, when nearby_ was found
+    double reach_ = 0;                     // [m] no contact has a larger gap
     NearbyEdges nearby_;
     bool complete_ = false;              // nearby_ knows all edges
     std::vector<std::uint8_t> is_used_;  // per edge: in used_

@@ -131,6 +131,9 @@ NearbyEdges::Corner NearbyEdges::corner(std::span<const FreeEdge> edges, Index i
 
 bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner& at, Index e) const {
     const FreeEdge& edge = edges[e];
+    if (!piece_of_.empty() && !edge.ground && !edges[i].ground &&
+        piece_of_[edge.start / 3] == piece_of_[edges[i].start / 3])
+        return false;
     const auto is_beside = [&](Index group) { return group == edge.group_start || group == edge.group_end; };
     if (is_beside(edges[i].group_start) || std::ranges::any_of(edges[i].joined, is_beside) || edge.passive)
         return false;

@@ -28,12 +28,6 @@ struct ObstacleStep {
     std::vector<Vec2> impulse;  // [N s] per contact, on the body; of those within a fan
 };
 
-/// Whether sides that approach with a speed [m/s] come to rest within the step, since their lasting pressure causes the
-/// approach `push` [m/s] in a step. A ball rests after infinitely many rebounds, in 2 e |V_N|/((1 - e) push) steps.
-inline bool rests_under(double restitution, double approach, double push) {
-    return 2 * restitution * std::max(approach, 0.0) < (1 - restitution) * push;
-}
-
 class VertexSolver {
 public:
     struct Workspace {

@@ -1,0 +1,60 @@
+// [rigid]: pieces that move as rigid bodies while nothing can break them, and what such pieces do not know.
+#include "scenario/reading.hpp"
+
+#include <algorithm>
+
+namespace knap {
+namespace {
+
+/// Forces on faces and in volumes stress a body without any contact: a rigid piece would never break under them.
+void refuse_loads(Reading& reading) {
+    const std::vector<Load>& loads = reading.scenario.loads;
+    const std::vector<Table> tables = reading.list("load");
+    for (std::size_t i = 0; i < std::min(loads.size(), tables.size()); ++i) {
+        const Load& load = loads[i];
+        if (load.kind == Load::Kind::acceleration) continue;
+        if (load.drives()) {
+            const bool holds = load.value[0] == 0. && load.value[1] == 0.;
+            if (!holds)
+                tables[i].error("exclusive-keys", "",
+                                "and [rigid]: a driven boundary deforms its piece, and a rigid one has no stresses",
+                                "an [[obstacle]] that is driven, or no [rigid]; a boundary may be held: displacement = "
+                                "[0, 0]");
+            continue;
+        }
+        tables[i].error("exclusive-keys", "",
+                        "and [rigid]: this load stresses its piece without any contact, and a rigid one has no "
+                        "stresses, so it would never break",
+                        "acceleration (gravity), an [[obstacle]], or no [rigid]");
+    }
+}
+
+}  // namespace
+
+void read_rigid(Reading& reading) {
+    const Table table = reading.table("rigid");
+    Scenario& scenario = reading.scenario;
+    RigidOptions& rigid = scenario.time.scheme.rigid;
+    if (!table.given()) return;
+    for (const auto& [key, value] : {std::pair{"step", 5e-4}, std::pair{"thaw", rigid.thaw},
+                                     std::pair{"hold", rigid.hold}, std::pair{"smallest", rigid.smallest},
+                                     std::pair{"sleep", rigid.sleep}, std::pair{"restitution", rigid.restitution}})
+        table.compute(key, Node::of_number(value));
+    table.fill(rigid);
+    if (!reading.table("contact").given())
+        table.error("exclusive-keys", "", "needs contact between pieces", "[contact]");
+    const auto exclude = [&](bool is_there, const std::string& other, const std::string& cure) {
+        if (is_there) table.exclude("", "[rigid]", other, cure + ", or no [rigid]");
+    };
+    exclude(reading.table("heat").given(), "[heat]", "no [heat]");
+    exclude(!scenario.crack_pressures.empty(), "[[pressure]]", "no [[pressure]]");
+    exclude(!scenario.excavations.empty(), "[[excavation]]", "no [[excavation]]");
+    exclude(!scenario.time.scheme.absorbing.empty(), "[[absorb]]", "a support or an obstacle");
+    exclude(reading.table("specimen").given(), "[specimen]", "no [specimen]");
+    exclude(std::ranges::any_of(scenario.laws,
+                                [](const NamedLaw& law) { return law.law.breakable() && law.law.incubation_time > 0; }),
+            "incubation_time", "incubation_time = 0");
+    refuse_loads(reading);
+}
+
+}  // namespace knap

@@ -1,0 +1,143 @@
+#include "stepper/rigid/freeze.hpp"
+
+#include "stepper/common/elastic_energy.hpp"
+#include "stepper/common/pieces_of_body.hpp"
+#include "stepper/common/surface_energy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+Vec2 place_of(const Model& model, const State& state, Index corner) {
+    return model.mesh.corner(corner) + state.displacement[state.node_of_corner[corner]];
+}
+
+/// [m/s] The particle velocity of a wave whose stress breaks a point now, and that stress [Pa]; infinite where nothing
+/// can.
+struct Weakness {
+    double velocity = infinity, stress = 0;
+};
+Weakness weakness_of(const Model& model, const State& state, Index fan, std::size_t j) {
+    const FanPoint& point = model.points(model.fans[fan])[j];
+    if (point.cracked || point.on_support()) return {};
+    const CohesiveLaw& law = law_of(model, state, point);
+    const Index rank = state.split_rank[fan];
+    const double beta = rank < 0 ? 1 : state.points[state.first_point[rank] + static_cast<Index>(j)].cohesion;
+    if (!law.breakable() || !(law.sigma_c > 0) || !(beta > 0)) return {};
+    double impedance = 0;
+    for (const Index corner : {point.before, point.after}) {
+        const Elastic& material = model.materials[model.mesh.region[model.mesh.triangle_of(corner)]];
+        impedance = std::max(impedance, std::sqrt(material.E * material.density));
+    }
+    const double stress = beta * state.strength_factor(fan) * law.sigma_c;
+    return {stress / impedance, stress};
+}
+
+}  // namespace
+
+FrozenPieces freeze(const Model& model, State& state) {
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f)
+        if (state.split_rank[f] < 0 && std::ranges::any_of(model.points(model.fans[f]), [&](const FanPoint& point) {
+                return !unbreakable(model, point) && !(model.laws[point.law].sigma_c > 0);
+            }))
+            split(model, f, state);
+    const Mesh& mesh = model.mesh;
+    const PiecesOfBody of_body = pieces_of_body(model, state, {});
+    FrozenPieces frozen;
+    const auto body = std::make_shared<FrozenBody>();
+    body->piece_of_triangle.assign(mesh.n_triangles(), -1);
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const Index first = of_body.first[t];
+        if (first == t) {
+            body->piece_of_triangle[t] = static_cast<Index>(body->pieces.size());
+            body->pieces.push_back({.first_triangle = t, .weakest = infinity, .held = of_body.held[t] != 0});
+        }
+        const Index p = body->piece_of_triangle[t] = body->piece_of_triangle[first];
+        FrozenBody::Piece& piece = body->pieces[p];
+        ++piece.n_triangles, piece.area += mesh.area(t);
+    }
+    frozen.pieces.resize(body->pieces.size());
+    std::vector<Vec2> first_moment(body->pieces.size(), Vec2::Zero());
+    const auto for_corners = [&](const auto& visit) {
+        for (Index c = 0; c < mesh.n_corners(); ++c) visit(c, body->piece_of_triangle[mesh.triangle_of(c)]);
+    };
+    // about the place of the first corner, whose rounding is small
+    std::vector<Vec2> origin;
+    for (const FrozenBody::Piece& piece : body->pieces)
+        origin.push_back(place_of(model, state, mesh.corners_per_triangle() * piece.first_triangle));
+    for_corners([&](Index c, Index p) {
+        const double m = model.corner_mass[c];
+        body->pieces[p].mass += m;
+        first_moment[p] += m * (place_of(model, state, c) - origin[p]);
+        frozen.pieces[p].velocity += m * state.velocity[state.node_of_corner[c]];
+    });
+    for (std::size_t p = 0; p < origin.size(); ++p) {
+        RigidPiece& piece = frozen.pieces[p];
+        piece.centre = origin[p] + first_moment[p] / body->pieces[p].mass;
+        piece.velocity /= body->pieces[p].mass;
+        if (body->pieces[p].held) piece.velocity.setZero();
+        piece.slow_since = state.time;
+    }
+    body->arm.assign(state.displacement.size(), Vec2::Zero());
+    body->piece_of_node.assign(state.displacement.size(), -1);
+    for_corners([&](Index c, Index p) {
+        const Index node = state.node_of_corner[c];
+        const Vec2 arm = place_of(model, state, c) - frozen.pieces[p].centre;
+        body->arm[node] = arm, body->piece_of_node[node] = p;
+        body->pieces[p].inertia += model.corner_mass[c] * arm.squaredNorm();
+        body->pieces[p].radius = std::max(body->pieces[p].radius, arm.norm());
+        frozen.pieces[p].spin +=
+            model.corner_mass[c] * cross(arm, Vec2(state.velocity[node] - frozen.pieces[p].velocity));
+    });
+    for (std::size_t p = 0; p < origin.size(); ++p)
+        frozen.pieces[p].spin = body->pieces[p].held ? 0 : frozen.pieces[p].spin / body->pieces[p].inertia;
+    for_corners([&](Index c, Index p) {
+        const Index node = state.node_of_corner[c];
+        const Vec2 rigid = frozen.pieces[p].velocity + frozen.pieces[p].spin * turned_left(body->arm[node]);
+        frozen.vibration += 0.5 * model.corner_mass[c] * (state.velocity[node] - rigid).squaredNorm();
+    });
+    for (std::size_t p = 0; p < origin.size(); ++p)
+        frozen.kinetic += 0.5 * (body->pieces[p].mass * frozen.pieces[p].velocity.squaredNorm() +
+                                 body->pieces[p].inertia * frozen.pieces[p].spin * frozen.pieces[p].spin);
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {
+        const auto points = model.points(model.fans[f]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const Weakness found = weakness_of(model, state, f, j);
+            if (!(found.velocity < infinity)) continue;
+            FrozenBody::Piece& piece = body->pieces[body->piece_of_triangle[mesh.triangle_of(points[j].before)]];
+            if (found.velocity < piece.weakest) piece.weakest = found.velocity, piece.strength = found.stress;
+        }
+    }
+    std::vector<Vec2> force;
+    body->strain = elastic_energy(model, state, force);
+    const StepReport surface = surface_energy(model, state);
+    body->dissipated = surface.dissipated, body->recoverable = surface.recoverable;
+    body->interface_elastic = surface.interface_elastic;
+    frozen.body = body;
+    return frozen;
+}
+
+void place_nodes(const Model& model, State& state) {
+    const FrozenBody& body = *state.frozen;
+    std::vector<Rotation> turned;
+    turned.reserve(state.rigid_pieces.size());
+    for (const RigidPiece& piece : state.rigid_pieces) turned.push_back(Rotation::by(piece.angle));
+    const auto place = [&](Index node, const Vec2& reference) {
+        const Index p = body.piece_of_node[node];
+        const RigidPiece& piece = state.rigid_pieces[p];
+        const Vec2 arm = turned[p].cosine * body.arm[node] + turned[p].sine * turned_left(body.arm[node]);
+        state.displacement[node] = piece.centre + arm - reference;
+        state.velocity[node] = piece.velocity + piece.spin * turned_left(arm);
+    };
+    for (std::size_t f = 0; f < model.fans.size(); ++f) {
+        const auto corners = model.corners(model.fans[f]);
+        const Vec2& reference = model.mesh.corner(corners[0]);
+        if (state.split_rank[f] < 0) place(static_cast<Index>(f), reference);
+        else
+            for (const Index corner : corners) place(state.node_of_corner[corner], reference);
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,35 @@
+#pragma once
+// The body becomes rigid pieces, and deformable again.
+//
+//     freeze    P = sum m v, c = sum m x/M, L = sum m (x - c) x v;  V = P/M, w = L/J, J = sum m |x - c|^2
+//               booked: the kinetic energy of the vibration, 1/2 sum m |v - V - w x (x - c)|^2
+//               the strain energy U stays in the shape of the piece: x - c = R(angle) arm
+//     thaw      x and v of all nodes are those of the piece, and its strain works again
+//
+// Momentum, angular momentum and energy are exact to rounding. The surface does not move at either change.
+#include "model/state.hpp"
+#include "stepper/common/step_report.hpp"
+#include "stepper/common/step_scheme.hpp"
+
+namespace knap {
+
+/// The rigid motion of the pieces of a deformable state between two steps of the leapfrog. Pieces are those of
+/// stepper/common/pieces_of_body.hpp. `report` gets what becomes of its energies.
+struct FrozenPieces {
+    SharedFrozenBody body;
+    std::vector<RigidPiece> pieces;
+    double vibration = 0;  // [J] that would be booked
+    double kinetic = 0;    // [J] that stays
+};
+/// Fans with a point that never had cohesion split, so that what it parts are two pieces.
+FrozenPieces freeze(const Model& model, State& state);
+
+/// A point of the piece may break, if blows are hard enough.
+inline bool can_break(const FrozenBody::Piece& piece, const RigidOptions& options) {
+    return piece.weakest < infinity && piece.size() >= options.smallest;
+}
+
+/// Writes places and velocities of all nodes of a state from the motion of its pieces.
+void place_nodes(const Model& model, State& state);
+
+}  // namespace knap

@@ -1,0 +1,558 @@
+#include "stepper/rigid/rigid_contacts.hpp"
+
+#include "base/parallel.hpp"
+#include "stepper/common/point_work.hpp"
+#include "stepper/rigid/freeze.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr double kink_tolerance = 1e-12;     // [-] of the speeds: nearer kinks of the friction are one
+constexpr double position_rounding = 1e-15;  // [-] of the positions
+constexpr double same_plane = 1e-12;         // [-] 1 - cosine of the normals of one plane
+constexpr double held = 1e-12;               // [-] of the mobility of a row: nothing moves along this component
+constexpr double allowed_depth = 1e-4;       // [-] of the edge: deeper overlaps are corrected
+constexpr double corrected = 1e-6;           // [-] of the edge: smaller corrections end the search for them
+constexpr int max_corrections = 20;          // sweeps
+constexpr double few_edges = 10;             // [-] D/L up to which sigma_c/(rho c) breaks a piece
+constexpr double lasting_load = 0.5;         // [-] of sigma_c, over an edge, that a piece bears without a blow
+
+double positive_work(const Vec2& P, const Vec2& mean) {
+    return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
+}
+
+}  // namespace
+
+void RigidContacts::renew(const State& begin) {
+    n_pieces_ = static_cast<Index>(begin.rigid_pieces.size());
+    faces_.set_pieces(begin.frozen->piece_of_triangle);
+    points_.clear();
+    for (const Index f : begin.split_fans) {
+        const auto points = model_.points(model_.fans[f]);
+        const Index first = begin.first_point[begin.split_rank[f]];
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const FanPoint& point = points[j];
+            if (begin.has_retired(point.point) || unbreakable(model_, point)) continue;
+            if (begin.points[first + static_cast<Index>(j)].cohesion > 0) continue;
+            const auto piece = [&](Index corner) {
+                return corner == rigid_support ? -1 : begin.frozen->piece_of_triangle[model_.mesh.triangle_of(corner)];
+            };
+            if (piece(point.before) != piece(point.after)) points_.push_back({f, static_cast<Index>(j)});
+        }
+    }
+    had_points_ = !points_.empty();
+}
+
+void RigidContacts::add_term(Row& row, Index body, const Vec2& along_N, const Vec2& along_T, const Vec2& arm) const {
+    const Vec3 N = wrench_of(along_N, arm), T = wrench_of(along_T, arm);
+    for (int k = 0; k < row.n_terms; ++k)
+        if (row.terms[k].body == body) {
+            row.terms[k].along_N += N, row.terms[k].along_T += T;
+            return;
+        }
+    row.terms[row.n_terms++] = {body, N, T};
+}
+
+Vec2 RigidContacts::rate(const Row& row, const std::vector<MovingBody>& bodies, Vec3 MovingBody::*velocity) {
+    Vec2 V = Vec2::Zero();
+    for (int k = 0; k < row.n_terms; ++k) {
+        const Vec3& v = bodies[row.terms[k].body].*velocity;
+        V += Vec2(row.terms[k].along_N.dot(v), row.terms[k].along_T.dot(v));
+    }
+    return V;
+}
+
+/// When all its terms are there.
+void RigidContacts::add_row(Row& row, const std::vector<MovingBody>& bodies) {
+    row.before = rate(row, bodies, &MovingBody::before);
+    row.impulse = row.lasting;
+    rows_.push_back(row);
+}
+
+/// When it is known which bodies are awake, and where they are struck.
+void RigidContacts::complete(Row& row, const std::vector<MovingBody>& bodies) {
+    row.own_N = row.own_T = 0;
+    for (int k = 0; k < row.n_terms; ++k) {
+        const Term& term = row.terms[k];
+        const Vec3& inverse_mass = bodies[term.body].inverse_mass;
+        row.own_N += term.along_N.dot(inverse_mass.cwiseProduct(term.along_N));
+        row.own_T += term.along_T.dot(inverse_mass.cwiseProduct(term.along_T));
+    }
+    row.free = rate(row, bodies, &MovingBody::free);
+}
+
+/// The impulses of a contact act at one place for all of its bodies: each has moved by tau v_free, the place by their
+/// mean.
+void RigidContacts::find_strikes(const RigidStep& step, std::vector<MovingBody>& bodies) {
+    bool any = false;
+    for (Row& row : rows_) {
+        if (rests_under(row.law.restitution, -row.before.x(), row.before.x() - row.free.x())) row.law.restitution = 0;
+        row.is_struck = row.law.restitution > 0 && row.gap > 0 && row.before.x() < 0 &&
+                        row.gap + step.drift_time * row.before.x() < 0;
+        any = any || row.is_struck;
+        for (int k = 0; row.is_struck && k < row.n_terms; ++k) {
+            MovingBody& body = bodies[row.terms[k].body];
+            const double tau = -row.gap / row.before.x();
+            if (body.moves()) body.struck_at = body.struck_at > 0 ? std::min(body.struck_at, tau) : tau;
+        }
+    }
+    if (!any) return;
+    for (Row& row : rows_) {
+        const auto moved = [&](int k) -> Vec2 {
+            const MovingBody& body = bodies[row.terms[k].body];
+            return body.struck_at * body.free.head<2>();
+        };
+        Vec2 place = Vec2::Zero();
+        for (int k = 0; k < row.n_terms; ++k) place += moved(k) / row.n_terms;
+        if (place.isZero(0)) continue;
+        for (int k = 0; k < row.n_terms; ++k) {
+            const Vec2 more = place - moved(k);
+            for (Vec3* along : {&row.terms[k].along_N, &row.terms[k].along_T})
+                along->z() += cross(more, Vec2(along->head<2>()));
+        }
+        row.before = rate(row, bodies, &MovingBody::before);
+        complete(row, bodies);
+    }
+}
+
+bool RigidContacts::can_break(Index body) const {
+    return body < n_pieces_ && knap::can_break(begin_->frozen->pieces[body], options_);
+}
+
+/// The terms of an impulse at the place of a corner: along n and t of the contact.
+void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBody>& bodies) {
+    row_of_face_.clear();
+    if (!meets_faces()) return;
+    frame_ = {};
+    double mass = 0;
+    for (Index p = 0; p < n_pieces_; ++p) {
+        const double own = step.begin.frozen->pieces[p].mass;
+        mass += own;
+        frame_.origin += own * bodies[p].centre, frame_.velocity += own * bodies[p].before.head<2>();
+    }
+    frame_.origin /= mass, frame_.velocity /= mass;
+    faces_.find(step.begin, step.drift_time, nullptr, &frame_);
+    const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);  // else a force
+    row_of_face_.assign(faces_.all().size(), -1);
+    for (Index i = 0; i < static_cast<Index>(faces_.all().size()); ++i) {
+        const FaceContact& c = faces_.all()[i];
+        const Vec2 n = c.normal, t = turned_left(n), turn = c.gap / c.length * n;
+        const GroundVertex* ground = model_.ground_at(c.vertex[1]);
+        Row row{.source = Source::face,
+                .number = i,
+                .gap = c.gap,
+                .length = c.length,
+                .rounding = 0,
+                .law = law_between_faces(model_, c),
+                .place = ground ? ground->place : place_of(c.vertex[1]),
+                .lasting = scale * Vec2(c.contact, c.tangential)};
+        row.rounding = position_rounding * (row.place.norm() + c.length);
+        bool breaks = false;
+        const auto add = [&](Index corner, const Vec2& along_N, const Vec2& along_T) {
+            if (model_.ground_at(corner) != nullptr) return;
+            const Index piece = piece_of(corner);
+            breaks = breaks || can_break(piece);
+            add_term(row, piece, along_N, along_T, place_of(corner) - bodies[piece].centre);
+        };
+        for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
+        add(c.edge[0], -(1 - c.share) * n, -(1 - c.share) * t - turn);
+        add(c.edge[1], -c.share * n, -c.share * t + turn);
+        if (row.n_terms == 1 && !model_.ground_at(c.edge[0]) && !ground) continue;  // of one piece with itself
+        if (!row.law.gives_restitution) row.law.restitution = options_.restitution;
+        if (breaks) row.law.restitution = 0;
+        row_of_face_[i] = static_cast<Index>(rows_.size());
+        add_row(row, bodies);
+    }
+}
+
+void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<MovingBody>& bodies) {
+    const State& begin = step.begin;
+    const std::size_t first = rows_.size();
+    const double scale = begin.last_step > 0 ? step.kick_time / begin.last_step : 0;
+    std::size_t known = 0;
+    const auto& before = begin.obstacle_contacts;
+    for (Index i = 0; i < static_cast<Index>(obstacle_contacts_.all().size()); ++i) {
+        const ObstacleContact& c = obstacle_contacts_.all()[i];
+        const Obstacle& obstacle = model_.obstacles[c.obstacle];
+        const Vec2 n = c.normal, t = turned_left(n);
+        const Index piece = piece_of(c.corner);
+        const Vec2 x = c.of_body([&](Index corner) { return place_of(corner); });
+        Row row{.source = Source::obstacle,
+                .number = i,
+                .gap = c.gap,
+                .length = begin.frozen->pieces[piece].edge(),
+                .rounding = position_rounding * (x.norm() + c.arm.norm()),
+                .law = {.friction = obstacle.contact.friction,
+                        .restitution = can_break(piece)             ? 0
+                                       : obstacle.gives_restitution ? obstacle.contact.restitution
+                                                                    : options_.restitution},
+                .place = x};
+        for (std::size_t k = 0; k < before.size(); ++k) {  // mostly in the same order
+            const ObstacleContactState& at = before[(known + k) % before.size()];
+            if (at.corner != c.corner || at.second_corner != c.second_corner || at.obstacle != c.obstacle) continue;
+            row.lasting = scale * Vec2(at.contact, at.tangential), known += k + 1;
+            break;
+        }
+        add_term(row, piece, n, t, x - bodies[piece].centre);
+        add_term(row, body_of_obstacle(c.obstacle), -n, -t, c.arm);
+        add_row(row, bodies);
+    }
+    keep_hull(first);
+}
+
+/// Of the contacts of a piece with one plane of an obstacle only the ends of the lower hull of the points (place along
+/// the plane, gap) concern a rigid piece: rates are linear along the plane, so the others follow.
+void RigidContacts::keep_hull(std::size_t first) {
+    const auto along = [&](std::size_t r) {
+        return turned_left(rows_[r].terms[0].along_N.head<2>()).dot(rows_[r].place);
+    };
+    std::vector<std::uint8_t> seen(rows_.size() - first, 0), kept(rows_.size() - first, 0);
+    for (std::size_t r = first; r < rows_.size(); ++r) {
+        if (seen[r - first]) continue;
+        hull_.clear();
+        for (std::size_t k = r; k < rows_.size(); ++k) {
+            const bool same =
+                rows_[k].terms[0].body == rows_[r].terms[0].body && rows_[k].terms[1].body == rows_[r].terms[1].body &&
+                rows_[k].terms[0].along_N.head<2>().dot(rows_[r].terms[0].along_N.head<2>()) >= 1 - same_plane;
+            if (same) hull_.push_back(k), seen[k - first] = 1;
+        }
+        std::ranges::stable_sort(hull_, {}, along);
+        std::size_t n = 0;  // Andrew's monotone chain
+        const auto turns_left = [&](std::size_t a, std::size_t b, std::size_t c) {
+            return (along(b) - along(a)) * (rows_[c].gap - rows_[a].gap) -
+                       (along(c) - along(a)) * (rows_[b].gap - rows_[a].gap) >
+                   0;
+        };
+        for (std::size_t i = 0; i < hull_.size(); ++i) {
+            const std::size_t k = hull_[i];
+            if (n > 0 && along(hull_[n - 1]) == along(k)) {  // corners at one place
+                if (rows_[k].gap >= rows_[hull_[n - 1]].gap) continue;
+                --n;
+            }
+            while (n > 1 && !turns_left(hull_[n - 2], hull_[n - 1], k)) --n;
+            hull_[n++] = k;
+        }
+        for (std::size_t i = 0; i < n; ++i) kept[hull_[i] - first] = 1;
+    }
+    std::size_t n = first;
+    for (std::size_t r = first; r < rows_.size(); ++r)
+        if (kept[r - first]) rows_[n++] = rows_[r];
+    rows_.resize(n);
+}
+
+/// Of two obstacles: with the geometric means of what each has against the body.
+void RigidContacts::add_pairs(const RigidStep& step, const std::vector<MovingBody>& bodies) {
+    for (Index i = 0; i < static_cast<Index>(pairs_.all().size()); ++i) {
+        const ObstaclePairContact& c = pairs_.all()[i];
+        const Obstacle &one = model_.obstacles[c.obstacle[0]], &two = model_.obstacles[c.obstacle[1]];
+        const Vec2 x = step.begin.obstacles[c.obstacle[0]].pose.position + c.arm[0], n = c.normal, t = turned_left(n);
+        Row row{.source = Source::pair,
+                .number = i,
+                .gap = c.gap,
+                .length = pairs_.size(c),
+                .rounding = position_rounding * (x.norm() + c.arm[0].norm() + c.arm[1].norm()),
+                .law = {.friction = std::sqrt(one.contact.friction * two.contact.friction),
+                        .restitution = std::sqrt(one.contact.restitution * two.contact.restitution)},
+                .place = x};
+        add_term(row, body_of_obstacle(c.obstacle[0]), -n, -t, c.arm[0]);
+        add_term(row, body_of_obstacle(c.obstacle[1]), n, t, c.arm[1]);
+        add_row(row, bodies);
+    }
+}
+
+void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBody>& bodies) {
+    const State& begin = step.begin;
+    std::erase_if(points_, [&](const Point& at) {
+        return begin.has_retired(model_.points(model_.fans[at.fan])[at.place].point);
+    });
+    for (Index i = 0; i < static_cast<Index>(points_.size()); ++i) {
+        const FanPoint& point = model_.points(model_.fans[points_[i].fan])[points_[i].place];
+        const CohesiveLaw& law = law_of(model_, begin, point);
+        const Rotation frame = point_frame(model_, begin, point);
+        const Vec2 n = frame.turned(point.normal), t = turned_left(n);
+        const PointState& state = begin.points[begin.first_point[begin.split_rank[points_[i].fan]] + points_[i].place];
+        const double gap = begin.opening_of(point, frame).x();
+        Row row{.source = Source::point,
+                .number = i,
+                .gap = std::abs(gap) <= touching_gap(model_, begin, point) ? 0 : gap,
+                .length = 2 * point.area / model_.thickness,
+                .rounding = 0,
+                .law = {.friction = law.friction, .restitution = law.restitution, .gives_restitution = true},
+                .place = place_of(point.corner()),
+                .lasting = step.kick_time * point.area * state.traction};
+        row.rounding = position_rounding * (row.place.norm() + row.length);
+        // the same point for both sides, so that the impulse has no moment
+        if (!point.on_support()) row.place = 0.5 * (place_of(point.before) + place_of(point.after));
+        bool breaks = false;
+        const auto add = [&](Index corner, double sign) {
+            if (corner == rigid_support) return;
+            const Index piece = piece_of(corner);
+            breaks = breaks || can_break(piece);
+            add_term(row, piece, sign * n, sign * t, row.place - bodies[piece].centre);
+        };
+        add(point.after, 1), add(point.before, -1);
+        if (breaks) row.law.restitution = 0;
+        add_row(row, bodies);
+    }
+}
+
+/// What is hit faster than the speed of sleep wakes, and so does what an awake body that bore it leaves; and what lies
+/// on these.
+void RigidContacts::wake(std::vector<MovingBody>& bodies) const {
+    if (std::ranges::none_of(bodies, &MovingBody::asleep)) return;
+    std::vector<std::uint8_t> woken(bodies.size(), 0);
+    const auto for_asleep = [&](const Row& row, const auto& visit) {
+        for (int k = 0; k < row.n_terms; ++k)
+            if (bodies[row.terms[k].body].asleep) visit(row.terms[k].body);
+    };
+    for (const Row& row : rows_) {
+        bool has_awake = false;
+        for (int k = 0; k < row.n_terms; ++k) {
+            const MovingBody& body = bodies[row.terms[k].body];
+            has_awake = has_awake || (!body.asleep && (body.moves() || !body.before.isZero(0)));
+        }
+        const double approach = -row.before.x();
+        if (has_awake && (approach > options_.sleep || (row.lasting.x() > 0 && -approach > options_.sleep)))
+            for_asleep(row, [&](Index body) { woken[body] = 1; });
+    }
+    for (const Row& row : rows_) {
+        bool meets_woken = false;
+        for (int k = 0; k < row.n_terms; ++k) meets_woken = meets_woken || woken[row.terms[k].body] == 1;
+        if (meets_woken && row.lasting.x() > 0)
+            for_asleep(row, [&](Index body) { woken[body] = std::max<std::uint8_t>(woken[body], 2); });
+    }
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+        if (woken[b]) bodies[b].asleep = false;
+}
+
+void RigidContacts::find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies) {
+    begin_ = &step.begin;
+    rows_.clear();
+    add_faces(step, bodies);
+    obstacle_contacts_.find(step.begin, step.drift_time, obstacles.rate(), {});
+    pairs_.find(step.begin, step.drift_time, obstacles.rate());
+    add_obstacles(step, bodies);
+    add_pairs(step, bodies);
+    add_points(step, bodies);
+    wake(bodies);
+    for (MovingBody& body : bodies)
+        if (body.asleep) body.free.setZero(), body.inverse_mass.setZero();
+    for (Row& row : rows_) {
+        if (step.closing && row.lasting.isZero(0)) row.n_terms = 0;  // a blow, which the deformable body takes
+        complete(row, bodies);
+    }
+    find_strikes(step, bodies);
+    find_clusters(bodies);
+}
+
+/// Contacts that share a body which moves, in the order of their first contact.
+void RigidContacts::find_clusters(const std::vector<MovingBody>& bodies) {
+    joined_.start(bodies.size());
+    const auto first_mover = [&](const Row& row) {
+        for (int k = 0; k < row.n_terms; ++k)
+            if (bodies[row.terms[k].body].moves()) return row.terms[k].body;
+        return Index(-1);
+    };
+    for (const Row& row : rows_)
+        for (int k = 0; k < row.n_terms; ++k)
+            if (bodies[row.terms[k].body].moves()) joined_.join(first_mover(row), row.terms[k].body);
+    cluster_of_body_.assign(bodies.size(), -1);
+    n_clusters_ = 0;
+    for (Index r = 0; r < static_cast<Index>(rows_.size()); ++r) {
+        const Index mover = first_mover(rows_[r]);
+        if (mover < 0) continue;
+        Index& found = cluster_of_body_[joined_.find(mover)];
+        if (found < 0) {
+            found = static_cast<Index>(n_clusters_++);
+            if (clusters_.size() < n_clusters_) clusters_.emplace_back();
+            clusters_[found].rows.clear(), clusters_[found].bodies.clear();
+        }
+        clusters_[found].rows.push_back(r);
+        rows_[r].cluster = found;
+    }
+    for (Index b = 0; b < static_cast<Index>(bodies.size()); ++b) {
+        const Index cluster = cluster_of_body_[joined_.find(b)];
+        if (cluster < 0 || !bodies[b].moves()) continue;
+        cluster_of_body_[b] = cluster;
+        clusters_[cluster].bodies.push_back(b);
+    }
+}
+
+void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work) {
+    ContactCluster& problem = work.cluster;
+    problem.contacts.clear(), problem.couplings.clear(), problem.bodies.clear(), problem.terms.clear();
+    work.body.resize(bodies.size());
+    for (const Index b : cluster.bodies) {
+        work.body[b] = static_cast<Index>(problem.bodies.size());
+        problem.bodies.push_back({bodies[b].inverse_mass});
+    }
+    double error = 0;
+    cluster.speed = 0;
+    for (const Index r : cluster.rows) {
+        const Row& row = rows_[r];
+        cluster.speed = std::max({cluster.speed, row.before.norm(), row.free.norm()});
+        error = std::max(error, row.rounding / step.drift_time);
+    }
+    const double tolerance = kink_tolerance * cluster.speed + error;
+    for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
+        Row& row = rows_[cluster.rows[i]];
+        const auto contact = static_cast<Index>(i);
+        problem.contacts.push_back({.free = row.free, .impulse = row.impulse});
+        for (int k = 0; k < row.n_terms; ++k) {
+            Term term = row.terms[k];
+            if (!bodies[term.body].moves()) continue;
+            if (row.own_N <= held * (row.own_N + row.own_T)) term.along_N.setZero();
+            if (row.own_T <= held * (row.own_N + row.own_T)) term.along_T.setZero();
+            problem.add_term(contact, {work.body[term.body], term.along_N, term.along_T});
+        }
+        problem.couple(contact, contact, Eigen::Matrix2d::Zero());
+        InterfaceLaw& law = problem.contacts.back().law;
+        law = contact_law(row.gap, row.before, row.law.friction, row.law.restitution, step.drift_time, infinity,
+                          tolerance);
+        if (row.is_struck) law.contact = {true, std::max(0.0, -row.law.restitution * row.before.x())};
+    }
+    cluster.residual = problem.solve(cluster.speed, error, ClusterEffort::sweeps);
+    for (std::size_t i = 0; i < cluster.rows.size(); ++i) rows_[cluster.rows[i]].impulse = problem.contacts[i].impulse;
+}
+
+void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
+    if (work_.size() < n_clusters_) work_.resize(n_clusters_);
+    for_blocks(static_cast<std::ptrdiff_t>(n_clusters_),
+               [&](std::ptrdiff_t k) { solve(clusters_[k], step, bodies, work_[k]); });
+    for (MovingBody& body : bodies) body.end = body.free, body.shift.setZero();
+    for (const Row& row : rows_)
+        for (int k = 0; k < row.n_terms; ++k) {
+            const Term& term = row.terms[k];
+            MovingBody& body = bodies[term.body];
+            body.end +=
+                body.inverse_mass.cwiseProduct(Vec3(row.impulse.x() * term.along_N + row.impulse.y() * term.along_T));
+        }
+    for (MovingBody& body : bodies)
+        if (body.struck_at > 0) body.shift = body.struck_at * (body.free - body.end);
+    for (Row& row : rows_) {
+        row.after = rate(row, bodies, &MovingBody::end);
+        if (row.own_N > 0 && row.gap + step.drift_time * row.before.x() < 0) {
+            const bool of_faces = row.source == Source::face || row.source == Source::point;
+            const double speed = of_faces ? row.before.norm() : -row.before.x();
+            report.contact_motion = std::max(report.contact_motion, step.drift_time * speed / row.length);
+        }
+    }
+    if (const auto& refusal = faces_.refusal();
+        refusal && refusal->reason == ContactRefusal::Reason::speed && meets_faces())
+        report.reject(Rejection::contact_speed, refusal->place, refusal->value);
+}
+
+RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies) const {
+    Blow hardest;
+    for (const Row& row : rows_) {
+        if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
+        const double sudden = std::max(0.0, row.impulse.x() - row.lasting.x()) * row.own_N,
+                     approach = std::max(0.0, -row.before.x()),
+                     blow = (step.first ? std::min(sudden, approach) : sudden) + std::max(0.0, -row.after.x()),
+                     load =
+                         std::min(row.impulse.x(), row.lasting.x()) / (step.kick_time * row.length * model_.thickness);
+        for (int k = 0; k < row.n_terms; ++k) {
+            if (!can_break(row.terms[k].body) || bodies[row.terms[k].body].asleep) continue;
+            const FrozenBody::Piece& piece = begin_->frozen->pieces[row.terms[k].body];
+            const double least = options_.thaw * piece.weakest *
+                                 std::min(1.0, std::sqrt(few_edges * piece.edge() / std::sqrt(piece.area)));
+            const double value = std::max(blow / least, load / (lasting_load * piece.strength));
+            if (value > hardest.value) hardest = {value, row.place};
+        }
+    }
+    return hardest;
+}
+
+/// Sequential shifts along the normals, weighted by the masses: the centre of mass of what presses on each other stays.
+void RigidContacts::project(const RigidStep& step, std::vector<MovingBody>& bodies) const {
+    std::vector<std::pair<const Row*, double>> active;  // with the multiplier
+    bool any = false;
+    const auto depth_of = [&](const Row& row) {
+        double gap = row.source == Source::face && row.gap < 0 ? -faces_.all()[row.number].depth : row.gap;
+        gap += step.drift_time * row.after.x();
+        for (int k = 0; k < row.n_terms; ++k) gap += row.terms[k].along_N.dot(bodies[row.terms[k].body].shift);
+        return -gap - allowed_depth * row.length;
+    };
+    for (const Row& row : rows_) {
+        if (!(row.own_N > 0)) continue;
+        const double depth = depth_of(row);
+        any = any || depth > corrected * row.length;
+        if (depth > -row.length) active.emplace_back(&row, 0);
+    }
+    for (int sweep = 0; any && sweep < max_corrections; ++sweep) {
+        any = false;
+        for (auto& [row, sum] : active) {
+            const double depth = depth_of(*row), change = std::max(-sum, depth / row->own_N);
+            if (change == 0) continue;
+            sum += change;
+            for (int k = 0; k < row->n_terms; ++k) {
+                MovingBody& body = bodies[row->terms[k].body];
+                body.shift += change * body.inverse_mass.cwiseProduct(row->terms[k].along_N);
+            }
+            any = any || std::abs(change) * row->own_N > corrected * row->length;
+        }
+    }
+}
+
+void RigidContacts::add_wrenches(std::vector<Vec3>& wrench) const {
+    for (const Row& row : rows_)
+        for (int k = 0; k < row.n_terms; ++k)
+            wrench[row.terms[k].body] +=
+                row.impulse.x() * row.terms[k].along_N + row.impulse.y() * row.terms[k].along_T;
+}
+
+void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>& bodies, State& end,
+                           StepReport& report) const {
+    // impulses are kept as forces times the step; before a step of the deformable body as forces
+    const double lasting = (step.closing ? 1 : step.drift_time) / step.kick_time;
+    if (meets_faces()) end.face_contacts.clear();
+    end.obstacle_contacts.clear();
+    for (const Row& row : rows_) {
+        const Vec2 after = rate(row, bodies, &MovingBody::end), mean = 0.5 * (row.before + after), P = row.impulse;
+        const double residual = 1e-14 * (row.before.norm() + row.free.norm() + after.norm());
+        const double error = row.cluster >= 0 ? clusters_[row.cluster].residual : 0;
+        account_contact({.contact = P.x(),
+                         .friction = P.y(),
+                         .rate_N = mean.x(),
+                         .rate_T = mean.y(),
+                         .rate_error = residual + error + row.rounding / step.drift_time,
+                         .opening = 0},
+                        report);
+        report.rigid_injection += positive_work(P, mean);
+        double depth = -row.gap - step.drift_time * after.x();
+        for (int k = 0; k < row.n_terms; ++k) depth -= row.terms[k].along_N.dot(bodies[row.terms[k].body].shift);
+        if (row.source == Source::face) {
+            const FaceContact& c = faces_.all()[row.number];
+            if (row.gap < 0) depth += row.gap + c.depth;
+        }
+        report.add_depth(depth / row.length, row.place);
+        switch (row.source) {
+            case Source::obstacle: {
+                const ObstacleContact& c = obstacle_contacts_.all()[row.number];
+                if (!P.isZero(0))
+                    end.obstacle_contacts.push_back(
+                        {c.corner, c.second_corner, c.obstacle, lasting * P.x(), lasting * P.y()});
+                break;
+            }
+            case Source::point: {
+                const Point& at = points_[row.number];
+                PointState& state = end.points[end.first_point[end.split_rank[at.fan]] + at.place];
+                state.traction = P / (step.kick_time * model_.points(model_.fans[at.fan])[at.place].area);
+                break;
+            }
+            case Source::face:
+            case Source::pair: break;
+        }
+    }
+    for (std::size_t i = 0; i < row_of_face_.size(); ++i) {
+        const FaceContact& c = faces_.all()[i];
+        const Vec2 P = row_of_face_[i] < 0 ? Vec2(Vec2::Zero()) : Vec2(lasting * rows_[row_of_face_[i]].impulse);
+        end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], P.x(), P.y()});
+    }
+    report.face_contacts = static_cast<std::int64_t>(row_of_face_.size());
+}
+
+}  // namespace knap

@@ -1,0 +1,160 @@
+#pragma once
+// Contacts of rigid pieces with each other, with obstacles and with the ground, and of obstacles with each other, in
+// one step. Every contact is a row of one problem (nonsmooth/contact_cluster.hpp) with the rates
+//
+//     V = sum over the bodies of (along_N . v, along_T . v),     v = (velocity, spin),     along = (n, arm x n)
+//
+// Their places are those of the start of the step, so that the impulses of a contact have no resultant and no moment.
+// Sources: corners of free faces (stepper/contact), corners and edges at obstacles (stepper/common), and broken points
+// whose sides have not parted yet.
+//
+// A contact whose faces are apart and rebound (e > 0) is struck within the step, at the time tau = gap/|V_N-|. A body
+// moves with its free velocity until the first of its strikes, x+ = x + tau v_free + (h - tau) v+, and its impulses act
+// at the place where it is then.
+#include "base/union_find.hpp"
+#include "nonsmooth/contact_cluster.hpp"
+#include "stepper/common/obstacle_contacts.hpp"
+#include "stepper/common/obstacle_motion.hpp"
+#include "stepper/common/obstacle_pairs.hpp"
+#include "stepper/common/step_scheme.hpp"
+#include "stepper/contact/face_contacts.hpp"
+
+#include <array>
+#include <span>
+
+namespace knap {
+
+/// A body in a step: a piece, or behind all pieces an obstacle. What stands still or is driven has no inverse mass.
+struct MovingBody {
+    Vec3 before = Vec3::Zero();        // [m/s, m/s, rad/s] v-
+    Vec3 free = Vec3::Zero();          // [m/s, m/s, rad/s] v+ without contacts
+    Vec3 inverse_mass = Vec3::Zero();  // [1/kg, 1/kg, 1/(kg m2)]
+    Vec3 end = Vec3::Zero();           // [m/s, m/s, rad/s] v+
+    Vec3 shift = Vec3::Zero();         // [m, m, rad] beyond h v+
+    Vec2 centre = Vec2::Zero();        // [m]
+    double struck_at = 0;              // [s] tau; 0: nothing strikes it
+    bool asleep = false;
+
+    bool moves() const { return inverse_mass.x() > 0 || inverse_mass.y() > 0 || inverse_mass.z() > 0; }
+};
+
+struct RigidStep {
+    const State& begin;
+    double drift_time, kick_time;  // [s] of the positions, of the velocities
+    bool closing = false;          // of nearly no length: only what was in contact before stays so
+    bool first = false;            // of rigid pieces: not all forces of the step before are known
+};
+
+class RigidContacts {
+public:
+    RigidContacts(const Model& model, const RigidOptions& options)
+        : model_(model), options_(options), faces_(model), obstacle_contacts_(model), pairs_(model) {}
+
+    /// Reads what changed with the pieces.
+    void renew(const State& begin);
+    /// Finds the contacts; wakes bodies that are hit, and those that lie on them. `bodies`: pieces, then obstacles.
+    void find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies);
+    /// Finds the impulses, end velocities and shifts.
+    void solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
+    /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place.
+    struct Blow {
+        double value = 0;
+        Vec2 place = Vec2::Zero();
+    };
+    Blow hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies) const;
+    /// Corrects positions of what overlaps, by shifts.
+    void project(const RigidStep& step, std::vector<MovingBody>& bodies) const;
+    /// Works of the contacts, and their impulses in the end state.
+    void finish(const RigidStep& step, const std::vector<MovingBody>& bodies, State& end, StepReport& report) const;
+    /// Calls visit(a, b) for bodies that press on each other; b = -1: the ground.
+    template <class Visit>
+    void for_pressed(const Visit& visit) const {
+        for (const Row& row : rows_)
+            if (row.impulse.x() > 0)
+                for (int k = 0; k < row.n_terms; ++k)
+                    visit(row.terms[k].body, row.n_terms > 1 ? row.terms[k == 0 ? 1 : 0].body : -1);
+    }
+    /// [N s, N s, N m s] of the contacts on a body.
+    void add_wrenches(std::vector<Vec3>& wrench) const;
+    /// When the pieces became rigid, broken points lay between them that might retire since.
+    bool had_points() const { return had_points_; }
+
+private:
+    enum class Source : std::uint8_t { face, obstacle, pair, point };
+    struct Term {
+        Index body;
+        Vec3 along_N, along_T;
+    };
+    struct Row {
+        Source source;
+        Index number;     // in the list of its source
+        double gap;       // [m]
+        double length;    // [m] of the edge in contact
+        double rounding;  // [m] of its places
+        ContactLaw law;
+        Vec2 place;                   // [m]
+        Vec2 impulse = Vec2::Zero();  // [N s]
+        Vec2 lasting = Vec2::Zero();  // [N s] what it would be under the force of the step before
+        Vec2 before = Vec2::Zero(), free = Vec2::Zero(), after = Vec2::Zero();  // [m/s]
+        double own_N = 0, own_T = 0;                                            // [1/kg]
+        bool is_struck = false;                                                 // within the step
+        Index cluster = -1;                                                     // none: nothing that it joins moves
+        int n_terms = 0;
+        std::array<Term, 4> terms;
+    };
+    struct Point {  // broken, between pieces or on a support
+        Index fan, place;
+    };
+    struct Cluster {
+        std::vector<Index> rows, bodies;
+        double residual = 0;  // [m/s]
+        double speed = 0;     // [m/s] scale of its rates
+    };
+    struct Workspace {
+        ContactCluster cluster;
+        std::vector<Index> body;  // per movable body of the cluster
+    };
+
+    void add_faces(const RigidStep& step, const std::vector<MovingBody>& bodies);
+    void add_obstacles(const RigidStep& step, const std::vector<MovingBody>& bodies);
+    void add_pairs(const RigidStep& step, const std::vector<MovingBody>& bodies);
+    void add_points(const RigidStep& step, const std::vector<MovingBody>& bodies);
+    void keep_hull(std::size_t first);
+    void add_term(Row& row, Index body, const Vec2& along_N, const Vec2& along_T, const Vec2& arm) const;
+    void add_row(Row& row, const std::vector<MovingBody>& bodies);
+    static void complete(Row& row, const std::vector<MovingBody>& bodies);
+    /// One piece alone does not meet itself.
+    bool meets_faces() const { return n_pieces_ > 1 || !model_.ground.vertices.empty(); }
+    Index piece_of(Index corner) const { return begin_->frozen->piece_of_triangle[model_.mesh.triangle_of(corner)]; }
+    Index body_of_obstacle(Index o) const { return n_pieces_ + o; }
+    Vec2 place_of(Index corner) const {
+        return model_.mesh.corner(corner) + begin_->displacement[begin_->node_of_corner[corner]];
+    }
+    static Vec2 rate(const Row& row, const std::vector<MovingBody>& bodies, Vec3 MovingBody::*velocity);
+    bool can_break(Index body) const;
+    void wake(std::vector<MovingBody>& bodies) const;
+    void find_strikes(const RigidStep& step, std::vector<MovingBody>& bodies);
+    void find_clusters(const std::vector<MovingBody>& bodies);
+    void solve(Cluster& cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);
+
+    const Model& model_;
+    RigidOptions options_;
+    FaceContacts faces_;
+    ObstacleContacts obstacle_contacts_;
+    ObstaclePairs pairs_;
+    FaceContacts::RigidFrame frame_;
+    const State* begin_ = nullptr;
+    Index n_pieces_ = 0;
+    std::vector<Point> points_;
+    bool had_points_ = false;
+    std::vector<Row> rows_;
+    std::vector<Index> row_of_face_;  // per contact of faces_: its row, or -1
+    std::vector<std::size_t> hull_;
+    UnionFind joined_;
+    std::vector<Index> cluster_of_body_;
+    std::vector<Cluster> clusters_;
+    std::size_t n_clusters_ = 0;
+    std::vector<Workspace> work_;
+};
+
+}  // namespace knap

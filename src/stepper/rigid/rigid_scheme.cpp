@@ -1,0 +1,261 @@
+#include "stepper/rigid/rigid_scheme.hpp"
+
+#include "stepper/common/surface_energy.hpp"
+#include "stepper/contact/retirement.hpp"
+#include "stepper/rigid/freeze.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr double slow_for = 0.2;         // [s] until a piece falls asleep
+constexpr double negligible = 1e-12;     // [-] vibration over kinetic energy
+constexpr double largest_motion = 0.05;  // [-] of an edge, of faces that meet in a step
+
+}  // namespace
+
+RigidScheme::RigidScheme(const Model& model, const SchemeOptions& options)
+    : model_(model),
+      options_(options),
+      contacts_(model, options.rigid),
+      obstacles_(model),
+      amplitude_(model.histories.size()) {}
+
+bool RigidScheme::may_begin(const State& start) const {
+    State state = start;
+    const FrozenPieces frozen = freeze(model_, state);
+    const auto is_loaded = [](const FrozenBody::Piece& piece) { return piece.held && piece.weakest < infinity; };
+    return frozen.vibration <= negligible * frozen.kinetic && std::ranges::none_of(frozen.body->pieces, is_loaded);
+}
+
+/// Loads of the pieces, which turn with them.
+void RigidScheme::renew(const State& begin) {
+    if (known_ == begin.frozen) return;
+    known_ = begin.frozen;
+    loads_.clear();
+    for (const CornerLoad& load : model_.corner_loads) {
+        const Index piece = known_->piece_of_triangle[model_.mesh.triangle_of(load.corner)];
+        auto found = std::ranges::find_if(
+            loads_, [&](const PieceLoad& at) { return at.piece == piece && at.history == load.history; });
+        if (found == loads_.end()) found = loads_.insert(found, {piece, load.history, Vec2::Zero(), 0, 0});
+        const Vec2& arm = known_->arm[begin.node_of_corner[load.corner]];
+        found->force += load.force, found->cross += cross(arm, load.force), found->dot += arm.dot(load.force);
+    }
+    contacts_.renew(begin);
+}
+
+StepReport RigidScheme::step(const State& begin, double h, State& end) {
+    StepReport report;
+    const RigidStep step{.begin = begin.frozen ? begin : start_,
+                         .drift_time = h,
+                         .kick_time = 0.5 * (begin.last_step + h),
+                         .first = !begin.frozen};
+    if (!begin.frozen) {
+        start_ = begin;
+        FrozenPieces frozen = freeze(model_, start_);
+        start_.frozen = frozen.body, start_.rigid_pieces = std::move(frozen.pieces);
+        start_.motion = Motion::rigid;
+        start_.viscous_stress.clear(), start_.free_pieces.clear();
+        std::ranges::fill(start_.reaction, Vec2(Vec2::Zero()));
+        for (std::size_t node = 0; node < start_.velocity.size(); ++node) {
+            const RigidPiece& piece = start_.rigid_pieces[frozen.body->piece_of_node[node]];
+            start_.velocity[node] = piece.velocity + piece.spin * turned_left(frozen.body->arm[node]);
+        }
+        report.vibration_booked = -frozen.vibration;
+        account_freeze(begin, *frozen.body, report);
+    }
+    return advance(step, report, end);
+}
+
+/// The strain energy of the leapfrog, U_n - 1/2 f_n . (u_n+1 - u_n), becomes U; and works of cohesion, which end in the
+/// middle of the step, get what is left until its end.
+void RigidScheme::account_freeze(const State& begin, const FrozenBody& body, StepReport& report) const {
+    if (begin.last_step == 0) return;
+    report.step_change_work = body.strain - (begin.elastic_energy - 0.5 * begin.elastic_work);
+    if (body.recoverable == 0) return;
+    State middle = begin;
+    for (std::size_t node = 0; node < middle.displacement.size(); ++node)
+        middle.displacement[node] -= 0.5 * begin.last_step * begin.velocity[node];
+    report.cohesive_work = body.recoverable - surface_energy(model_, middle).recoverable;
+    report.step_change_work += report.cohesive_work;
+}
+
+StepReport RigidScheme::thaw(const State& begin, double h, State& end) {
+    StepReport report =
+        advance({.begin = begin, .drift_time = h, .kick_time = 0.5 * (begin.last_step + h), .closing = true}, {}, end);
+    end.frozen = nullptr, end.rigid_pieces.clear();
+    end.motion = Motion::thawed;
+    return report;
+}
+
+/// v+ without contacts, and the masses.
+void RigidScheme::find_free_motion(const RigidStep& step) {
+    const State& begin = step.begin;
+    const FrozenBody& body = *begin.frozen;
+    const std::size_t n_pieces = body.pieces.size(), n = n_pieces + model_.obstacles.size();
+    const double damping = options_.damping_of == DampingOf::motion ? 0.5 * step.kick_time * options_.damping : 0;
+    for (std::size_t i = 0; i < amplitude_.size(); ++i)
+        amplitude_[i] = model_.histories[i].over_kick(begin.time, begin.last_step, step.drift_time);
+    load_.assign(n_pieces, Vec3::Zero());
+    for (const PieceLoad& load : loads_) {
+        const Rotation turn = Rotation::by(begin.rigid_pieces[load.piece].angle);
+        load_[load.piece] += amplitude_[load.history] *
+                             Vec3(load.force.x(), load.force.y(), turn.cosine * load.cross - turn.sine * load.dot);
+    }
+    bodies_.assign(n, {});
+    for (std::size_t p = 0; p < n_pieces; ++p) {
+        const RigidPiece& piece = begin.rigid_pieces[p];
+        MovingBody& at = bodies_[p];
+        at.centre = piece.centre;
+        if (body.pieces[p].held) continue;
+        at.asleep = piece.state == PieceState::asleep;
+        at.before = piece.rates();
+        const double mass = (1 + damping) * body.pieces[p].mass;
+        at.inverse_mass = {1 / mass, 1 / mass, 1 / ((1 + damping) * body.pieces[p].inertia)};
+        at.free = (1 - damping) / (1 + damping) * at.before + step.kick_time * at.inverse_mass.cwiseProduct(load_[p]);
+    }
+    obstacles_.begin_explicit(begin, step.kick_time, step.drift_time, damping);
+    for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
+        MovingBody& at = bodies_[n_pieces + o];
+        at.centre = begin.obstacles[o].pose.position;
+        at.before = begin.obstacles[o].velocity;
+        at.free = obstacles_.rate()[o];
+        at.inverse_mass = obstacles_.inverse_mass(static_cast<Index>(o));
+    }
+}
+
+StepReport RigidScheme::advance(const RigidStep& step, StepReport report, State& end) {
+    const State& begin = step.begin;
+    renew(begin);
+    find_free_motion(step);
+    if (lies_still(step)) return stay(step, report, end);
+    contacts_.find(step, obstacles_, bodies_);
+    contacts_.solve(step, bodies_, report);
+    if (!step.closing) {
+        const RigidContacts::Blow blow = contacts_.hardest_blow(step, bodies_);
+        if (blow.value > 1) {
+            report.rejection = Rejection::none;
+            report.reject(Rejection::blow, blow.place, blow.value);
+        } else if (report.contact_motion > largest_motion) {
+            report.reject(Rejection::contact_speed, Vec2::Zero(), report.contact_motion);
+        }
+    } else {
+        report.rejection = Rejection::none;
+    }
+    if (report.rejection != Rejection::none) return report;
+    contacts_.project(step, bodies_);
+    if (end.frozen != begin.frozen || end.displacement.size() != begin.displacement.size()) end = begin;
+    move_pieces(step, end, report);
+    return report;
+}
+
+/// Everything is asleep, and no load changes.
+bool RigidScheme::lies_still(const RigidStep& step) {
+    const double before = step.begin.time - step.begin.last_step;
+    for (const TimeFunction& history : model_.histories)
+        if (history(step.begin.time) != history(before)) {
+            for (MovingBody& body : bodies_) body.asleep = false;
+            return false;
+        }
+    return std::ranges::all_of(bodies_, [](const MovingBody& body) {
+        return body.asleep || (!body.moves() && body.before.isZero(0) && body.free.isZero(0));
+    });
+}
+
+StepReport RigidScheme::stay(const RigidStep& step, StepReport report, State& end) {
+    const FrozenBody& body = *step.begin.frozen;
+    end = step.begin;
+    of_obstacles_.assign(model_.obstacles.size(), Vec3::Zero());
+    obstacles_.finish(step.begin, of_obstacles_, end, report);
+    for (std::size_t o = 0; o < end.obstacles.size(); ++o) end.obstacles[o].reaction = step.begin.obstacles[o].reaction;
+    report.strain = body.strain, report.dissipated = body.dissipated, report.recoverable = body.recoverable;
+    report.interface_elastic = body.interface_elastic;
+    return report;
+}
+
+void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& report) {
+    const State& begin = step.begin;
+    const FrozenBody& body = *begin.frozen;
+    const std::size_t n_pieces = body.pieces.size();
+    const double damping = options_.damping_of == DampingOf::motion ? 0.5 * step.kick_time * options_.damping : 0;
+    if (contacts_.had_points()) end.points = begin.points;
+    wrench_.assign(bodies_.size(), Vec3::Zero());
+    contacts_.add_wrenches(wrench_);
+    of_obstacles_.assign(wrench_.begin() + static_cast<std::ptrdiff_t>(n_pieces), wrench_.end());
+    end.time = begin.time, end.last_step = begin.last_step;
+    obstacles_.finish(begin, of_obstacles_, end, report);
+    for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
+        MovingBody& at = bodies_[n_pieces + o];
+        for (int k = 0; k < 3; ++k)
+            if (model_.obstacles[o].is_free(k)) at.end[k] = end.obstacles[o].velocity[k];
+        if (at.moves()) move(model_.obstacles[o], at.shift, end.obstacles[o]);
+    }
+    contacts_.finish(step, bodies_, end, report);
+    end.rigid_pieces = begin.rigid_pieces;
+    for (std::size_t p = 0; p < n_pieces; ++p) {
+        RigidPiece& piece = end.rigid_pieces[p];
+        const MovingBody& at = bodies_[p];
+        if (body.pieces[p].held) continue;
+        if (at.asleep) {
+            piece.state = PieceState::asleep;
+            continue;
+        }
+        if (piece.state == PieceState::asleep) piece.state = PieceState::rigid, piece.slow_since = begin.time;
+        const Vec3 moved = step.drift_time * at.end + at.shift, mean = 0.5 * (at.before + at.end);
+        piece.centre += moved.head<2>(), piece.angle += moved.z();
+        piece.velocity = at.end.head<2>(), piece.spin = at.end.z();
+        const double mass = body.pieces[p].mass, inertia = body.pieces[p].inertia;
+        report.kinetic += 0.5 * (mass * piece.velocity.squaredNorm() + inertia * piece.spin * piece.spin);
+        report.external_work += step.kick_time * load_[p].dot(mean);
+        report.damping_work -= 2 * damping * (mass * mean.head<2>().squaredNorm() + inertia * mean.z() * mean.z());
+        report.projection_work -= load_[p].dot(at.shift);
+        const double speed = piece.velocity.norm() + std::abs(piece.spin) * body.pieces[p].radius;
+        report.largest_speed = std::max(report.largest_speed, speed);
+        if (speed >= options_.rigid.sleep) piece.slow_since = begin.time + step.drift_time;
+    }
+    if (options_.rigid.sleep > 0 && !step.closing) fall_asleep(step, end, report);
+    report.strain = body.strain, report.dissipated = body.dissipated, report.recoverable = body.recoverable;
+    report.interface_elastic = body.interface_elastic;
+    place_nodes(model_, end);
+    if (contacts_.had_points()) retire_points(model_, begin.retired, end);
+    end.motion = Motion::rigid;
+}
+
+/// Pieces that press on each other, and of which one presses on what stands still.
+void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& report) {
+    const FrozenBody& body = *step.begin.frozen;
+    const std::size_t n_pieces = body.pieces.size();
+    const auto stands = [&](Index b) { return b < 0 || (!bodies_[b].moves() && bodies_[b].before.isZero(0)); };
+    const auto is_slow = [&](std::size_t p) {
+        return end.time + step.drift_time - end.rigid_pieces[p].slow_since >= slow_for;
+    };
+    bool any = false;
+    for (std::size_t p = 0; p < n_pieces; ++p) any = any || (!body.pieces[p].held && !bodies_[p].asleep && is_slow(p));
+    if (!any) return;
+    pressed_.start(bodies_.size());
+    std::vector<std::uint8_t> held(bodies_.size(), 0), moves(bodies_.size(), 0);
+    contacts_.for_pressed([&](Index a, Index b) {
+        if (stands(a)) return;
+        if (!stands(b)) pressed_.join(a, b);
+    });
+    contacts_.for_pressed([&](Index a, Index b) {
+        if (!stands(a) && stands(b)) held[pressed_.find(a)] = 1;
+    });
+    for (std::size_t b = 0; b < bodies_.size(); ++b)
+        if (!stands(static_cast<Index>(b)) && (b >= n_pieces || !is_slow(b)))
+            moves[pressed_.find(static_cast<Index>(b))] = 1;
+    for (std::size_t p = 0; p < n_pieces; ++p) {
+        const Index island = pressed_.find(static_cast<Index>(p));
+        if (body.pieces[p].held || bodies_[p].asleep || !held[island] || moves[island]) continue;
+        RigidPiece& piece = end.rigid_pieces[p];
+        const double energy = 0.5 * (body.pieces[p].mass * piece.velocity.squaredNorm() +
+                                     body.pieces[p].inertia * piece.spin * piece.spin);
+        piece.velocity.setZero(), piece.spin = 0;
+        piece.state = PieceState::asleep;
+        report.kinetic -= energy, report.sleep_work -= energy;
+    }
+}
+
+}  // namespace knap

@@ -1,0 +1,66 @@
+#pragma once
+// The third scheme: pieces of the body that nothing can break now move as rigid bodies, in steps of milliseconds.
+//
+//     M (v+ - v-) = k F + sum along' P,     x+ = c+ + R(angle+) arm,     c+ = c + h v+,     angle+ = angle + h w+
+//
+// with the kick k and the drift h of the leapfrog (as in the explicit scheme), loads F of the start of the step, and
+// the laws of contact at its end (rigid_contacts.hpp). A free flight is exact at the ends of the steps. Impulses of
+// contacts have no resultant and no moment.
+//
+// A step in which a contact hits a piece that can break so hard that it may break is rejected as a blow: it counts for
+// nothing, and the body is deformable from its start on (freeze.hpp). The hit is p W_NN of the impulse p beyond the
+// force of the step before, more than k sigma_c/(rho c) min(1, sqrt(10 L/D)) (c = sqrt(E/rho), edge L, D = sqrt(area)),
+// or a lasting force above sigma_c/2 over an edge.
+//
+// Pieces that have been slower than `sleep` for 0.2 s, and that press on what stands still, fall asleep. They stand
+// still until something hits them faster than that.
+//
+// Ledger: vibration_booked when pieces become rigid; sleep_work; the elastic energy stays in the shape of the pieces.
+#include "stepper/rigid/rigid_contacts.hpp"
+
+namespace knap {
+
+class RigidScheme : public StepScheme {
+public:
+    RigidScheme(const Model& model, const SchemeOptions& options);
+
+    /// `begin` may be a deformable state, whose pieces become rigid with this step.
+    StepReport step(const State& begin, double h, State& end) override;
+    /// From rigid pieces to a deformable state with velocities of its time: a step of nearly no length, with the kick
+    /// of half of the step before; `h` [s], as MoreauJean::close_leapfrog.
+    StepReport thaw(const State& begin, double h, State& end);
+    /// Whether a deformable state at its start moves as rigid pieces, none of which is held and may break.
+    bool may_begin(const State& start) const;
+
+private:
+    /// Of the loads with one history on a piece: sum of f, of arm x f and of arm . f, at angle 0.
+    struct PieceLoad {
+        Index piece, history;
+        Vec2 force;
+        double cross, dot;
+    };
+    void renew(const State& begin);
+    void account_freeze(const State& begin, const FrozenBody& body, StepReport& report) const;
+    StepReport advance(const RigidStep& step, StepReport report, State& end);
+    bool lies_still(const RigidStep& step);
+    StepReport stay(const RigidStep& step, StepReport report, State& end);
+    void find_free_motion(const RigidStep& step);
+    void fall_asleep(const RigidStep& step, State& end, StepReport& report);
+    void move_pieces(const RigidStep& step, State& end, StepReport& report);
+
+    const Model& model_;
+    SchemeOptions options_;
+    RigidContacts contacts_;
+    ObstacleMotion obstacles_;
+    State start_;                   // of rigid pieces that were deformable
+    SharedFrozenBody known_;        // for which loads and contacts were read
+    std::vector<PieceLoad> loads_;  // piece by piece
+    std::vector<double> amplitude_;
+    std::vector<Vec3> load_;  // [N, N, N m] per piece
+    std::vector<MovingBody> bodies_;
+    std::vector<Vec3> wrench_;  // [N s, N s, N m s] per body
+    std::vector<Vec3> of_obstacles_;
+    UnionFind pressed_;
+};
+
+}  // namespace knap

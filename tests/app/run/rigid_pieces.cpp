@@ -1,0 +1,257 @@
+// [rigid]: pieces that nothing can break move as rigid bodies, and become deformable for a blow.
+#include "app/program.hpp"
+#include "output/history_csv.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <sstream>
+
+namespace rigid_pieces_test {
+
+using namespace program;
+
+namespace {
+
+using Json = nlohmann::json;
+
+std::string material(const std::string& law) {
+    return "[material.rock]\ndensity = 2500\nE = 30e9\nnu = 0.2\n[interface.default]\nfriction = 0.5\n" + law;
+}
+const std::string whole = "breakable = false\n", weak = "sigma_c = 8e6\nG_c = 200\n";
+const std::string weight = "[[load]]\nacceleration = [0, -9.81]\n";
+
+std::string block(const std::string& name, const std::string& origin, const std::string& size,
+                  const std::string& more = "") {
+    return "[[body]]\nname = \"" + name + "\"\nshape = \"rectangle\"\norigin = [" + origin + "]\nsize = [" + size +
+           "]\n" + more;
+}
+std::string ground(const std::string& more = "friction = 0.5\n", const std::string& normal = "0, 1") {
+    return "[[obstacle]]\nname = \"ground\"\nshape = \"half plane\"\nat = [0, 0]\nnormal = [" + normal + "]\n" + more;
+}
+std::string scene(const std::string& bodies, const std::string& rigid, const std::string& end,
+                  const std::string& law = whole, const std::string& mesh = "0.1") {
+    return "knap = 1\n[domain]\nrotation = \"large\"\n[mesh]\nsize = " + mesh + "\n" + material(law) +
+           "[contact]\n[rigid]\n" + rigid + bodies + "[time]\nend = " + end + "\n" +
+           "[output]\nfields = false\nhistory_every = 0.01\n";
+}
+
+Answer run_to_end(const Folder& folder, const std::string& text, const std::string& more = " --force") {
+    write_scene(folder, text);
+    return run_scene(folder, "-j 1 -s 'figure=[]' -o " + folder.in_shell("run") + more);
+}
+knap::History table(const Folder& folder, const char* file) { return knap::read_csv(folder.path / "run" / file); }
+Json record(const Folder& folder) { return Json::parse(text_of(folder.path / "run/run.json")); }
+double last(const knap::History& history, const char* column) { return history.column(column).back(); }
+
+/// [J] Error of the balance over the largest kinetic energy.
+double balance(const knap::History& energy) {
+    double largest = 0, scale = 0;
+    for (const double value : energy.column("residual")) largest = std::max(largest, std::abs(value));
+    for (const double value : energy.column("kinetic")) scale = std::max(scale, value);
+    return largest / scale;
+}
+
+struct Momenta {
+    double x = 0, y = 0, angular = 0, scale = 0;
+};
+Momenta momenta(const Folder& folder) {
+    const knap::History pieces = table(folder, "fragments.csv");
+    Momenta sum;
+    for (std::size_t i = 0; i < pieces.rows.size(); ++i) {
+        const auto value = [&](const char* column) { return pieces.column(column)[i]; };
+        const double px = value("mass") * value("velocity_x"), py = value("mass") * value("velocity_y");
+        sum.x += px, sum.y += py;
+        const double energy = value("kinetic_energy") - 0.5 * (px * px + py * py) / value("mass");
+        const double spin = value("spin");
+        sum.angular +=
+            value("centre_x") * py - value("centre_y") * px + (std::abs(spin) > 1e-6 ? 2 * energy / spin : 0);
+        sum.scale += std::hypot(px, py) * std::hypot(value("centre_x"), value("centre_y"));
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("rigid pieces: a block slides down an incline as Coulomb says or stays") {
+    const Folder folder("rigid incline");
+    const auto moved = [&](const std::string& friction) {
+        const std::string text = scene(block("b", "0, 0", "0.4, 0.3") + ground("friction = " + friction + "\n") +
+                                           "[[load]]\nacceleration = [4.905, -8.495709]\n",
+                                       "step = 1e-3\nsleep = 0\nrestitution = 0\n", "1");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        CHECK(balance(table(folder, "energy.csv")) < 1e-12);
+        return last(table(folder, "fragment_history.csv"), "to_x") - 0.2;
+    };
+    CHECK(moved("0.4") == doctest::Approx(0.5 * (4.905 - 0.4 * 8.495709)).epsilon(1e-12));
+    const std::string text = scene(
+        block("b", "0, 0", "0.4, 0.3") + ground("friction = 0.7\n") + "[[load]]\nacceleration = [4.905, -8.495709]\n",
+        "step = 1e-3\nsleep = 0\nrestitution = 0\n", "1");
+    REQUIRE(run_to_end(folder, text).code == 0);
+    CHECK(std::abs(last(table(folder, "fragment_history.csv"), "to_x") - 0.2) < 1e-14);
+}
+
+TEST_CASE("rigid pieces: a free flight is a parabola and its turn is exact") {
+    const Folder folder("rigid flight");
+    const std::string text = scene(block("b", "0, 5", "0.4, 0.3", "velocity = [3, 1]\nspin = \"300 deg/s\"\n") + weight,
+                                   "step = 1e-3\n", "0.5");
+    REQUIRE(run_to_end(folder, text).code == 0);
+    const knap::History path = table(folder, "fragments.csv"), energy = table(folder, "energy.csv");
+    CHECK(last(path, "centre_x") == doctest::Approx(0.2 + 3 * 0.5).epsilon(1e-13));
+    CHECK(last(path, "centre_y") == doctest::Approx(5.15 + 0.5 - 0.5 * 9.81 * 0.25).epsilon(1e-13));
+    CHECK(last(path, "rotation") == doctest::Approx(150).epsilon(1e-10));
+    CHECK(last(path, "spin") == doctest::Approx(300 * std::acos(-1.) / 180).epsilon(1e-12));
+    CHECK(balance(energy) < 1e-12);
+    CHECK(record(folder)["steps"] == 500);
+}
+
+TEST_CASE("rigid pieces: equal blocks swap their speeds and a drop returns by e squared") {
+    const Folder folder("rigid rebound");
+    const std::string two = block("a", "0, 0", "0.2, 0.2", "velocity = [2, 0]\n") +
+                            block("b", "0.3, 0", "0.2, 0.2", "velocity = [-1, 0]\n");
+    const auto speeds = [&](const std::string& rigid, const std::string& contact) {
+        std::string text = scene(two, rigid, "0.2");
+        text.replace(text.find("[contact]\n"), 10, "[contact]\n" + contact);
+        REQUIRE(run_to_end(folder, text).code == 0);
+        const knap::History pieces = table(folder, "fragments.csv");
+        const double left = pieces.column("centre_x")[0] < pieces.column("centre_x")[1] ? 0 : 1;
+        return std::array{pieces.column("velocity_x")[std::size_t(left)],
+                          pieces.column("velocity_x")[std::size_t(1 - left)]};
+    };
+    const auto swapped = speeds("restitution = 1\n", "");
+    CHECK(swapped[0] == doctest::Approx(-1).epsilon(1e-12));
+    CHECK(swapped[1] == doctest::Approx(2).epsilon(1e-12));
+    CHECK(speeds("", "")[1] == doctest::Approx(0.5 + 0.5 * 0.9 * 3).epsilon(1e-12));  // rigid.restitution
+    const auto given = speeds("", "restitution = 0.4\n");                             // [contact] comes before it
+    CHECK(given[0] == doctest::Approx(0.5 - 0.5 * 0.4 * 3).epsilon(1e-12));
+    // the speed after a fall of 1 m, e = 0.6: first order in the step
+    for (const auto& [step, error] : {std::pair{"1e-3", 4e-3}, std::pair{"2e-4", 8e-4}}) {
+        const std::string text = scene(block("b", "0, 1", "0.3, 0.3") + ground("restitution = 0.6\n") + weight,
+                                       std::string("step = ") + step + "\n", "0.46");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        const double struck = std::sqrt(2 / 9.81), v = 0.6 * std::sqrt(2 * 9.81) - 9.81 * (0.46 - struck);
+        CHECK(std::abs(last(table(folder, "fragments.csv"), "velocity_y") - v) < error * v + 9.81 * std::stod(step));
+    }
+}
+
+TEST_CASE("rigid pieces: momenta of a free cluster are exact and its balance closes") {
+    const Folder folder("rigid cluster");
+    std::string bodies;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            std::ostringstream at, motion;
+            at << 0.31 * i << ", " << 0.31 * j;
+            motion << "velocity = [" << 2 * (1 - i) + 0.3 * j << ", " << 1.5 * (1 - j) << "]\nspin = \""
+                   << 100 * (i - j) << " deg/s\"\n";
+            bodies += block("b" + std::to_string(3 * i + j), at.str(), "0.3, 0.25", motion.str());
+        }
+    const auto at = [&](const char* end) {
+        REQUIRE(run_to_end(folder, scene(bodies, "step = 1e-3\nrestitution = 0.3\n", end)).code == 0);
+        return momenta(folder);
+    };
+    const Momenta start = at("1e-6"), later = at("0.3");
+    CHECK(std::abs(later.x - start.x) < 1e-13 * start.scale);
+    CHECK(std::abs(later.y - start.y) < 1e-13 * start.scale);
+    CHECK(std::abs(later.angular - start.angular) < 1e-12 * start.scale);
+    const knap::History energy = table(folder, "energy.csv");
+    CHECK(balance(energy) < 1e-12);
+    CHECK(last(energy, "impact_work") < -100);
+    CHECK(last(energy, "rigid_injection") < 1e-3 * -last(energy, "impact_work"));
+}
+
+TEST_CASE("rigid pieces: a heap falls asleep and lies still and the run ends there") {
+    const Folder folder("rigid heap");
+    std::string bodies = ground() +
+                         "[[obstacle]]\nname = \"left\"\nshape = \"half plane\"\nat = [-0.1, 0]\nnormal = "
+                         "[1, 0]\n[[obstacle]]\nname = \"right\"\nshape = \"half plane\"\nat = [1, 0]\n"
+                         "normal = [-1, 0]\n";
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            std::ostringstream at;
+            at << 0.33 * i + 0.02 * j << ", " << 0.05 + 0.3 * j;
+            bodies += block("b" + std::to_string(3 * i + j), at.str(), "0.28, 0.2", "spin = \"40 deg/s\"\n");
+        }
+    const std::string text = scene(bodies + weight, "restitution = 0\n", "8\nuntil = \"rest\"");
+    REQUIRE(run_to_end(folder, text).code == 0);
+    const Json json = record(folder);
+    CHECK(json["ended"] == "rest");
+    CHECK(json["pieces"]["asleep"] == 9);
+    CHECK(json["time_s"].get<double>() < 5);
+    CHECK(last(table(folder, "energy.csv"), "kinetic") == 0);
+    CHECK(balance(table(folder, "energy.csv")) < 1e-12);
+
+    const std::string awake = scene(bodies + weight, "restitution = 0\nsleep = 0\n", "6");
+    REQUIRE(run_to_end(folder, awake, " --force --until 4s").code == 0);
+    const knap::History before = table(folder, "fragments.csv");
+    REQUIRE(run_to_end(folder, awake, "").code == 0);
+    const knap::History after = table(folder, "fragments.csv");
+    for (const char* column : {"centre_x", "centre_y"})
+        for (std::size_t i = 0; i < before.rows.size(); ++i)
+            CHECK(std::abs(after.column(column)[i] - before.column(column)[i]) < 1e-9);
+}
+
+TEST_CASE("rigid pieces: a breakable body freezes in flight and thaws for the blow") {
+    const Folder folder("rigid thaw");
+    const std::string bodies = block("b", "0, 0.5", "0.4, 0.3", "velocity = [1, 0]\nspin = \"200 deg/s\"\n") +
+                               ground() + weight + "[[initial]]\nstrain_rate = [2, -1, 1]\n";
+    const std::string text = scene(bodies, "hold = 10\n", "0.32", weak);
+    REQUIRE(run_to_end(folder, text).code == 0);
+    const Json json = record(folder);
+    const knap::History energy = table(folder, "energy.csv");
+    CHECK(json["cuts"]["blow"].get<int>() >= 1);
+    CHECK(json["pieces"]["deformable_time_s"].get<double>() < 0.1);
+    CHECK(last(energy, "vibration_booked") < 0);
+    CHECK(balance(energy) < 1e-12);
+    CHECK(last(energy, "dissipated") > 0);
+    // while it flies as a rigid piece its strain energy stays to all digits
+    const auto strain = energy.column("strain"), step = energy.column("step"),
+               booked = energy.column("vibration_booked");
+    int n = 0;
+    for (std::size_t i = 1; i < step.size(); ++i) {
+        if (!(step[i] > 1e-4 && step[i - 1] > 1e-4) || booked[i] != booked[i - 1]) continue;
+        ++n;
+        CHECK(strain[i] == strain[i - 1]);
+    }
+    CHECK(n > 10);
+}
+
+TEST_CASE("rigid pieces: thaw = 0 has the bits of a run without them") {
+    const Folder folder("rigid never");
+    const std::string text = scene(block("b", "0, 0.01", "0.4, 0.3", "velocity = [1, -2]\n") + ground() + weight,
+                                   "thaw = 0\n", "0.01", weak);
+    std::string without = text;
+    without.replace(without.find("[rigid]\nthaw = 0\n"), 17, "");
+    write_scene(folder, text);
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("never")).code == 0);
+    write_scene(folder, without);
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("absent")).code == 0);
+    check_same(folder.path / "absent", folder.path / "never", 4);
+}
+
+TEST_CASE("rigid pieces: threads and a stop within a rigid phase change no bit") {
+    const Folder folder("rigid bits");
+    std::string bodies = ground() + weight;
+    for (int i = 0; i < 3; ++i) {
+        std::ostringstream at;
+        at << 0.42 * i << ", " << 0.1 + 0.1 * i;
+        bodies += block("b" + std::to_string(i), at.str(), "0.4, 0.3", "velocity = [0.5, 0]\nspin = \"30 deg/s\"\n");
+    }
+    write_scene(folder, scene(bodies, "hold = 5\n", "0.3", weak, "0.15"));
+    check_threads_and_parts(folder, {"2", "4"}, {"0.05", "0.21"}, 4);
+}
+
+TEST_CASE("rigid pieces: what they do not know is refused with the reason") {
+    const Folder folder("rigid refused");
+    const std::string bodies = block("b", "0, 1", "0.4, 0.3") + ground() + weight;
+    check_refused(folder, scene(bodies + "[[load]]\non = \"b.top\"\ntraction = [0, -1e6]\n", "", "0.1"),
+                  "exclusive-keys", "would never break");
+    check_refused(folder, scene(bodies + "[[load]]\non = \"b.top\"\nvelocity = [0, -1]\n", "", "0.1"), "exclusive-keys",
+                  "a driven boundary deforms its piece");
+    check_refused(folder, scene(bodies + "[heat]\ntemperature = \"30\"\n", "", "0.1"), "exclusive-keys",
+                  "a rigid one has no strains of its own");
+    std::string alone = scene(bodies, "", "0.1");
+    alone.replace(alone.find("[contact]\n"), 10, "");
+    check_refused(folder, alone, "exclusive-keys", "needs contact between pieces");
+}
+
+}  // namespace rigid_pieces_test
