@@ -8,14 +8,14 @@ inline SchemeOptions implicit(double theta = 0.5, CohesionScheme cohesion = Cohe
     return {.bulk = BulkScheme::implicit_theta, .cohesion = cohesion, .theta = theta};
 }
 
-enum class Motion { opening, slip };
+enum class SpringMotion { opening, slip };
 
 /// What happens at one cohesive point of area 1; the body has two of them, equal, so that everything is there twice.
 struct SpringBody {
     CohesiveLaw law;
     double mass = 1;       // at each point, and the same beyond its spring
     double stiffness = 1;  // of each spring
-    Motion motion = Motion::opening;
+    SpringMotion motion = SpringMotion::opening;
     bool glued = true;
 };
 
@@ -39,7 +39,7 @@ inline ModelInput spring_body(const SpringBody& body) {
     for (BoundaryEdge& edge : input.mesh.boundary_edges)
         edge.boundary = edge.triangle == 0 ? 1 : edge.triangle == 1 ? 2 : edge.triangle == 2 ? 3 : 0;
     const double density = 0.75 * body.mass;  // four corners make a mass
-    const double modulus = (body.motion == Motion::opening ? 2 : 1) * body.stiffness;
+    const double modulus = (body.motion == SpringMotion::opening ? 2 : 1) * body.stiffness;
     input.materials = {{.density = density, .E = modulus, .nu = 0}, {.density = density, .E = 0, .nu = 0}};
     input.laws = {body.law, CohesiveLaw::unbreakable()};
     input.law_of_pair = {{1, 1}, {1, 1}};
@@ -50,7 +50,7 @@ inline ModelInput spring_body(const SpringBody& body) {
                                .value = {0.0, 0.0},
                                .history = {}});
     for (const char* end : {"left", "right"}) {  // no springs turn
-        const bool opens = body.motion == Motion::opening;
+        const bool opens = body.motion == SpringMotion::opening;
         input.loads.push_back(load(Load::Kind::displacement, end, opens ? std::optional(0.0) : std::nullopt,
                                    opens ? std::nullopt : std::optional(0.0)));
     }
@@ -58,13 +58,13 @@ inline ModelInput spring_body(const SpringBody& body) {
 }
 
 /// Along the requested motion: {x, y}.
-inline std::array<std::optional<double>, 2> along(Motion motion, double value) {
-    if (motion == Motion::slip) return {value, std::nullopt};
+inline std::array<std::optional<double>, 2> along(SpringMotion motion, double value) {
+    if (motion == SpringMotion::slip) return {value, std::nullopt};
     return {std::nullopt, value};
 }
 
 /// The masses beyond the springs move by `history`.
-inline void drive(ModelInput& input, Motion motion, const TimeFunction& history) {
+inline void drive(ModelInput& input, SpringMotion motion, const TimeFunction& history) {
     for (const char* end : {"left", "right"}) {
         const auto value = along(motion, 1);
         input.loads.push_back(load(Load::Kind::displacement, end, value[0], value[1], history));
@@ -72,7 +72,7 @@ inline void drive(ModelInput& input, Motion motion, const TimeFunction& history)
 }
 
 /// A force on each of them.
-inline void push(ModelInput& input, Motion motion, const TimeFunction& history) {
+inline void push(ModelInput& input, SpringMotion motion, const TimeFunction& history) {
     for (const char* end : {"left", "right"}) {
         const auto value = along(motion, 0.5);  // on a length of 2
         input.loads.push_back(load(Load::Kind::traction, end, value[0], value[1], history));
@@ -105,11 +105,11 @@ public:
     explicit PointView(const Run& run) : run_(run) {
         while (run.model.interfaces[point_ / 2].triangle[0] != rigid_support) point_ += 2;
     }
-    double u(Motion motion = Motion::opening) const {
-        return motion == Motion::opening ? run_.u(0, 0).y() : run_.u(0, 0).x();
+    double u(SpringMotion motion = SpringMotion::opening) const {
+        return motion == SpringMotion::opening ? run_.u(0, 0).y() : run_.u(0, 0).x();
     }
-    double v(Motion motion = Motion::opening) const {
-        return motion == Motion::opening ? run_.v(0, 0).y() : run_.v(0, 0).x();
+    double v(SpringMotion motion = SpringMotion::opening) const {
+        return motion == SpringMotion::opening ? run_.v(0, 0).y() : run_.v(0, 0).x();
     }
     double beta() const { return cohesion(run_.model, run_.now, point_); }
     Vec2 traction() const { return knap::traction(run_.model, run_.now, point_); }

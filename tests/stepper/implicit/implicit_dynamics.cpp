@@ -231,7 +231,7 @@ TEST_CASE("B5 shear with an oscillating force") {
         "sin(pi t): it slips forth, back, and forth until it breaks; h = 1e-3. "
         "Reference: the event-driven solution.");
     const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .friction = 0.5};
-    const SpringBody body{.law = law, .mass = 0.25, .stiffness = 4.5, .motion = Motion::slip};
+    const SpringBody body{.law = law, .mass = 0.25, .stiffness = 4.5, .motion = SpringMotion::slip};
     const double h = 1e-3;
     ModelInput input = spring_body(body);
     press(input, 5);
@@ -252,10 +252,10 @@ TEST_CASE("B5 shear with an oscillating force") {
             REQUIRE(run.now.time < 11);
             take(run, h);
             if (u.size() < exact.size() && run.now.time >= exact[u.size()].time)
-                u.push_back(point.u(Motion::slip)), beta.push_back(point.beta());
+                u.push_back(point.u(SpringMotion::slip)), beta.push_back(point.beta());
             if (opens == 0 && point.beta() < 1) opens = run.now.time;
-            if (zero == 0 && last > 0 && point.u(Motion::slip) <= 0) zero = run.now.time;
-            last = point.u(Motion::slip);
+            if (zero == 0 && last > 0 && point.u(SpringMotion::slip) <= 0) zero = run.now.time;
+            last = point.u(SpringMotion::slip);
         }
         REQUIRE(u.size() == exact.size());
         for (std::size_t i = 0; i < exact.size(); ++i) {

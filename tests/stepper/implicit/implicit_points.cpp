@@ -145,7 +145,7 @@ TEST_CASE("A4 quasi-static shear spring by the implicit scheme") {
     for (const double stiffness : {k, 0.8}) {
         const std::string at = ", k = " + digits(stiffness);
         double worst_u = 0, worst_beta = 0, worst_r = 0, moves = 0, breaks = 0;
-        const SpringBody body{.law = law, .mass = no_mass, .stiffness = stiffness, .motion = Motion::slip};
+        const SpringBody body{.law = law, .mass = no_mass, .stiffness = stiffness, .motion = SpringMotion::slip};
         ModelInput input = spring_body(body);
         press(input, N);
         drive(input, body.motion, {{0, 20}, {0, 10}});
@@ -161,11 +161,11 @@ TEST_CASE("A4 quasi-static shear spring by the implicit scheme") {
                              : U < broken ? (stiffness * (U - onset)) / (stiffness - 0.75)
                                           : U - 2.5 / stiffness;
             const double beta = std::clamp(1 - u, 0.0, 1.0);
-            worst_u = std::max(worst_u, std::abs(point.u(Motion::slip) - u));
+            worst_u = std::max(worst_u, std::abs(point.u(SpringMotion::slip) - u));
             worst_beta = std::max(worst_beta, std::abs(point.beta() - beta));
             if (U > onset + h)
                 worst_r = std::max(worst_r, std::abs(std::abs(point.traction().y()) - 0.75 * beta - 2.5));
-            if (moves == 0 && point.u(Motion::slip) > 0) moves = run.now.time;
+            if (moves == 0 && point.u(SpringMotion::slip) > 0) moves = run.now.time;
             if (breaks == 0 && point.beta() == 0) breaks = run.now.time;
             CHECK(point.asymmetry() <= 1e-12);
         }
