@@ -289,20 +289,20 @@ const GateRule rules[] = {
          return found;
      }},
     {{"obstacle_overlap", "m",
-      "largest depth of a free obstacle in another obstacle; in implicit steps they do not touch each other",
-      "Take bulk = \"explicit\", or end the run before they meet; where it does not matter, [limits] obstacle_overlap "
-      "sets another limit."},
+      "largest depth of a free obstacle in another obstacle; what lands in implicit steps overlaps by 1 - theta of its "
+      "path in a step, or less",
+      "Take smaller steps or a larger theta; where it does not matter, [limits] obstacle_overlap sets another limit."},
      {infinity, infinity, allowed},
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::obstacle_overlap>(run);
-         found.warning = 1e-6 * run.size, found.limit = 1e-3 * run.size;
+         found.warning = 1e-4 * run.size, found.limit = 1e-3 * run.size;
          return found;
      }},
     {{"obstacle_depth", "",
       "largest depth of an edge of the body in an obstacle over the length of the edge, or half the width of the "
       "obstacle if that is less (place in the deformed body)",
-      "Usual cause: an obstacle that is driven, or in implicit steps a free one, against what is held. Let one of them "
-      "give way; [limits] obstacle_depth sets another limit."},
+      "Usual cause: an obstacle that is driven against what is held. Let one of them give way; [limits] "
+      "obstacle_depth sets another limit."},
      {0.05, 0.1, allowed},
      [](const GateView& run) {
          GateValue found = of_deformation<&DeformationWatch::obstacle_depth>(run);

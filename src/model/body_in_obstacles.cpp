@@ -48,52 +48,17 @@ void visit_open_faces(const Model& model, const State& state, const auto& visit)
         }
 }
 
-/// A body: the corners of its boundary, and how they are held.
-struct HeldBody {
-    std::vector<Vec2> places;  // [m]
-    bool all_held = true;      // in both components
-    std::array<bool, 2> moves{};
-};
-
-std::vector<HeldBody> held_bodies(const Model& model) {
-    UnionFind joined(model.mesh.triangles.size());
-    for (const InteriorEdge& edge : model.mesh.interior_edges) joined.join(edge.triangle[0], edge.triangle[1]);
-    std::vector<HeldBody> bodies(model.mesh.triangles.size());  // in the place of the first triangle
-    visit_boundary(model.mesh, [&](Index a, Index) {
-        HeldBody& body = bodies[joined.find(model.mesh.triangle_of(a))];
-        body.places.push_back(model.mesh.corner(a));
-        const PrescribedMotion* motion = model.motion_of(a);
-        body.all_held = body.all_held && motion && motion->component[0] && motion->component[1];
-        for (int k = 0; k < 2; ++k) body.moves[k] = body.moves[k] || (motion && motion->value[k] != 0);
-    });
-    std::erase_if(bodies, [](const HeldBody& body) { return body.places.empty() || !body.all_held; });
-    return bodies;
-}
-
-bool may_meet(const Obstacle& obstacle, const HeldBody& body) {
-    const Box box = bounding_box(body.places);
-    for (int k = 0; k < 2; ++k) {
-        if (moves(obstacle, k) || body.moves[k]) continue;
-        const auto [low, high] = extent(obstacle, k, moves(obstacle, 2));
-        if (low > box.high[k] || box.low[k] > high) return false;
-    }
-    return true;
-}
-
-/// The place of the body that is nearest to the obstacle at its start.
-Vec2 nearest_place(const Obstacle& obstacle, const std::vector<Vec2>& places) {
-    const ObstacleSurface surface(obstacle.outline, obstacle.start);
-    return *std::ranges::min_element(places, {}, [&](const Vec2& x) { return surface.distance_to(x).gap; });
-}
-
-/// Whether neither end of an edge gives way to a push along its normal.
-bool is_held(const Model& model, Index a, Index b) {
+/// Whether neither end of an edge gives way to a push along its normal, but one may slip under it.
+bool is_held_alone_along_normal(const Model& model, Index a, Index b) {
     const Vec2 normal = turned_left((model.mesh.corner(b) - model.mesh.corner(a)).normalized());
-    return std::ranges::all_of(std::array{a, b}, [&](Index corner) {
-        const PrescribedMotion* motion = model.motion_of(corner);
-        return motion && (motion->component[0] || std::abs(normal.x()) < cannot_give_way) &&
-               (motion->component[1] || std::abs(normal.y()) < cannot_give_way);
-    });
+    const auto gives_way = [&](const Vec2& along) {
+        return std::ranges::any_of(std::array{a, b}, [&](Index corner) {
+            const PrescribedMotion* motion = model.motion_of(corner);
+            return !motion || (!motion->component[0] && std::abs(along.x()) >= cannot_give_way) ||
+                   (!motion->component[1] && std::abs(along.y()) >= cannot_give_way);
+        });
+    };
+    return !gives_way(normal) && gives_way(turned_left(normal));
 }
 
 /// What comes first on the way of a free obstacle, if it is held.
@@ -128,7 +93,7 @@ std::optional<HeldAgainst> held_on_way(const Model& model, Index number, double 
         };
         visit_boundary(model.mesh, [&](Index a, Index b) {
             look(model.mesh.corner(a), model.mesh.corner(b),
-                 [&] { return is_held(model, a, b) ? std::optional(What::edge) : std::nullopt; });
+                 [&] { return is_held_alone_along_normal(model, a, b) ? std::optional(What::edge) : std::nullopt; });
         });
         for (const GroundVertex& v : model.ground.vertices)
             if (v.has_face)
@@ -202,18 +167,9 @@ std::optional<StartOverlap> overlap_at_start(const Model& model) {
 std::vector<HeldAgainst> held_against_obstacles(const Model& model, double end) {
     std::vector<HeldAgainst> found;
     if (model.prescribed.empty() && model.ground.vertices.empty()) return found;
-    const std::vector<HeldBody> bodies = held_bodies(model);
-    for (Index o = 0; o < static_cast<Index>(model.obstacles.size()); ++o) {
-        const Obstacle& obstacle = model.obstacles[o];
-        if (!obstacle.is_free()) continue;
-        const auto body = std::ranges::find_if(bodies, [&](const HeldBody& b) { return may_meet(obstacle, b); });
-        std::optional<HeldAgainst> held = held_on_way(model, o, end);
-        if (body != bodies.end()) {
-            if (!held) held = {.place = nearest_place(obstacle, body->places)};
-            held->what = HeldAgainst::What::body, held->obstacle = o;
-        }
-        if (held) found.push_back(*held);
-    }
+    for (Index o = 0; o < static_cast<Index>(model.obstacles.size()); ++o)
+        if (model.obstacles[o].is_free())
+            if (const std::optional<HeldAgainst> held = held_on_way(model, o, end)) found.push_back(*held);
     return found;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 // Edges of the body in rigid obstacles: what no contact (stepper/common/obstacle_contacts.hpp) stops, as what is held
-// against a driven obstacle, or in implicit steps against a free one.
+// against a driven obstacle.
 #include "model/state.hpp"
 
 #include <functional>
@@ -34,14 +34,14 @@ struct StartOverlap {
 };
 std::optional<StartOverlap> overlap_at_start(const Model& model);
 
-/// A free obstacle that would meet what cannot give way to it, so that it passes through (edges and bodies: in implicit
-/// steps): a body whose corners are all held; or what comes first on its way, from its velocity and forces at the start
-/// until `end` [s], is an edge whose ends are held, or a support, which meets bodies alone.
+/// What comes first on the way of a free obstacle, from its velocity and forces at the start until `end` [s]: a support,
+/// which meets bodies alone; or an edge that is held along its normal and may slip, where the friction of a free
+/// obstacle is not solved in implicit steps.
 struct HeldAgainst {
-    enum class What { body, edge, support };
+    enum class What { edge, support };
     What what;
     Index obstacle;
-    Vec2 place;  // [m] where they meet; of a body that nothing drives the obstacle to: its place nearest to it
+    Vec2 place;  // [m] where they meet
 };
 std::vector<HeldAgainst> held_against_obstacles(const Model& model, double end);
 

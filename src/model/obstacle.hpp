@@ -16,8 +16,6 @@
 
 namespace knap {
 
-/// Components x, y, angle of a rigid motion; or force, force, moment.
-
 struct Rotation {
     double cosine = 1, sine = 0;
 

@@ -53,6 +53,25 @@ ObstacleGap gap_to_polyline(const ObstacleSurface& line, const ObstacleSurface& 
     return smallest;
 }
 
+/// Component k of its motion is free or prescribed.
+bool moves(const Obstacle& obstacle, int k) { return obstacle.is_free(k) || obstacle.drive[k].value != 0; }
+
+/// [m] From the lowest to the highest coordinate k of an obstacle at its start, however it turns if it does.
+std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns) {
+    const Outline& outline = obstacle.outline;
+    const ObstacleSurface surface(outline, obstacle.start);
+    const Vec2 along = Vec2::Unit(k);
+    const double at = obstacle.start.position[k];
+    if (outline.kind == Kind::half_plane) {
+        const double normal = turns ? 0 : Rotation::by(obstacle.start.angle).turned(outline.normal)[k];
+        return {normal <= -1 ? at : -infinity, normal >= 1 ? at : infinity};
+    }
+    double radius = outline.radius;
+    for (const Vec2& p : outline.points) radius = std::max(radius, p.norm());
+    if (turns) return {at - radius, at + radius};
+    return {furthest(surface, -along)[k], furthest(surface, along)[k]};
+}
+
 bool may_meet(const Obstacle& a, const Obstacle& b) {
     if (!a.is_free() && !b.is_free()) return false;
     for (int k = 0; k < 2; ++k) {
@@ -130,21 +149,6 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
     }
     if (behind >= 0) return {std::max(behind, largest.gap), deepest};
     return before > largest.gap ? ObstacleGap{before, deepest} : largest;
-}
-
-std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns) {
-    const Outline& outline = obstacle.outline;
-    const ObstacleSurface surface(outline, obstacle.start);
-    const Vec2 along = Vec2::Unit(k);
-    const double at = obstacle.start.position[k];
-    if (outline.kind == Kind::half_plane) {
-        const double normal = turns ? 0 : Rotation::by(obstacle.start.angle).turned(outline.normal)[k];
-        return {normal <= -1 ? at : -infinity, normal >= 1 ? at : infinity};
-    }
-    double radius = outline.radius;
-    for (const Vec2& p : outline.points) radius = std::max(radius, p.norm());
-    if (turns) return {at - radius, at + radius};
-    return {furthest(surface, -along)[k], furthest(surface, along)[k]};
 }
 
 std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles) {

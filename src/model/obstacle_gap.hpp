@@ -20,12 +20,6 @@ ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b);
 /// behind the edge. Of a polyline the deepest of the ends of the edge and of its corners beside it.
 ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec2& b);
 
-/// [m] From the lowest to the highest coordinate k of an obstacle at its start, however it turns if it does.
-std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns);
-
-/// Component k of its motion is free or prescribed.
-inline bool moves(const Obstacle& obstacle, int k) { return obstacle.is_free(k) || obstacle.drive[k].value != 0; }
-
 /// Pairs (i < j) of which one moves freely, unless the components in which they move keep them apart.
 std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles);
 

@@ -39,6 +39,7 @@ Polyline::Polyline(const std::vector<Vec2>& points) {
     for (const Vec2& p : points) radius_ = std::max(radius_, p.norm());
     const Box box = bounding_box(points);
     axis_ = box.extent().y() > box.extent().x() ? 1 : 0;
+    all_.low = box.low[1 - axis_], all_.high = box.high[1 - axis_];
     low_ = box.low[axis_], cell_ = box.extent()[axis_] / static_cast<double>(size());
     bins_.resize(sides_.size());
     const auto for_bins = [&](const auto& visit) {  // visit(side, bin)
@@ -62,7 +63,7 @@ Polyline::Polyline(const std::vector<Vec2>& points) {
 
 bool Polyline::may_reach(const Vec2& p, double reach) const {
     const double x = p[axis_], y = p[1 - axis_], high = low_ + cell_ * static_cast<double>(size());
-    if (x + reach < low_ || x - reach > high) return false;
+    if (x + reach < low_ || x - reach > high || y - reach > all_.high || y + reach < all_.low) return false;
     for (std::size_t b = bin(x - reach), last = bin(x + reach); b <= last; ++b)
         if (y - reach <= bins_[b].high && y + reach >= bins_[b].low) return true;
     return false;

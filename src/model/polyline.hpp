@@ -81,6 +81,7 @@ private:
     std::vector<Index> in_bins_;          // sides, of one bin after the other
     std::vector<std::size_t> first_bin_;  // per side
     double radius_ = 0, low_ = 0, cell_ = 1;
+    Bin all_;  // of all sides
     int axis_ = 0;
 };
 

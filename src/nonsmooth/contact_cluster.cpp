@@ -133,6 +133,14 @@ Eigen::Matrix2d ContactCluster::own_of_bodies(Index i) const {
     return own;
 }
 
+void ContactCluster::hold_unmoved() {
+    find_own();
+    for (ContactCoupling& c : couplings)
+        for (int k = 0; k < 2; ++k)
+            if (own_[c.of](k, k) <= unmoved * own_[c.of].trace()) hold(c, k);
+    find_own();
+}
+
 void ContactCluster::find_own() {
     own_.assign(contacts.size(), Eigen::Matrix2d::Zero());
     for (const ContactCoupling& c : couplings)

@@ -89,6 +89,9 @@ public:
     /// No impulse changes this component of the contact with this own block.
     void hold(ContactCoupling& own, int component);
 
+    /// Holds the components of contacts of rigid bodies alone that these hardly move: what they do is rounding.
+    void hold_unmoved();
+
     /// Solves the problem and returns its residual [m/s], the largest error of a rate. `speed` [m/s] is the scale of
     /// the rates, `rounding` [m/s] their absolute error.
     double solve(double speed, double rounding, ClusterEffort effort = ClusterEffort::careful);
@@ -105,6 +108,7 @@ public:
     void find_own();
     /// [1/kg] Of own(i), what rigid bodies make of it.
     Eigen::Matrix2d own_of_bodies(Index i) const;
+    static constexpr double unmoved = 1e-12;  // [-] of the mobility of a contact, by rigid bodies
 
 private:
     /// Of alpha, over proximal points.

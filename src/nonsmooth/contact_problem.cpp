@@ -10,7 +10,7 @@ namespace {
 
 // [-] of the mobility that a row has whose parts could all move: a smaller one is the rounding of a share, as where a
 // vertex that is held lies at the held end of an edge, whose other end is free
-constexpr double held = 1e-8, held_body = 1e-12;
+constexpr double held = 1e-8;
 
 }  // namespace
 
@@ -146,7 +146,7 @@ void ContactProblem::assemble() {
         const Eigen::Matrix2d of_bodies = cluster_.own_of_bodies(c.of);
         for (int k = 0; k < 2; ++k)
             if (cluster_.own(c.of)(k, k) - of_bodies(k, k) <= held * mobility_[c.of].largest() &&
-                of_bodies(k, k) <= held_body * of_bodies.trace())
+                of_bodies(k, k) <= ContactCluster::unmoved * of_bodies.trace())
                 cluster_.hold(c, k);
     }
     cluster_.find_own();

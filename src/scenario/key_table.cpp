@@ -378,7 +378,7 @@ void add_keys_of_loads(KeyTable& t) {
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
 
     t.list("obstacle[]", "a rigid body in contact with the meshed body: fixed, driven (velocity or displacement), or "
-        "free if it has a mass and nothing is prescribed. Free ones meet other obstacles in explicit steps");
+        "free if it has a mass and nothing is prescribed. Free ones meet each other and all other obstacles");
     t.text("name", "name in reactions.csv").a_name().computed("obstacle1, obstacle2, ...").to(&Obstacle::name);
     t.word("shape", {"half plane", "disc", "polygon", "polyline"}, "outline; a polygon is convex, a polyline an open "
         "terrain, fixed or driven, with the ground on its left").required();

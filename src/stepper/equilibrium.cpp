@@ -32,8 +32,9 @@ constexpr double first_step = 1, last_step = 1e4, growth = 10;
 constexpr int max_steps = 200, max_rounds = 100;
 constexpr double in_equilibrium = 1e-12;    // force carried by inertia, over the loads
 constexpr double accepted_residual = 1e-9;  // where rounding prevents less
-constexpr double jammed = 3;    // a large step that increases this force by more has jammed the body, with friction
-constexpr double stays = 0.95;  // a step that leaves more of it changes nothing
+constexpr double jammed = 3;  // a large step that increases this force by more has jammed the body, with friction
+constexpr double follows_body = 10, closes_gap = 0.05;  // [-] of displacements; of the half width of an obstacle
+constexpr double stays = 0.95;                          // a step that leaves more of it changes nothing
 
 /// The model at one moment for ever, without restitution, which would delay a contact by a step.
 Model frozen(const Model& model, double time) {
@@ -229,12 +230,13 @@ public:
         stop(now);
         fit_laws(turned_, now);
         const State unloaded = now;
-        if (settle(Interfaces::intact, now)) return now;
+        if (settle(Interfaces::intact, now)) return check_obstacles(start, now), now;
         // On the way to the equilibrium forces are other than in it: first the forces of what holds altogether, then
         // the damage that they do.
         now = unloaded;
         settle(Interfaces::glued, now);
         settle(Interfaces::softening, now);
+        check_obstacles(start, now);
         return now;
     }
 
@@ -252,6 +254,7 @@ private:
         return turned_.mesh.corner(farthest);
     }
 
+    void check_obstacles(const State& start, const State& now) const;
     std::string unheld(const State& before, const State& state, double acceleration, Index fastest) const;
     std::string overloaded(const State& now, double h) const;
     double correct(const State& now);
@@ -297,6 +300,23 @@ double EquilibriumSearch::correct(const State& now) {
     }
     const double load = load_of(still_->model, now);
     return load > 0 ? change / load : 0;
+}
+
+/// A free obstacle that found its rest elsewhere was not held where it started. It may follow the body, and close gaps.
+void EquilibriumSearch::check_obstacles(const State& start, const State& now) const {
+    double of_body = 0;
+    for (Index c = 0; c < turned_.mesh.n_corners(); ++c)
+        of_body = std::max(of_body, (now.displacement_of(c) - start.displacement_of(c)).norm());
+    for (std::size_t o = 0; o < now.obstacles.size(); ++o) {
+        const Obstacle& obstacle = turned_.obstacles[o];
+        if (!obstacle.is_free() || !obstacle.outline.is_bounded()) continue;
+        const Vec3 way = now.obstacles[o].moved - start.obstacles[o].moved;
+        const double width = obstacle.outline.half_width(), moved = way.head<2>().norm() + width * std::abs(way.z());
+        if (moved > follows_body * of_body + closes_gap * width)
+            no_equilibrium(formatted("nothing holds the free obstacle `%s` where it starts, it comes to rest %s away",
+                                     obstacle.name.c_str(), readable(moved, "m").c_str()),
+                           start.obstacles[o].pose.position);
+    }
 }
 
 /// Why a body moves away, from its last step.

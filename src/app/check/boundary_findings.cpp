@@ -101,38 +101,26 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
                          .code = "obstacles-overlap",
                          .message = both + " overlap by " + readable(-gap, "m") + " at " + place_text(place),
                          .note = "move them apart, or give one of them a [[body]] instead"}));
-        else if (read.scenario.time.scheme.takes_implicit_steps())
-            found.push_back(read.at(
-                item("obstacle", j),
-                {.severity = Diagnostic::Severity::warning,
-                 .code = "obstacles-pass",
-                 .message = both +
-                            " may meet: in implicit steps obstacles do not touch each other, a free one passes through "
-                            "others",
-                 .note = "bulk = \"explicit\"; or make one of them a [[body]] of a stiff material, or let it move only "
-                         "where it meets none "
-                         "(motion, turns = false); the gate obstacle_overlap ends the run where they meet"}));
     }
     for (const auto& [what, number, place] : held_against_obstacles(model, read.scenario.time.end)) {
-        using What = HeldAgainst::What;
-        if (what != What::support && !read.scenario.time.scheme.takes_implicit_steps()) continue;
-        const char* const meets = what == What::body   ? " may meet a body that is held everywhere, as at "
-                                  : what == What::edge ? " comes first to an edge whose ends are held, at "
-                                                       : " comes first to a support, at ";
+        const Obstacle& obstacle = model.obstacles[number];
+        const bool is_support = what == HeldAgainst::What::support;
+        if (!is_support && (!read.scenario.time.scheme.takes_implicit_steps() || obstacle.contact.friction == 0))
+            continue;
         found.push_back(read.at(
             item("obstacle", number),
             {.severity = Diagnostic::Severity::error,
              .code = "held-against-obstacle",
              .message =
-                 named(model.obstacles[number], number) + meets + place_text(place) +
-                 (what == What::support
+                 named(obstacle, number) + " comes first to " + (is_support ? "a support" : "an edge") + ", at " +
+                 place_text(place) +
+                 (is_support
                       ? ": a support meets bodies alone, and a free obstacle passes through it"
-                      : ": neither gives way, and in implicit steps a free obstacle passes through what is held"),
-             .note =
-                 what == What::support
-                     ? "a fixed [[obstacle]] in its place, or make the obstacle a [[body]] of a stiff material"
-                     : "bulk = \"explicit\"; or hold the body on its far side only, or make the obstacle a [[body]] "
-                       "of a stiff material"}));
+                      : ": it is held along its normal and may slip, and in implicit steps friction between it and a "
+                        "free obstacle, whose pressure the body does not decide, is not solved"),
+             .note = is_support
+                         ? "a fixed [[obstacle]] in its place, or make the obstacle a [[body]] of a stiff material"
+                         : "bulk = \"explicit\"; hold the edge along its face, too; or friction = 0"}));
     }
     return found;
 }

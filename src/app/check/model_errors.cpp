@@ -78,20 +78,20 @@ struct BodiesAtStart {
 };
 
 BodiesAtStart bodies_of(const Model& model) {
-    constexpr double touching = 1e-5;  // [-] of an edge: the search cannot bring closer what nothing else holds
+    constexpr double closed_gap = 1e-5;  // [-] of an edge: the search cannot bring closer what nothing else holds
     const Mesh& mesh = model.mesh;
     const State start = initial_state(model);
     UnionFind bodies(mesh.triangles.size());
     std::vector<Index> carried;  // triangles
     for (const InteriorEdge& edge : mesh.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
     for (const Interface& interface : model.interfaces)
-        if (interface.triangle[0] == rigid_support && interface.gap <= touching * interface.length)
+        if (interface.triangle[0] == rigid_support && interface.gap <= closed_gap * interface.length)
             carried.push_back(interface.triangle[1]);
     if (!model.contact_of_pair.empty()) {
         FaceContacts faces(model);
         faces.find(start, 0);
         for (const FaceContact& at : faces.all()) {
-            if (at.gap > touching * at.length) continue;
+            if (at.gap > closed_gap * at.length) continue;
             const Index vertex = at.vertex[1], edge = at.edge[0];
             if (model.ground_at(vertex)) carried.push_back(mesh.triangle_of(edge));
             else if (model.ground_at(edge)) carried.push_back(mesh.triangle_of(vertex));
@@ -103,7 +103,7 @@ BodiesAtStart bodies_of(const Model& model) {
     for (const ObstacleContact& at : obstacles.all()) {
         const Index t = mesh.triangle_of(at.corner);
         const double size = bounding_box({mesh.corner(t, 0), mesh.corner(t, 1), mesh.corner(t, 2)}).diagonal();
-        if (at.gap <= touching * size) carried.push_back(t);
+        if (at.gap <= closed_gap * size) carried.push_back(t);
     }
     BodiesAtStart found{.of_triangle = {}, .is_carried = std::vector<std::uint8_t>(mesh.triangles.size(), 0)};
     for (Index t = 0; t < mesh.n_triangles(); ++t) found.of_triangle.push_back(bodies.find(t));

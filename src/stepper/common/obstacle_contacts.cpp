@@ -287,11 +287,4 @@ void ObstacleContacts::add_on_edge(const ObstacleContact& contact, double length
     if (contact.gap <= near * length + obstacle_reach_in_steps * h * most) contacts_.push_back(contact);
 }
 
-bool ObstacleContacts::find_free(std::vector<std::uint8_t>& free) const {
-    free.assign(model_.obstacles.size(), 0);
-    for (const ObstacleContact& contact : contacts_)
-        free[contact.obstacle] = model_.obstacles[contact.obstacle].is_free();
-    return std::ranges::find(free, 1) != free.end();
-}
-
 }  // namespace knap

@@ -66,8 +66,6 @@ public:
                 std::ranges::upper_bound(first, last, fan, {}, &ObstacleContact::fan)};
     }
 
-    /// [0/1] per obstacle: it is free and has contacts. Returns whether any has.
-    bool find_free(std::vector<std::uint8_t>& free) const;
     /// [N s, N s, N m s] of the body on each obstacle; impulse_at(i): on the body at contact i of all().
     template <class ImpulseAt>
     void sum_wrenches(const ImpulseAt& impulse_at, std::vector<Vec3>& wrench) const {

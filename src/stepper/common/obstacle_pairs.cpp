@@ -149,6 +149,11 @@ void find_facing(const Two& pair, double reach, double tolerance, std::vector<Fa
 
 }  // namespace
 
+ContactLaw law_between(const Obstacle& one, const Obstacle& two) {
+    return {.friction = std::sqrt(one.contact.friction * two.contact.friction),
+            .restitution = std::sqrt(one.contact.restitution * two.contact.restitution)};
+}
+
 ObstaclePairs::ObstaclePairs(const Model& model) : model_(model), pairs_(obstacles_that_may_meet(model.obstacles)) {
     for (const Obstacle& obstacle : model.obstacles)
         half_width_.push_back(obstacle.outline.is_bounded() ? obstacle.outline.half_width() : infinity);

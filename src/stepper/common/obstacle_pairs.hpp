@@ -20,6 +20,9 @@ struct ObstaclePairContact {
     double gap;               // [m]
 };
 
+/// Of two obstacles: the geometric means of what each has against the body.
+ContactLaw law_between(const Obstacle& one, const Obstacle& two);
+
 class ObstaclePairs {
 public:
     explicit ObstaclePairs(const Model& model);

@@ -26,14 +26,28 @@ double positive_work(const Vec2& P, const Vec2& mean) {
     return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
 }
 
-/// [N s] Of the step before; zero where it was no contact.
-Vec2 impulse_before(const ObstacleContact& contact, const State& begin) {
-    const auto found = std::ranges::find_if(begin.obstacle_contacts, [&](const ObstacleContactState& before) {
-        return before.corner == contact.corner && before.second_corner == contact.second_corner &&
-               before.obstacle == contact.obstacle;
-    });
-    return found == begin.obstacle_contacts.end() ? Vec2(Vec2::Zero()) : Vec2(found->contact, found->tangential);
-}
+/// The impulses [N s] of the step before; zero where a contact was none. Contacts come in the same order in most steps,
+/// so the search goes on behind the last one that was found: a corner in a valley of a terrain has one for each side.
+class ImpulsesBefore {
+public:
+    explicit ImpulsesBefore(const State& begin) : all_(begin.obstacle_contacts) {}
+    Vec2 next(const ObstacleContact& contact) {
+        for (std::size_t k = 0; k + (next_ > 0) < all_.size(); ++k) {
+            const std::size_t i = (next_ + k) % all_.size();
+            const ObstacleContactState& before = all_[i];
+            if (before.corner != contact.corner || before.second_corner != contact.second_corner ||
+                before.obstacle != contact.obstacle)
+                continue;
+            next_ = i + 1;
+            return {before.contact, before.tangential};
+        }
+        return Vec2::Zero();
+    }
+
+private:
+    const std::vector<ObstacleContactState>& all_;
+    std::size_t next_ = 0;
+};
 
 }  // namespace
 
@@ -115,19 +129,16 @@ void VertexContacts::add_row(const ObstacleContact& contact, const ExplicitStep&
             step);
 }
 
-/// Of two obstacles: with the geometric means of what each has against the body.
 void VertexContacts::add_row(const ObstaclePairContact& contact, const ExplicitStep& step) {
     const auto row = static_cast<Index>(rows_.size());
     const auto& [one, two] = contact.obstacle;
     const Vec2 x = step.begin.obstacles[one].pose.position + contact.arm[0];
     add_obstacle_term(row, one, contact.arm[0], -1, contact.normal);
     add_obstacle_term(row, two, contact.arm[1], 1, contact.normal);
-    const CohesiveLaw &a = model_.obstacles[one].contact, &b = model_.obstacles[two].contact;
     add_row({.gap = contact.gap,
              .deep = rebound_depth * obstacles_.pairs.size(contact),
              .rounding = position_rounding * (x.norm() + contact.arm[0].norm() + contact.arm[1].norm()),
-             .law = {.friction = std::sqrt(a.friction * b.friction),
-                     .restitution = std::sqrt(a.restitution * b.restitution)},
+             .law = law_between(model_.obstacles[one], model_.obstacles[two]),
              .place = x},
             step);
 }
@@ -147,10 +158,11 @@ void VertexContacts::begin_obstacles(const ExplicitStep& step) {
     for (std::size_t o = 0; o < obstacle_velocity_.size(); ++o)
         obstacle_velocity_[o] = step.begin.obstacles[o].velocity;
     const double scale = step.begin.last_step > 0 ? step.kick_time / step.begin.last_step : 0;
+    ImpulsesBefore before(step.begin);
     for (const ObstacleContact& contact : obstacles_.contacts.all())
         if (!solver_.is_within_fan(contact)) {
             add_row(contact, step);
-            impulse_.back() = scale * impulse_before(contact, step.begin);
+            impulse_.back() = scale * before.next(contact);
         }
     for (const ObstaclePairContact& contact : obstacles_.pairs.all()) add_row(contact, step);
     obstacle_velocity_ = obstacles_.motion.rate();
@@ -429,7 +441,8 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
     for (Index row = n_faces(); const ObstacleContact& contact : obstacles_.contacts.all())
         if (!solver_.is_within_fan(contact)) {
             const Vec2 P = lasting * impulse_[row++];
-            if (!P.isZero(0))
+            const bool may_be_one_of_two = model_.obstacles[contact.obstacle].outline.line != nullptr;
+            if (may_be_one_of_two || !P.isZero(0))
                 step.end.obstacle_contacts.push_back(
                     {contact.corner, contact.second_corner, contact.obstacle, P.x(), P.y()});
         }

@@ -51,8 +51,7 @@ ActivePoint obstacle_point(const Model& model, const StepContext& step, const Co
     const Index node = nodes.node_of_corner[contact.corner];
     const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
                of_obstacle = velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
-    double rate = contact.normal.dot(of_body - of_obstacle);
-    if (std::abs(rate) <= rate_rounding * (of_body.norm() + of_obstacle.norm())) rate = 0;  // no w meets such a bound
+    const double rate = normal_rate(contact.normal, of_obstacle, of_body);
     const bool slip_follows_normal = obstacle.is_free() && contact.is_led_along(nodes.prescribed[node]);
     ActivePoint made{
         .sides = {.fan_point = -1,
@@ -87,7 +86,7 @@ void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
         along[0] = along[0] || prescribed[1 - k] || std::abs(point.normal[k]) > 1 - 1e-9;
         along[1] = along[1] || prescribed[1 - k] || std::abs(point.normal[k]) < 1e-9;
     }
-    if (along[0]) point.law.contact.may_touch = false;
+    if (along[0]) point.law.contact.may_touch = false, point.is_held = true;
     if (along[1]) point.multipliers.rho_T = infinity;
 }
 

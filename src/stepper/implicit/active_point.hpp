@@ -24,6 +24,7 @@ struct ActivePoint {
     Vec2 support_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
     double mass = 0;                   // [kg] that an impulse between the two sides moves: scale of impulses over rates
     double ramp_stiffness = 0;         // [kg] of the steepest ramp of its fan
+    bool is_held = false;              // along its normal, on all sides of the body
 
     Vec2 in_frame(const Vec2& a) const { return {normal.dot(a), turned_left(normal).dot(a)}; }
     Vec2 out_of_frame(const Vec2& a) const { return a.x() * normal + a.y() * turned_left(normal); }
@@ -91,6 +92,12 @@ ActivePoint obstacle_point(const Model& model, const StepContext& step, const Co
                            const ObstacleContact& contact, const Vec3& obstacle_rate);
 
 constexpr double rate_rounding = 1e-14;  // of the rates
+
+/// [m/s] V_N of two sides, or zero where it is rounding: no w would meet the bound that follows from it.
+inline double normal_rate(const Vec2& normal, const Vec2& first, const Vec2& second) {
+    const double rate = normal.dot(second - first);
+    return std::abs(rate) <= rate_rounding * (first.norm() + second.norm()) ? 0 : rate;
+}
 
 /// Components (N, T) of its rate that are prescribed on all sides: no contact forms, and the rate alone decides
 /// friction.

@@ -16,7 +16,6 @@ constexpr std::size_t max_lcp_points = 100;  // in the body: up to nine unknowns
 // driven against itself has no admissible motion, the impulses of the iteration grow without bound. (Impacts of whole
 // bodies and the weight on a column reach 100.)
 constexpr double max_pressing = 1e3;
-constexpr double obstacle_tolerance = 1e-12;        // of the largest impulse
 constexpr double max_energy_balance_error = 1e-11;  // of the energies; usual: 1e-15, tolerance of the balance: 1e-12
 constexpr int max_face_rounds = 5;                  // until no faces meet that were not found before
 constexpr int max_free_rounds = 2;
@@ -34,6 +33,7 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       bond_check_(model),
       contacts_(model),
       obstacles_(model),
+      free_obstacles_(model, obstacles_, contacts_),
       faces_(model),
       free_motions_(model, bulk_),
       sticking_rates_(model),
@@ -62,17 +62,20 @@ StepReport ImplicitScheme::solve_step(const State& begin, double h, State& end) 
     begin_step(begin, h, end.temperature);  // K u, F_theta, contacts with obstacles, first guesses
     solve_free_obstacles(report);           // rates of obstacles, each trial with a solution of the next line
     solve_body(report);                     // r(w) = H' q(w): impulses that the bulk needs, and those of the points
+    free_obstacles_.finish(body_at_contacts());
     if (report.rejection == Rejection::none && options_.respect_assumption_1 && solver_.violates_assumption_1())
         report.rejection = Rejection::assumption_1;
     if (report.rejection != Rejection::none) return rejected(report, report.rejection);
     sticking_rates_.merge(points_of_fans(), partition_, x_.rate);
     check_residual(report);
+    report.residual = std::max(report.residual, free_obstacles_.residual());
     if (report.residual > max_residual) return rejected(report, Rejection::not_converged);
     account_points(report);
-    bulk_.account(x_.rate, solver_.residual_impulse(), work_, report);
+    free_obstacles_.account(report);
+    bulk_.account(x_.rate, reactions(), work_, report);
     if (energy_balance_error_exceeds(report)) return rejected(report, Rejection::not_converged);
     store(end, report);  // u+ = u + h w,  v+ = (w - (1 - theta) v)/theta,  beta+
-    obstacles_.finish(begin, contact_wrenches(), end, report);
+    obstacles_.finish(begin, free_obstacles_.wrenches(), end, report);
     return report;
 }
 
@@ -149,15 +152,22 @@ void ImplicitScheme::solve_body(StepReport& report) {
 
 /// The motion of a free obstacle depends on the body: the body is solved for given rates until both agree.
 void ImplicitScheme::solve_free_obstacles(StepReport& report) {
-    if (!contacts_.find_free(touched_)) return;
-    const auto response = [&](std::vector<Vec3>& wrench) {
+    if (!free_obstacles_.begin(step_)) return;
+    set_partition();  // tells which contacts are held
+    free_obstacles_.solve(body_at_contacts(), [&] {
         report.rejection = Rejection::none;  // of the previous trial
         solve_body(report);
-        wrench = contact_wrenches();
-    };
-    report.residual = obstacles_.solve(*step_.begin, touched_, {.tolerance = obstacle_tolerance},
-                                       std::cref(response));  // cref: no copy
+        return body_at_contacts();
+    });
     report.rejection = Rejection::none;
+}
+
+/// [N s] Per node: theta times the impulses that it needs from elsewhere, in prescribed components.
+const std::vector<Vec2>& ImplicitScheme::reactions() {
+    if (!free_obstacles_.presses_on_held()) return solver_.residual_impulse();
+    reaction_ = solver_.residual_impulse();
+    free_obstacles_.subtract_impulses(partition_, reaction_);
+    return reaction_;
 }
 
 /// True: from now on, since a motion of the present solution is free and its inertia hidden.
@@ -392,7 +402,7 @@ bool ImplicitScheme::opens(Index f) const {
     });
 }
 
-void ImplicitScheme::store(State& end, StepReport& report) const {
+void ImplicitScheme::store(State& end, StepReport& report) {
     const State& begin = *step_.begin;
     end = begin;
     end.obstacle_contacts.clear();
@@ -412,11 +422,12 @@ void ImplicitScheme::store(State& end, StepReport& report) const {
     }
     faces_.store(face_points(), step_.kick(), end);
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
+    const std::vector<Vec2>& reaction = reactions();
     for (Index i = 0; i < partition_.n_nodes(); ++i) {
         const Index motion = model_.prescribed_of_corner[partition_.corner_of_node[i]];
         for (int k = 0; k < 2; ++k)
             if (motion >= 0 && model_.prescribed[motion].component[k])
-                end.reaction[motion][k] = solver_.residual_impulse()[i][k] / step_.kick();
+                end.reaction[motion][k] = reaction[i][k] / step_.kick();
     }
     for (std::size_t rank = 0; rank < end.split_fans.size(); ++rank) {
         const Fan& fan = model_.fans[end.split_fans[rank]];
@@ -446,11 +457,6 @@ void ImplicitScheme::store(State& end, StepReport& report) const {
                              report);
         }
     }
-}
-
-const std::vector<Vec3>& ImplicitScheme::contact_wrenches() {
-    contacts_.sum_wrenches([&](std::size_t i) -> Vec2 { return contact_points()[i].impulse() / step_.theta; }, wrench_);
-    return wrench_;
 }
 
 /// With the place: a point that lost cohesion, or the node with the largest residual.

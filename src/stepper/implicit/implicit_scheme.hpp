@@ -16,18 +16,17 @@
 //     apart, e = 0:               b = min(-u_N/h, -(1 - theta) max(-V_N, 0))     closes the gap, or stops at it
 //     apart, e > 0:               no contact in this step: it must touch first
 // The work of an impulse is P . w; since b <= 0 and friction opposes w_T, every single contact and friction work is
-// <= 0. A corner near a rigid obstacle has one point more, on a support that moves; ObstacleMotion finds the rates of
-// free obstacles. Where the model has contact between free faces, they meet as in a search of equilibrium
+// <= 0. A corner near a rigid obstacle has one point more, on a support that moves; FreeObstacles finds the rates of
+// those that are free. Where the model has contact between free faces, they meet as in a search of equilibrium
 // (face_points.hpp). Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+
 // is the slope of its history there).
 #include "stepper/common/bond_check.hpp"
-#include "stepper/common/obstacle_contacts.hpp"
-#include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
 #include "stepper/implicit/carried_motion.hpp"
 #include "stepper/implicit/face_points.hpp"
 #include "stepper/implicit/free_motions.hpp"
+#include "stepper/implicit/free_obstacles.hpp"
 #include "stepper/implicit/sticking_rates.hpp"
 
 #include <tuple>
@@ -51,6 +50,8 @@ private:
     void solve_points(StepReport& report);
     void solve_body(StepReport& report);
     void solve_free_obstacles(StepReport& report);
+    FreeObstacles::Body body_at_contacts() const { return {contact_points(), x_.rate, partition_}; }
+    const std::vector<Vec2>& reactions();
     bool needs_free_motions();
     bool move_freely();
     void read_corner_rates(std::vector<Vec2>& of_corner) const;  // of the present solution
@@ -65,9 +66,8 @@ private:
     void check_residual(StepReport& report) const;
     bool energy_balance_error_exceeds(const StepReport& report) const;
     void account_points(StepReport& report) const;
-    void store(State& end, StepReport& report) const;
+    void store(State& end, StepReport& report);
     bool opens(Index fan) const;
-    const std::vector<Vec3>& contact_wrenches();  // [N s, N s, N m s] of the body on each obstacle
     std::span<const ActivePoint> contact_points() const { return std::span(x_.points).last(contacts_.all().size()); }
     std::span<const ActivePoint> points_of_fans() const {
         return std::span(x_.points).first(x_.points.size() - contacts_.all().size() - faces_.size());
@@ -89,6 +89,7 @@ private:
     BondCheck bond_check_;
     ObstacleContacts contacts_;
     ObstacleMotion obstacles_;
+    FreeObstacles free_obstacles_;
     FacePoints faces_;
     FreeMotions free_motions_;
     StickingRates sticking_rates_;
@@ -108,8 +109,7 @@ private:
     // workspace
     std::vector<Vec2> contact_impulse_;  // [N s] theta times the impulses of obstacles, per corner
     std::vector<Vec2> required_;         // [N s] per corner of the fan in the bond check
-    std::vector<Vec3> wrench_;
-    std::vector<std::uint8_t> touched_;  // per obstacle
+    std::vector<Vec2> reaction_;         // [N s] per node, where free obstacles press on what is held
     ImplicitBulk::Workspace work_;
 };
 

@@ -1,4 +1,4 @@
-// Rigid obstacles that meet each other, in the explicit scheme: rolling and slipping on an incline, impacts, stacks and
+// Rigid obstacles that meet each other, in both schemes: rolling and slipping on an incline, impacts, stacks and
 // heaps that come to rest.
 #include "model/obstacle_gap.hpp"
 #include "support/obstacles.hpp"
@@ -17,6 +17,9 @@ using namespace knap::tests;
 namespace {
 
 constexpr double g = 9.81;
+
+const std::array<SchemeOptions, 2> both_schemes{SchemeOptions{}, implicit(0.5)};
+bool is_implicit(const SchemeOptions& scheme) { return scheme.bulk == BulkScheme::implicit_theta; }
 
 /// A body far away that meets none of them.
 ModelInput scene(std::vector<Obstacle> obstacles) {
@@ -69,87 +72,100 @@ TEST_CASE("a free disc rolls down an incline with two thirds of g sin a and slip
     const double a = 0.3, radius = 0.2, h = 1e-3, steps = 400;
     const Vec2 down(std::cos(a), -std::sin(a)), normal(std::sin(a), std::cos(a));
     enum class Slope { half_plane, polygon, polyline };
-    for (const Slope kind : {Slope::half_plane, Slope::polygon, Slope::polyline})
-        for (const double part : {3.0, 1.01, 0.99, 0.5, 0.0}) {  // friction over tan(a)/3
-            CAPTURE(kind);
-            CAPTURE(part);
-            const double mu = part * std::tan(a) / 3;
-            const std::vector<Vec2> slope{-5 * down, -5 * down - 2 * normal, 5 * down - 2 * normal, 5 * down};
-            std::vector<Vec2> line;  // of 300 sides, shorter than the disc
-            for (int i = 0; i <= 300; ++i) line.push_back((5 - 10. * i / 300) * down);
-            Run run(heavy_scene({kind == Slope::polyline  ? terrain(line, {.friction = mu})
-                                 : kind == Slope::polygon ? polygon(slope, {.friction = mu})
-                                                          : platen({0, 0}, normal, {.friction = mu}),
-                                 boulder(radius * normal, radius, {0, 0}, {.friction = mu})}));
-            for (int i = 0; i < steps; ++i) run.step(h);
-            const double t = (steps - 0.5) * h;  // velocities live at the middle of the steps
-            const Vec3& v = run.now.obstacles[1].velocity;
-            const bool rolls = part > 1;
-            CHECK(v.head<2>().dot(down) ==
-                  relative(rolls ? 2.0 / 3 * g * std::sin(a) * t : g * (std::sin(a) - mu * std::cos(a)) * t, 1e-3));
-            CHECK(-v.z() * radius ==
-                  doctest::Approx(rolls ? v.head<2>().dot(down) : 2 * mu * g * std::cos(a) * t).epsilon(1e-3));
-            CHECK(std::abs(v.head<2>().dot(normal)) < 1e-12);
-            check_energy_balance(run);
-        }
+    for (const SchemeOptions& scheme : both_schemes)
+        for (const Slope kind : {Slope::half_plane, Slope::polygon, Slope::polyline})
+            for (const double part : {3.0, 1.01, 0.99, 0.5, 0.0}) {  // friction over tan(a)/3
+                CAPTURE(is_implicit(scheme));
+                CAPTURE(kind);
+                CAPTURE(part);
+                const double mu = part * std::tan(a) / 3;
+                const std::vector<Vec2> slope{-5 * down, -5 * down - 2 * normal, 5 * down - 2 * normal, 5 * down};
+                std::vector<Vec2> line;  // of 300 sides, shorter than the disc
+                for (int i = 0; i <= 300; ++i) line.push_back((5 - 10. * i / 300) * down);
+                Run run(heavy_scene({kind == Slope::polyline  ? terrain(line, {.friction = mu})
+                                     : kind == Slope::polygon ? polygon(slope, {.friction = mu})
+                                                              : platen({0, 0}, normal, {.friction = mu}),
+                                     boulder(radius * normal, radius, {0, 0}, {.friction = mu})}),
+                        scheme);
+                for (int i = 0; i < steps; ++i) run.step(h);
+                // velocities of the explicit scheme live at the middle of the steps
+                const double t = (steps - (is_implicit(scheme) ? 0 : 0.5)) * h;
+                const Vec3& v = run.now.obstacles[1].velocity;
+                const bool rolls = part > 1;
+                CHECK(v.head<2>().dot(down) ==
+                      relative(rolls ? 2.0 / 3 * g * std::sin(a) * t : g * (std::sin(a) - mu * std::cos(a)) * t, 1e-3));
+                CHECK(-v.z() * radius ==
+                      doctest::Approx(rolls ? v.head<2>().dot(down) : 2 * mu * g * std::cos(a) * t).epsilon(1e-3));
+                CHECK(std::abs(v.head<2>().dot(normal)) < 1e-12);
+                check_energy_balance(run);
+            }
 }
 
 TEST_CASE("two free discs exchange their speeds and keep their momentum") {
-    for (const double e : {1.0, 0.5, 0.0})
-        for (const double mu : {0.0, 0.4}) {
-            CAPTURE(e);
-            CAPTURE(mu);
-            const CohesiveLaw contact{.friction = mu, .restitution = e};
-            Obstacle left = boulder({0, 0}, 0.5, {1, 0}, contact), right = boulder({1.1, 0}, 0.5, {0, 0}, contact);
-            left.initial_velocity.z() = 2;
-            Run run(scene({left, right}));
-            const auto momenta = [&] {
-                Vec3 sum = Vec3::Zero();
-                for (std::size_t o = 0; o < 2; ++o) {
-                    const Obstacle& obstacle = run.model.obstacles[o];
-                    const ObstacleState& now = run.now.obstacles[o];
-                    sum += obstacle.mass * wrench_of(now.velocity.head<2>(), now.pose.position);
-                    sum.z() += obstacle.inertia * now.velocity.z();
-                }
-                return sum;
-            };
-            const Vec3 before = momenta();
-            for (int i = 0; i < 200; ++i) run.step(1e-3);
-            CHECK(run.now.obstacles[0].velocity.x() == doctest::Approx(0.5 * (1 - e)).epsilon(1e-9));
-            CHECK(run.now.obstacles[1].velocity.x() == doctest::Approx(0.5 * (1 + e)).epsilon(1e-9));
-            CHECK((momenta() - before).head<2>().norm() < 1e-12);
-            CHECK(std::abs((momenta() - before).z()) < 5e-4);  // arms are those of the middle of the step: h/2 v x P
-            CHECK((mu > 0) == (std::abs(run.now.obstacles[0].velocity.z() - 2) > 1e-3));
-            check_energy_balance(run);
-        }
+    for (const SchemeOptions& scheme : both_schemes)
+        for (const double e : {1.0, 0.5, 0.0})
+            for (const double mu : {0.0, 0.4}) {
+                CAPTURE(e);
+                CAPTURE(mu);
+                const CohesiveLaw contact{.friction = mu, .restitution = e};
+                Obstacle left = boulder({0, 0}, 0.5, {1, 0}, contact), right = boulder({1.1, 0}, 0.5, {0, 0}, contact);
+                left.initial_velocity.z() = 2;
+                Run run(scene({left, right}), scheme);
+                const auto momenta = [&] {
+                    Vec3 sum = Vec3::Zero();
+                    for (std::size_t o = 0; o < 2; ++o) {
+                        const Obstacle& obstacle = run.model.obstacles[o];
+                        const ObstacleState& now = run.now.obstacles[o];
+                        sum += obstacle.mass * wrench_of(now.velocity.head<2>(), now.pose.position);
+                        sum.z() += obstacle.inertia * now.velocity.z();
+                    }
+                    return sum;
+                };
+                const Vec3 before = momenta();
+                for (int i = 0; i < 200; ++i) run.step(1e-3);
+                CHECK(run.now.obstacles[0].velocity.x() == doctest::Approx(0.5 * (1 - e)).epsilon(1e-9));
+                CHECK(run.now.obstacles[1].velocity.x() == doctest::Approx(0.5 * (1 + e)).epsilon(1e-9));
+                CHECK((momenta() - before).head<2>().norm() < 1e-12);
+                CHECK(std::abs((momenta() - before).z()) <
+                      5e-4);  // arms are those of the middle of the step: h/2 v x P
+                CHECK((mu > 0) == (std::abs(run.now.obstacles[0].velocity.z() - 2) > 1e-3));
+                check_energy_balance(run);
+            }
 }
 
 TEST_CASE("a rigid block stands with 47 percent beyond the edge of another one and tips with 53") {
-    for (const double overhang : {0.47, 0.53}) {
-        CAPTURE(overhang);
-        Run run(heavy_scene({box({-3, -2}, {0, 0}, 0.9), freed(box({overhang - 1, 0}, {overhang, 0.3}, 0.9))}));
-        for (int i = 0; i < 500; ++i) run.step(1e-3);
-        if (overhang < 0.5) {
-            CHECK(std::abs(run.now.obstacles[1].moved.z()) < 1e-12);
-            CHECK(run.now.obstacles[1].reaction.y() == relative(0.3 * g, 1e-9));
-        } else {
-            CHECK(run.now.obstacles[1].moved.z() < -0.05);
+    for (const SchemeOptions& scheme : both_schemes)
+        for (const double overhang : {0.47, 0.53}) {
+            CAPTURE(overhang);
+            CAPTURE(is_implicit(scheme));
+            Run run(heavy_scene({box({-3, -2}, {0, 0}, 0.9), freed(box({overhang - 1, 0}, {overhang, 0.3}, 0.9))}),
+                    scheme);
+            for (int i = 0; i < 500; ++i) run.step(1e-3);
+            if (overhang < 0.5) {
+                CHECK(std::abs(run.now.obstacles[1].moved.z()) < 1e-12);
+                CHECK(run.now.obstacles[1].reaction.y() == relative(0.3 * g, 1e-9));
+            } else {
+                CHECK(run.now.obstacles[1].moved.z() < -0.05);
+            }
+            CHECK(overlap(run) < 1e-4);
+            check_energy_balance(run);
         }
-        CHECK(overlap(run) < 1e-4);
-        check_energy_balance(run);
-    }
 }
 
 TEST_CASE("a rigid block slides down a rigid incline as Coulomb says") {
     const double a = 0.4, mu = 0.3, h = 1e-3, steps = 300;
     const Vec2 down(std::cos(a), -std::sin(a)), normal(std::sin(a), std::cos(a));
     const std::vector<Vec2> block{Vec2(0, 0), down, down + 0.5 * normal, 0.5 * normal};
-    Run run(heavy_scene({platen({0, 0}, normal, {.friction = mu}), freed(polygon(block, {.friction = mu}))}));
-    for (int i = 0; i < steps; ++i) run.step(h);
-    CHECK(run.now.obstacles[1].velocity.head<2>().dot(down) ==
-          relative(g * (std::sin(a) - mu * std::cos(a)) * (steps - 0.5) * h, 1e-9));
-    CHECK(std::abs(run.now.obstacles[1].moved.z()) < 1e-9);
-    check_energy_balance(run);
+    for (const SchemeOptions& scheme : both_schemes) {
+        Run run(heavy_scene({platen({0, 0}, normal, {.friction = mu}), freed(polygon(block, {.friction = mu}))}),
+                scheme);
+        for (int i = 0; i < steps; ++i) run.step(h);
+        const double t = (steps - (is_implicit(scheme) ? 0 : 0.5)) * h;
+        CHECK(run.now.obstacles[1].velocity.head<2>().dot(down) ==
+              relative(g * (std::sin(a) - mu * std::cos(a)) * t, 1e-9));
+        CHECK(std::abs(run.now.obstacles[1].moved.z()) < 1e-9);
+        check_energy_balance(run);
+    }
 }
 
 TEST_CASE("four free obstacles in a heap come to rest") {
@@ -158,43 +174,49 @@ TEST_CASE("four free obstacles in a heap come to rest") {
                                      boulder({-0.3, 1.0}, 0.25, {0, 0}, {.friction = 0.5}),
                                      freed(polygon({{0.1, 0.8}, {0.9, 0.9}, {0.4, 1.4}}, {.friction = 0.5}))};
     // in a bin of three obstacles, and on a terrain that is this bin
-    for (const bool on_terrain : {false, true}) {
-        CAPTURE(on_terrain);
-        std::vector<Obstacle> obstacles{platen({0, 0}, {0, 1}, {.friction = 0.5}), box({-2, 0}, {-1, 5}, 0.5),
-                                        box({1, 0}, {2, 5}, 0.5)};
-        if (on_terrain) obstacles = {terrain({{1, 5}, {1, 0}, {0.02, 0}, {-1, 0}, {-1, 5}}, {.friction = 0.5})};
-        const std::size_t n_fixed = obstacles.size();
-        obstacles.insert(obstacles.end(), heap.begin(), heap.end());
-        Run run(heavy_scene(obstacles));
-        for (int i = 0; i < 4000; ++i) run.step(1e-3);
-        CHECK(kinetic(run) < 1e-12);
-        CHECK(overlap(run) < 5e-3);
-        double weight = 0, reaction = 0;
-        for (std::size_t o = n_fixed; o < obstacles.size(); ++o) weight += g * run.model.obstacles[o].mass;
-        for (std::size_t o = 0; o < n_fixed; ++o) reaction += run.now.obstacles[o].reaction.y();
-        CHECK(reaction == relative(-weight, 1e-6));
-        check_energy_balance(run);
-    }
+    for (const SchemeOptions& scheme : {SchemeOptions{}, implicit(0.6)})
+        for (const bool on_terrain : {false, true}) {
+            CAPTURE(on_terrain);
+            CAPTURE(is_implicit(scheme));
+            std::vector<Obstacle> obstacles{platen({0, 0}, {0, 1}, {.friction = 0.5}), box({-2, 0}, {-1, 5}, 0.5),
+                                            box({1, 0}, {2, 5}, 0.5)};
+            if (on_terrain) obstacles = {terrain({{1, 5}, {1, 0}, {0.02, 0}, {-1, 0}, {-1, 5}}, {.friction = 0.5})};
+            const std::size_t n_fixed = obstacles.size();
+            obstacles.insert(obstacles.end(), heap.begin(), heap.end());
+            Run run(heavy_scene(obstacles), scheme);
+            for (int i = 0; i < 4000; ++i) run.step(1e-3);
+            CHECK(kinetic(run) < 1e-12);
+            CHECK(overlap(run) < 5e-3);
+            double weight = 0, reaction = 0;
+            for (std::size_t o = n_fixed; o < obstacles.size(); ++o) weight += g * run.model.obstacles[o].mass;
+            for (std::size_t o = 0; o < n_fixed; ++o) reaction += run.now.obstacles[o].reaction.y();
+            CHECK(reaction == relative(-weight, 1e-6));
+            check_energy_balance(run);
+        }
 }
 
 TEST_CASE("a disc and a square lie in a valley of a terrain and press on both of its sides") {
     const double angle = 0.6, radius = 0.2;
     const Vec2 left(-std::cos(angle), std::sin(angle)), right(std::cos(angle), std::sin(angle));
-    for (const bool is_disc : {true, false}) {
-        CAPTURE(is_disc);
-        const double height = radius / std::cos(angle);
-        const Obstacle body = is_disc
-                                  ? boulder({0, height + 1e-3}, radius, {0, 0})
-                                  : freed(polygon({{0, 0.1}, {0.1, 0.2}, {0, 0.3}, {-0.1, 0.2}}, {.friction = 0.9}));
-        const CohesiveLaw contact{.friction = is_disc ? 0 : 0.9};
-        Run run(heavy_scene({terrain({2 * right, Vec2(0, 0), 2 * left}, contact), body}));
-        for (int i = 0; i < 3000; ++i) run.step(1e-3);
-        CHECK(kinetic(run) < 1e-12);
-        CHECK(run.now.obstacles[1].reaction.y() == relative(run.model.obstacles[1].mass * g, 1e-6));
-        if (is_disc) CHECK(run.now.obstacles[1].pose.position.y() == relative(height, 1e-4));
-        CHECK(overlap(run) < 1e-4);
-        check_energy_balance(run);
-    }
+    for (const SchemeOptions& scheme : {SchemeOptions{}, implicit(0.6)})
+        for (const bool is_disc : {true, false}) {
+            CAPTURE(is_disc);
+            CAPTURE(is_implicit(scheme));
+            const double height = radius / std::cos(angle);
+            const Obstacle body =
+                is_disc ? boulder({0, height + 1e-3}, radius, {0, 0})
+                        : freed(polygon({{0, 0.1}, {0.1, 0.2}, {0, 0.3}, {-0.1, 0.2}}, {.friction = 0.9}));
+            const CohesiveLaw contact{.friction = is_disc ? 0 : 0.9};
+            Run run(heavy_scene({terrain({2 * right, Vec2(0, 0), 2 * left}, contact), body}), scheme);
+            for (int i = 0; i < 3000; ++i) run.step(1e-3);
+            CHECK(kinetic(run) < 1e-12);
+            CHECK(run.now.obstacles[1].reaction.y() == relative(run.model.obstacles[1].mass * g, 1e-6));
+            if (is_disc)
+                CHECK(run.now.obstacles[1].pose.position.y() == relative(height, is_implicit(scheme) ? 2e-4 : 1e-4));
+            // what lands in an implicit step overlaps by (1 - theta) of its path
+            CHECK(overlap(run) < (is_implicit(scheme) ? 4e-4 : 1e-4));
+            check_energy_balance(run);
+        }
 }
 
 TEST_CASE("a disc that rolls over the summit of a terrain follows its corner") {
@@ -227,11 +249,14 @@ TEST_CASE("a driven polygon that turns carries a block") {
     // a plate turns slowly under a block, which it lifts without a gap
     Obstacle plate = box({-1, -0.2}, {1, 0}, 1.0);
     plate.drive[2] = driven(0.2);
-    Run run(heavy_scene({plate, freed(box({-0.3, 0}, {0.3, 0.2}, 1.0))}));
-    for (int i = 0; i < 1000; ++i) run.step(1e-3);
-    CHECK(run.now.obstacles[1].moved.z() == doctest::Approx(0.2).epsilon(1e-3));
-    CHECK(overlap(run) < 1e-4);
-    check_energy_balance(run);
+    for (const SchemeOptions& scheme : both_schemes) {
+        CAPTURE(is_implicit(scheme));
+        Run run(heavy_scene({plate, freed(box({-0.3, 0}, {0.3, 0.2}, 1.0))}), scheme);
+        for (int i = 0; i < 1000; ++i) run.step(1e-3);
+        CHECK(run.now.obstacles[1].moved.z() == doctest::Approx(0.2).epsilon(1e-3));
+        CHECK(overlap(run) < 1e-4);
+        check_energy_balance(run);
+    }
 }
 
 }  // namespace obstacle_pairs_test

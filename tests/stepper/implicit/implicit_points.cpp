@@ -21,7 +21,7 @@ constexpr CohesionScheme explicit_beta = CohesionScheme::explicit_beta, implicit
 /// All but massless, so that every step of theta = 1 ends in equilibrium.
 constexpr double no_mass = 1e-24;
 
-void check_energy_balance(const Run& run, double tolerance = 1e-12, double works = 1e-14) {
+void check_balance(const Run& run, double tolerance = 1e-12, double works = 1e-14) {
     const double scale = run.ledger.largest_energy();
     CHECK(run.ledger.largest_residual() <= tolerance * scale);
     CHECK(run.ledger.worst().worst_friction_work <= works * scale);
@@ -89,7 +89,7 @@ TEST_CASE("A2 quasi-static bar with a cohesive end by the implicit scheme") {
         verify_small("error of r_N/k, worst of all steps" + at, worst_r, {1e-12});
         CHECK(point.beta() == 0);
         verify("G/G_c when broken" + at, run.ledger.row().dissipated / (2 * law.G_c), 1, {1e-12});
-        check_energy_balance(run);
+        check_balance(run);
     }
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("A3 mode II with friction by the implicit scheme") {
     verify("G/G_c at t = 4", run.ledger.row().surface() / (2 * law.G_c), 1, {1e-12});
     go(run, 6, h);
     verify("friction traction after t = 4", friction(), 0.5, {1e-12});
-    check_energy_balance(run);
+    check_balance(run);
 }
 
 TEST_CASE("A4 quasi-static shear spring by the implicit scheme") {
@@ -174,7 +174,7 @@ TEST_CASE("A4 quasi-static shear spring by the implicit scheme") {
         verify_small("error of r_T while sliding, worst of all steps" + at, worst_r, {1e-10});
         verify_near("onset, within a step of 1/128" + at, moves, 2 * onset, {h, h});
         verify_near("broken, within a step of 1/128" + at, breaks, 2 * broken, {h, h});
-        check_energy_balance(run, 1e-12, 1e-13);  // a pressure of 5 times the rounding of the contact rate
+        check_balance(run, 1e-12, 1e-13);  // a pressure of 5 times the rounding of the contact rate
     }
 }
 
@@ -216,7 +216,7 @@ TEST_CASE("B1 one mass under constant force by the implicit scheme") {
         verify_near("speed at breaking" + at, point.v(), std::sqrt(2.0), {2 * h, h});
         verify_small("energy residual" + at, run.ledger.largest_residual() / run.ledger.largest_energy(),
                      {1e-14, 1e-15});
-        check_energy_balance(run, 1e-14);
+        check_balance(run, 1e-14);
         const int n = static_cast<int>(std::floor(1.5 / h));
         const double error = std::abs(std::cosh(n * a) - std::cosh(n * h)) / std::sinh(n * h) / (n * h);
         if (previous > 0)
@@ -251,7 +251,7 @@ TEST_CASE("B1 larger theta breaks without ringing and dissipates") {
                    std::sqrt(2.0) + 1.5 * (3 - 1.7627471740), {h});
             CHECK(run.ledger.row().scheme_dissipation >= 0);
             CHECK((run.ledger.row().scheme_dissipation > 0) == (theta > 0.5));
-            check_energy_balance(run, 1e-13);
+            check_balance(run, 1e-13);
         }
     }
 }
@@ -339,7 +339,7 @@ TEST_CASE("E6 a point that closes stays closed and does not chatter") {
         verify_at_most("|u_N| at the end over the largest step |v| h" + at, std::abs(point.u()) / (fastest * h), 2);
         CHECK(run.ledger.worst().penetration <= fastest * h);
         verify_small("speed at the end" + at, point.v(), {1e-12});
-        check_energy_balance(run);
+        check_balance(run);
     }
 }
 
@@ -371,7 +371,7 @@ TEST_CASE("E8 a stuck point under a rotating load does not drift with the implic
                              ", theta = " + digits(theta),
                          std::max(run.u(0, 0).norm(), run.u(0, 1).norm()) / delta, {1e-12});
             if (glued) CHECK(PointView(run).beta() == 1);
-            check_energy_balance(run);
+            check_balance(run);
         }
 }
 
