@@ -243,9 +243,11 @@ double FreeObstacles::find_rates(const Response& response) {
     const auto largest = [&] { return rows_.empty() ? of_trial : std::max(of_trial, pressed_.cwiseAbs().maxCoeff()); };
     FewRows error = with_rows(missed);
     scale = largest();
+    // rows press with impulses of which nothing is left in x, and hold places: until x follows them it is measured alone
+    double goal = obstacle_tolerance * (rows_.empty() ? scale : std::max(0.01 * speed, x.cwiseAbs().maxCoeff()));
     Eigen::PartialPivLU<Few> slope;
     bool slope_is_known = false;
-    for (int step = 0; step < max_steps && error.norm() > obstacle_tolerance * scale; ++step) {
+    for (int step = 0; step < max_steps && error.norm() > goal; ++step) {
         if (!slope_is_known) {
             Few columns(n, n);
             for (Eigen::Index j = 0; j < n; ++j) {
@@ -277,9 +279,9 @@ double FreeObstacles::find_rates(const Response& response) {
         }
         if (before <= no_line_search_below * obstacle_tolerance * scale && next_error.norm() >= before) break;
         slope_is_known = next_error.norm() <= same_piece * before;  // the same linear piece
-        x = next, missed = next_missed, error = next_error, scale = of_next;
+        x = next, missed = next_missed, error = next_error, scale = of_next, goal = obstacle_tolerance * scale;
     }
-    if (error.norm() > obstacle_tolerance * scale) error = with_rows(missed_at(x));
+    if (error.norm() > goal) error = with_rows(missed_at(x));
     if (!error.allFinite()) return infinity;
     return scale > 0 ? error.norm() / scale : 0;
 }
