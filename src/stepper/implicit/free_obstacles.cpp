@@ -243,7 +243,7 @@ double FreeObstacles::find_rates(const Response& response) {
     const auto largest = [&] { return rows_.empty() ? of_trial : std::max(of_trial, pressed_.cwiseAbs().maxCoeff()); };
     FewRows error = with_rows(missed);
     scale = largest();
-    // rows press with impulses of which nothing is left in x, and hold places: until x follows them it is measured alone
+    // rows press with impulses of which nothing is left in x, and hold places: until x follows them it is the measure
     double goal = obstacle_tolerance * (rows_.empty() ? scale : std::max(0.01 * speed, x.cwiseAbs().maxCoeff()));
     Eigen::PartialPivLU<Few> slope;
     bool slope_is_known = false;

@@ -247,15 +247,13 @@ void RigidContacts::keep_hull(std::size_t first) {
 void RigidContacts::add_pairs(const RigidStep& step, const std::vector<MovingBody>& bodies) {
     for (Index i = 0; i < static_cast<Index>(pairs_.all().size()); ++i) {
         const ObstaclePairContact& c = pairs_.all()[i];
-        const Obstacle &one = model_.obstacles[c.obstacle[0]], &two = model_.obstacles[c.obstacle[1]];
         const Vec2 x = step.begin.obstacles[c.obstacle[0]].pose.position + c.arm[0], n = c.normal, t = turned_left(n);
         Row row{.source = Source::pair,
                 .number = i,
                 .gap = c.gap,
                 .length = pairs_.size(c),
                 .rounding = position_rounding * (x.norm() + c.arm[0].norm() + c.arm[1].norm()),
-                .law = {.friction = std::sqrt(one.contact.friction * two.contact.friction),
-                        .restitution = std::sqrt(one.contact.restitution * two.contact.restitution)},
+                .law = law_between(model_.obstacles[c.obstacle[0]], model_.obstacles[c.obstacle[1]]),
                 .place = x};
         add_term(row, body_of_obstacle(c.obstacle[0]), -n, -t, c.arm[0]);
         add_term(row, body_of_obstacle(c.obstacle[1]), n, t, c.arm[1]);
