@@ -327,7 +327,13 @@ std::span<const EnergyTerm> energy_terms() {
                                       .dash = 2}),
         number<&R::sleep_work>("sleep_work", "J",
                                "kinetic energy of rigid pieces that fell asleep so far, never positive; with [rigid]",
-                               {.with = &W::rigid, .step = &S::sleep_work, .work = 1}),
+                               {.with = &W::rigid,
+                                .step = &S::sleep_work,
+                                .work = 1,
+                                .drawn = -1,
+                                .label = "lost in falling asleep",
+                                .colour = blue,
+                                .dash = 2}),
         number<&R::projection_work>(
             "projection_work", "J",
             "work so far of loads (weight) against which positions of rigid pieces that overlapped were corrected; no "
