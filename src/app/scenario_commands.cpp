@@ -135,14 +135,40 @@ void print_absorbing(const Model& model, const SchemeOptions& scheme) {
     }
 }
 
+std::string rebound_text(const ContactLaw& law) {
+    std::string text = formatted("friction %.3g, ", law.friction);
+    if (law.rebound == ContactLaw::Rebound::of_bodies) {
+        text += formatted("bodies rebound with R_N %.3g", law.restitution);
+        if (law.restitution > 0.8) text += ", flat faces and small pieces with less (0.3 to 0.8)";
+    } else {
+        text += formatted(
+            "restitution %.3g of faces: whole deformable bodies rebound with 0.8 to 0.98, small pieces "
+            "with 0.3 to 0.6",
+            law.restitution);
+    }
+    return law.tangential > 0 ? text + formatted(", R_T %.3g", law.tangential) : text;
+}
+
+/// A line for each obstacle that bodies may rebound from, and each range of a terrain.
+void print_obstacles(const Scenario& scenario) {
+    for (const Obstacle& obstacle : scenario.obstacles) {
+        const auto rebounds = [](const ContactLaw& law) { return law.is_of_bodies() || law.restitution > 0; };
+        if (scenario.contact_of_pair.empty() && obstacle.ranges.empty() && !obstacle.any_law(rebounds)) continue;
+        std::printf("  obstacle %s: %s\n", obstacle.name.c_str(), rebound_text(obstacle.contact).c_str());
+        for (const SurfaceRange& range : obstacle.ranges)
+            std::printf("  obstacle %s, x from %.6g to %.6g m: %s\n", obstacle.name.c_str(), range.from, range.to,
+                        rebound_text(range.law).c_str());
+    }
+}
+
 /// A line for each pair of materials whose free faces meet.
 void print_contact(const Scenario& scenario) {
     const std::vector<std::string> materials = scenario.material_names();
     for (std::size_t a = 0; a < scenario.contact_of_pair.size(); ++a)
         for (std::size_t b = a; b < materials.size(); ++b) {
             const ContactLaw& law = scenario.contact_of_pair[a][b];
-            std::printf("  contact of free faces, %s on %s: friction %.3g, restitution %.3g\n", materials[a].c_str(),
-                        materials[b].c_str(), law.friction, law.restitution);
+            std::printf("  contact of free faces, %s on %s: %s\n", materials[a].c_str(), materials[b].c_str(),
+                        rebound_text(law).c_str());
         }
 }
 
@@ -163,6 +189,7 @@ void print_methods(const Scenario& scenario, const Model& model) {
         restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
         model.prescribed.empty() ? "no" : "yes");
     print_contact(scenario);
+    print_obstacles(scenario);
     std::printf("  scheme: %s\n", scheme_text(scenario.time, scenario.works().viscosity).c_str());
     if (!scenario.time.start_run.empty())
         std::printf("  starts from the state `%s` of another run; the time counts from 0 again\n",

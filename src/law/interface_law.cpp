@@ -5,8 +5,12 @@
 
 namespace knap {
 
-ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching) {
-    if (u_N <= touching) return {true, V_N <= 0 ? -restitution * V_N : -V_N};
+ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching,
+                                    double given) {
+    if (u_N <= touching) {
+        const double rate = V_N <= 0 ? -restitution * V_N : -V_N;
+        return {true, given > 0 ? std::min(rate, -given) : rate};
+    }
     return {restitution == 0, -std::max(u_N / h, V_N)};
 }
 
@@ -31,9 +35,9 @@ void Staircase::add(const Kink& kink, double tolerance) {
     ++n_kinks_;
 }
 
-void add_friction_explicit(double friction, double V_T, double tolerance, Staircase& staircase) {
+void add_friction_explicit(double friction, double V_T, double tolerance, Staircase& staircase, double kept) {
     // rest comes first: where kinks are merged, exact rest remains
-    for (const double rate : {0.0, -V_T})
+    for (const double rate : {kept * V_T, -V_T})
         staircase.add({.rate = rate, .cohesive = 0, .friction = 0.5 * friction}, tolerance);
 }
 

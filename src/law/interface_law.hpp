@@ -25,7 +25,9 @@ struct ContactBound {
 /// Explicit bulk, V+ >= bound. Touching: Newton's law V+ = -e V- for an approach. Apart: without restitution no
 /// penetration at the end of the step; with it the sides must touch first. A separating point may at most be thrown
 /// back at its own speed, so that the work of the mean velocity stays <= 0. `touching` [m]: rounding of a closed gap.
-ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching);
+/// `given` [m/s]: the speed with which a surface gives way.
+ContactBound contact_bound_explicit(double u_N, double V_N, double restitution, double h, double touching,
+                                    double given = 0);
 
 /// Theta scheme, w >= bound. Touching: Newton's law V+ = -e V- for an approach, else w >= 0. Apart: as above, or the
 /// point stops when the gap is closed.
@@ -104,9 +106,10 @@ inline int Staircase::state_of(double rate, double tolerance) const {
 }
 
 /// Friction of the explicit bulk under the contact impulse p, after the rate V_T [m/s] before the step: mu p
-/// 1/2 [sgn(V_T+) + sgn(V_T+ + V_T)]. The signs of the end velocity and of the mean velocity together never do positive
-/// work and let a sliding point come to exact rest.
-void add_friction_explicit(double friction, double V_T, double tolerance, Staircase& staircase);
+/// 1/2 [sgn(V_T+ - kept V_T) + sgn(V_T+ + V_T)]. With kept = 0 the signs of the end velocity and of the mean velocity
+/// together never do positive work and let a sliding point come to exact rest; of the others 0 < kept <= 1 a part of
+/// the slip is left.
+void add_friction_explicit(double friction, double V_T, double tolerance, Staircase& staircase, double kept = 0);
 
 /// Friction of the theta scheme: mu p sgn(w_T).
 void add_friction_theta(double friction, Staircase& staircase);

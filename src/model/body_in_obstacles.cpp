@@ -112,12 +112,21 @@ void for_edges_in_obstacles(const Model& model, const State* state,
     const auto place = [&](Index c) -> Vec2 {
         return state ? Vec2(model.mesh.corner(c) + state->displacement_of(c)) : model.mesh.corner(c);
     };
+    const auto is_in_body = [&](const Vec2& x) {
+        for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
+            const Index first = model.mesh.corners_per_triangle() * t;
+            const std::array<Vec2, 3> at{place(first), place(first + 1), place(first + 2)};
+            const auto is_left_of = [&](int k) { return cross(at[(k + 1) % 3] - at[k], x - at[k]) >= 0; };
+            if (is_left_of(0) && is_left_of(1) && is_left_of(2) && !model.has_vanished(t)) return true;
+        }
+        return false;
+    };
     const auto look = [&](Index a, Index b) {
         const Vec2 x_a = place(a), x_b = place(b);
         const double length = (x_b - x_a).norm();
         for (std::size_t o = 0; o < surfaces.size() && length > 0; ++o) {
             if (!surfaces[o].may_reach(x_a, length)) continue;
-            const auto [gap, where] = gap_to_edge(surfaces[o], x_a, x_b);
+            const auto [gap, where] = gap_to_edge(surfaces[o], x_a, x_b, is_in_body);
             if (gap < 0) visit({static_cast<Index>(o), {a, b}, length, -gap, where});
         }
     };

@@ -17,7 +17,12 @@ struct EdgeInObstacle {
 
     /// [-] Over the length of the edge, or half the width of the obstacle if that is less, so that neither passes the
     /// other unnoticed.
-    double part(const Obstacle& of) const { return depth / std::min(length, of.outline.half_width()); }
+    /// A tenth of it in an obstacle with R_N, whose surface gives way.
+    double part(const Obstacle& of) const {
+        const bool gives_way =
+            of.any_law([](const ContactLaw& law) { return law.rebound == ContactLaw::Rebound::of_bodies; });
+        return (gives_way ? 0.1 : 1) * depth / std::min(length, of.outline.half_width());
+    }
 };
 
 /// Edges of the boundary and faces that have come apart, of second order in two halves, in the obstacles they overlap:

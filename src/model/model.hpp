@@ -108,13 +108,6 @@ struct PrescribedMotion {
     }
 };
 
-/// Contact between free faces of the body, between two materials.
-struct ContactLaw {
-    double friction = 0;             // [-] Coulomb's mu
-    double restitution = 0;          // [-] Newton's coefficient
-    bool gives_restitution = false;  // the scenario does; else rigid pieces that cannot break have their own
-};
-
 struct ModelInput {
     Mesh mesh;
     PlaneModel plane = PlaneModel::strain;

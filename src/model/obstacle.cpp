@@ -110,6 +110,19 @@ bool ObstacleSurface::may_reach(const Vec2& point, double reach) const {
     return away.squaredNorm() <= (radius_ + reach) * (radius_ + reach);
 }
 
+const ContactLaw& Obstacle::law_at(const Vec2& arm, double angle) const {
+    if (ranges.empty()) return contact;
+    const double x = start.position.x() + Rotation::by(start.angle - angle).turned(arm).x();
+    const auto after = std::ranges::upper_bound(ranges, x, {}, &SurfaceRange::from);
+    return after == ranges.begin() || x > std::prev(after)->to ? contact : std::prev(after)->law;
+}
+
+double Obstacle::largest_restitution() const {
+    double largest = contact.restitution;
+    for (const SurfaceRange& range : ranges) largest = std::max(largest, range.law.restitution);
+    return largest;
+}
+
 ObstacleState initial_state(const Obstacle& obstacle) {
     ObstacleState state{.pose = obstacle.start};
     for (int k = 0; k < 3; ++k) {

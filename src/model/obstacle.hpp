@@ -2,12 +2,13 @@
 // Rigid obstacles: platens, walls, a boulder, a terrain. The outline is convex or an open polyline; x, y and the angle
 // about the origin (of a free obstacle: its centre of mass) are each prescribed by a history, or free, with inertia and
 // a force.
-#include "material/cohesive_law.hpp"
+#include "law/contact_law.hpp"
 #include "model/loads.hpp"
 #include "model/polyline.hpp"
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -141,6 +142,12 @@ struct ObstacleForce {
     TimeFunction history;
 };
 
+/// A part of a polyline with a law of its own.
+struct SurfaceRange {
+    double from, to;  // [m] x at the start
+    ContactLaw law;
+};
+
 struct Obstacle {
     std::string name;
     Outline outline;
@@ -150,12 +157,22 @@ struct Obstacle {
     double inertia = 0;  // [kg m2] likewise
     std::vector<ObstacleForce> forces;
     Vec3 initial_velocity = Vec3::Zero();  // [m/s, m/s, rad/s] of free components
-    CohesiveLaw contact;                   // friction and restitution; it has no cohesion
-    bool gives_restitution = false;        // as of ContactLaw
+    ContactLaw contact;
+    std::vector<SurfaceRange> ranges;  // ascending, apart; `contact` acts elsewhere
 
     bool is_free(int k) const { return drive[k].kind == Drive::Kind::free; }
     bool is_free() const { return is_free(0) || is_free(1) || is_free(2); }
     double inertia_of(int k) const { return k < 2 ? mass : inertia; }
+    /// At `arm` [m] from the origin, while the obstacle is turned by an angle.
+    const ContactLaw& law_at(const Vec2& arm, double angle) const;
+    void for_laws(const auto& visit) {
+        visit(contact);
+        for (SurfaceRange& range : ranges) visit(range.law);
+    }
+    double largest_restitution() const;
+    bool any_law(const auto& is_so) const {
+        return is_so(contact) || std::ranges::any_of(ranges, is_so, &SurfaceRange::law);
+    }
 };
 
 struct ObstacleState {

@@ -103,7 +103,8 @@ ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b) {
     return {gap - radius, disc.position() - radius * normal};
 }
 
-ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec2& b) {
+ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec2& b,
+                        const std::function<bool(const Vec2&)>& is_in_body) {
     const Outline& outline = surface.outline();
     const Vec2 outward = -turned_left((b - a).normalized());
     if (outline.kind == Kind::disc) {
@@ -124,7 +125,8 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
             const Vec2 p = surface.place(i);
             const double height = outward.dot(p - a), along = (b - a).dot(p - a);
             const auto falls_towards_body = [&](const Vec2& side) { return outward.dot(side) < 0; };
-            if (along > 0 && along < length * length && height > -length && !surface.any_side_at(i, falls_towards_body))
+            if (along > 0 && along < length * length && height > -length &&
+                !surface.any_side_at(i, falls_towards_body) && (height >= std::min(smallest.gap, 0.0) || is_in_body(p)))
                 look(height, p);
         });
         return smallest;

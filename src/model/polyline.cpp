@@ -25,7 +25,57 @@ AtCorner at_corner(const Polyline::Side& one, const Polyline::Side& two, const V
     return (both_touch ? rate_1 > rate_2 : gap_1 + rate_1 > gap_2 + rate_2) ? AtCorner::first : AtCorner::second;
 }
 
+/// [m] One draw of each kind, so that the offsets of other points do not depend on it.
+double offset_of(const Roughness& roughness, Random& random) {
+    const double uniform = 2 * random.uniform() - 1;
+    double normal = random.normal();
+    while (std::abs(normal) > 3) normal = random.normal();
+    return roughness.size * (roughness.kind == Roughness::Kind::uniform ? uniform : normal);
+}
+
 }  // namespace
+
+std::vector<Vec2> roughened(const std::vector<Vec2>& points, const std::vector<RoughRange>& ranges,
+                            const Roughness& elsewhere, Random random) {
+    std::vector<Vec2> smooth{points.front()};
+    std::vector<const Roughness*> of_side;
+    const auto at = [&](double x) -> const Roughness& {
+        const auto found = std::ranges::find_if(ranges, [&](const RoughRange& r) { return r.from <= x && x <= r.to; });
+        return found == ranges.end() ? elsewhere : found->roughness;
+    };
+    const auto add_until = [&](const Vec2& end) {
+        const Vec2 start = smooth.back(), way = end - start;
+        of_side.push_back(&at(start.x() + 0.5 * way.x()));
+        const double parts = std::ceil(way.norm() / of_side.back()->spacing - 1e-9);
+        const int n = std::max(static_cast<int>(parts), 1);
+        for (int k = 1; k < n; ++k) {
+            smooth.push_back(start + static_cast<double>(k) / n * way);
+            of_side.push_back(of_side.back());
+        }
+        smooth.push_back(end);
+    };
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const Vec2 start = points[i], way = points[i + 1] - start;
+        std::vector<double> cuts;  // [-] of the side
+        for (const RoughRange& range : ranges)
+            for (const double x : {range.from, range.to})
+                if (const double s = (x - start.x()) / way.x(); s > 0 && s < 1) cuts.push_back(s);
+        std::ranges::sort(cuts);
+        const auto [last, end] = std::ranges::unique(cuts);
+        cuts.erase(last, end);
+        for (const double s : cuts) add_until(start + s * way);
+        add_until(points[i + 1]);
+    }
+    std::vector<Vec2> rough = smooth;
+    for (std::size_t i = 0; i < smooth.size(); ++i) {
+        const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i, of_side.size() - 1);
+        const auto along = [&](std::size_t side) { return (smooth[side + 1] - smooth[side]).normalized(); };
+        const Roughness& here =
+            of_side[before]->largest() < of_side[after]->largest() ? *of_side[before] : *of_side[after];
+        rough[i] -= offset_of(here, random) * turned_left((along(before) + along(after)).normalized());
+    }
+    return rough;
+}
 
 Polyline::Polyline(const std::vector<Vec2>& points) {
     assert(points.size() >= 2);
@@ -92,6 +142,12 @@ double Polyline::distance_to(const Vec2& p, Vec2& normal) const {
         visit_near(p, reach, look);
     }
     return distance;
+}
+
+bool Polyline::is_as_deep(const Vec2& p, double gap) const {
+    constexpr double most = 4;  // [-] of its distance to the nearest side: in a valley it touches two
+    Vec2 normal;
+    return -gap <= -most * distance_to(p, normal);
 }
 
 /// Whether the plane of side i is one that p may touch, by what is next to it at both ends.

@@ -1,12 +1,32 @@
 #pragma once
 // An open polyline with the ground on its left, the outline of a terrain. Its sides lie in bins along the longer side
 // of their box, so that a place asks only those near it, however many there are.
+#include "base/random.hpp"
 #include "base/vec.hpp"
 
 #include <algorithm>
 #include <vector>
 
 namespace knap {
+
+/// Offsets of points of a polyline along its normal.
+struct Roughness {
+    enum class Kind { uniform, normal };
+    Kind kind = Kind::uniform;
+    double size = 0;            // [m] uniform: the largest offset; normal: the standard deviation of one below 3 of it
+    double spacing = infinity;  // [m] longer sides are divided evenly
+
+    /// [m]
+    double largest() const { return kind == Kind::uniform ? size : 3 * size; }
+};
+struct RoughRange {
+    double from, to;  // [m] x
+    Roughness roughness;
+};
+/// The points of a polyline after they are divided and offset, with one more at the end of every range that it passes.
+/// `ranges` are ascending and apart, and `elsewhere` is between them; where two meet, the smaller offset counts.
+std::vector<Vec2> roughened(const std::vector<Vec2>& points, const std::vector<RoughRange>& ranges,
+                            const Roughness& elsewhere, Random random);
 
 class Polyline {
 public:
@@ -58,7 +78,8 @@ public:
                       const Visit& visit) const {
         visit_near(p, std::max(reach, depth), [&](Index i) {
             const double gap = sides_[i].outward.dot(p - sides_[i].start);
-            if (gap <= reach && gap >= -depth && has(i, p, gap, motion, tolerance, reach))
+            if (gap <= reach && gap >= -depth && has(i, p, gap, motion, tolerance, reach) &&
+                (gap >= -tolerance || is_as_deep(p, gap)))
                 visit(gap, sides_[i].outward);
         });
     }
@@ -74,6 +95,9 @@ private:
     std::size_t bin(double x) const {
         return static_cast<std::size_t>(std::clamp((x - low_) / cell_, 0.0, static_cast<double>(bins_.size() - 1)));
     }
+    /// p is in the ground, and not much less than by -gap [m]: behind the plane of a side it may be in front of
+    /// another.
+    bool is_as_deep(const Vec2& p, double gap) const;
     bool has(Index i, const Vec2& p, double gap, const Vec2& motion, double tolerance, double reach) const;
 
     std::vector<Side> sides_;

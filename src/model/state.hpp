@@ -79,6 +79,18 @@ struct PieceMotion {
     }
 };
 
+/// A piece and what it hits, while an impact lasts (stepper/explicit/rebounds.hpp).
+struct Impact {
+    Index piece, other;     // the lowest triangles of the pieces; other < 0: obstacle -1 - other
+    double start, touched;  // [s] when it began, and when they touched last
+    double approach, slip;  // [m/s] of the rigid motions at the contact: the fastest approach, the slip at the start
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+        archive(piece, other, start, touched, approach, slip);
+    }
+};
+
 /// A bonded fan is one node, as in an ordinary finite element mesh. A split fan has one node per corner from then on;
 /// where its points stick, the fan solver joins them. For f < number of fans, node f belongs to fan f, or to its first
 /// corner once it is split; further nodes follow in the order of split_fans.
@@ -105,6 +117,7 @@ struct State {
     std::vector<Retirement> retired;              // per point; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
     std::vector<ObstacleContactState> obstacle_contacts;
+    std::vector<Impact> impacts;  // in any order
 
     std::vector<Incubation> incubation;    // per fan; empty where no law has an incubation time
     std::vector<PieceMotion> free_pieces;  // in the order of their triangles; empty: damping acts on no vibration alone
@@ -147,7 +160,7 @@ struct State {
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
                 split_rank, reaction, obstacles, elastic_energy, elastic_work, viscous_stress, retired, face_contacts,
-                obstacle_contacts, incubation, free_pieces, motion, rigid_pieces);
+                obstacle_contacts, impacts, incubation, free_pieces, motion, rigid_pieces);
         FrozenBody body = frozen ? *frozen : FrozenBody{};
         archive(body);
         if constexpr (Archive::is_loading::value)

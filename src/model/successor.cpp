@@ -99,6 +99,7 @@ State carried_over(const Model& from, const State& state, const Model& to) {
     for (const FaceContactState& contact : state.face_contacts)
         if (stays(contact.vertex) && stays(contact.edge)) next.face_contacts.push_back(contact);
     next.obstacle_contacts = state.obstacle_contacts;
+    next.impacts = state.impacts;
     return next;
 }
 

@@ -69,12 +69,13 @@ Vec2 change_to_stop(const Eigen::Matrix2d& W, const Vec2& rate) {
 }  // namespace
 
 InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double restitution, double h, double deep,
-                         double tolerance) {
+                         double tolerance, double kept, double given) {
     const double touching = tolerance * h;
-    InterfaceLaw law{.contact = contact_bound_explicit(gap, before.x(), restitution, h, touching)};
+    InterfaceLaw law{.contact = contact_bound_explicit(gap, before.x(), restitution, h, touching, given)};
+    if (kept > 0 && gap > touching) law.contact.may_touch = false;  // R_T acts once, where the sides touch
     if (-gap > deep && before.x() < 0)
         law.contact.rate = std::max(law.contact.rate, std::min(-0.5 * before.x(), (-gap - deep) / h));
-    add_friction_explicit(friction, before.y(), tolerance, law.closed);
+    add_friction_explicit(friction, before.y(), tolerance, law.closed, kept);
     return law;
 }
 

@@ -71,9 +71,10 @@ struct ContactCoupling {
 
 /// The law of a contact with the gap g [m] and the rate `before` V- [m/s] at the start of a step of h [s]. `deep` [m]:
 /// a deeper penetration is reduced by a rebound with up to half of the approach (README.md). `tolerance` [m/s]: nearer
-/// kinks of the friction are merged.
+/// kinks of the friction are merged. `kept` [-]: of the slip in an impact (R_T); `given` [m/s]: the speed with which
+/// the surface gives way.
 InterfaceLaw contact_law(double gap, const Vec2& before, double friction, double restitution, double h, double deep,
-                         double tolerance);
+                         double tolerance, double kept = 0, double given = 0);
 
 class ContactCluster {
 public:

@@ -49,6 +49,7 @@ struct FanLink {
     double friction;                 // [-]
     double restitution;              // [-]
     bool unbreakable;                // sticks for ever
+    double given = 0;                // [m/s] the speed with which a surface gives way
     double ramp = 0;                 // [m/s] 4 kappa/h of secant unloading; 0: the cohesion is C at all openings
     Vec2 ramp_start = Vec2::Zero();  // [m/s] (4/h of the mean opening without V_N and the slip at the end, 2 u_T/h)
     double ramp_shift = 0;           // [m/s] part of ramp_start: a ramp that is a tangent begins elsewhere than at 0

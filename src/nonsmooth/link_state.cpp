@@ -49,7 +49,7 @@ InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h
     const Staircase::Kink zero_slip{.rate = link.ramp > 0 ? -link.ramp_start.y() : -link.u_T / h,
                                     .cohesive = link.gamma * link.cohesive,
                                     .friction = 0};
-    InterfaceLaw law{.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h)};
+    InterfaceLaw law{.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h, link.given)};
     law.open.add(zero_slip, tolerance);
     add_friction_explicit(link.friction, V_T, tolerance, law.closed);
     law.closed.add(zero_slip, tolerance);

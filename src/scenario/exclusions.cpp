@@ -24,6 +24,11 @@ std::span<const Exclusion> exclusions() {
         {"bulk_viscosity", "bulk = \"implicit\"",
          "it acts on waves of the length of a triangle, which implicit steps do not resolve (theta above 0.5 damps "
          "them)"},
+        {"R_N", "bulk = \"implicit\"",
+         "the surface gives way as the piece comes to rest and flies back, and a step is longer than that lasts"},
+        {"R_N", "bulk = \"auto\"",
+         "the surface gives way as the piece comes to rest and flies back, and an implicit step is longer than that "
+         "lasts"},
         {"incubation_time", "bulk = \"implicit\"", "a step may be longer than the overload lasts"},
         {"plateau = 1", "cohesion = \"implicit\"",
          "the traction drops from the strength to 0 at once, and an implicit cohesion needs a slope"},

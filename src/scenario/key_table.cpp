@@ -67,10 +67,24 @@ void add_matter_and_motion(KeyTable& t) {
         .to(&InitialVelocity::spin, radians);
 }
 
+/// Of an interface, or an obstacle.
+template <class Law>
 void add_contact(KeyTable& t) {
-    t.number("friction", "", "Coulomb friction coefficient").at_least(0).otherwise("0").to(&CohesiveLaw::friction);
-    t.number("restitution", "", "Newton's coefficient of restitution: 0 plastic, 1 elastic impact")
-        .at_least(0).at_most(1).otherwise("0").to(&CohesiveLaw::restitution);
+    t.number("friction", "", "Coulomb friction coefficient").at_least(0).otherwise("0").to(&Law::friction);
+    t.number("restitution", "", "Newton's coefficient of restitution of the faces that touch: 0 plastic, 1 elastic "
+        "impact. A deformable body springs back by its own elasticity, whatever this is, with 0.8 to 0.98 of its speed "
+        "(a few triangles with 0.3 to 0.6): R_N of an obstacle or [contact] is the rebound of bodies")
+        .at_least(0).at_most(1).otherwise("0").to(&Law::restitution);
+}
+
+/// The rebound of bodies: of an obstacle, a range of a terrain, pairs of materials.
+void add_rebound(KeyTable& t) {
+    t.number("R_N", "", "normal coefficient of restitution of bodies, instead of restitution: of a rigid one exactly "
+        "that of its point of contact; a deformable one rebounds with it where it would with more, since the surface "
+        "gives way; explicit steps").at_least(0).at_most(1);
+    t.number("R_T", "", "tangential coefficient of restitution of bodies: an impact leaves R_T of the slip of the "
+        "point of contact, or more where friction cannot take as much; 0: friction alone; explicit steps")
+        .at_least(0).at_most(1).computed("0").to(&ContactLaw::tangential);
 }
 
 void add_keys_of_body(KeyTable& t) {
@@ -307,7 +321,7 @@ void add_keys_of_microstructure(KeyTable& t) {
         "again when it freezes again").points().second("");
     t.number("friction_table", "K", "friction coefficient over temperature as pairs [temperature, coefficient], with "
         "[heat], instead of friction").points().second("");
-    add_contact(t);
+    add_contact<CohesiveLaw>(t);
     t.table("interface.*.scatter", "random strength of every interface, drawn with the seed; its mean is the value of "
         "the law");
     t.word("kind", {"weibull", "normal", "lognormal", "uniform"}, "distribution").required().to(&Scatter::kind,
@@ -392,7 +406,18 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("angle", "deg", "angle by which it is turned about its centre of mass").otherwise("0")
         .only_with("shape", {"disc", "polygon"});
     t.number("shift", "m", "vector by which it is moved after that").pair().otherwise("[0, 0]");
-    add_contact(t);
+    add_contact<ContactLaw>(t);
+    add_rebound(t);
+    t.number("roughness", "m", "offsets of the points of a polyline along its normal: the largest one, or their "
+        "standard deviation where they are normal; less than its segments are long")
+        .at_least(0).otherwise("0").only_with("shape", {"polyline"}).to(&Roughness::size);
+    t.word("roughness_kind", {"uniform", "normal"}, "distribution of the offsets; normal ones beyond three standard "
+        "deviations are redrawn").otherwise("uniform").only_with("shape", {"polyline"})
+        .to(&Roughness::kind, {Roughness::Kind::uniform, Roughness::Kind::normal});
+    t.number("spacing", "m", "longer segments of a rough polyline are divided evenly; without it only the given points "
+        "are offset").above(0).only_with("shape", {"polyline"}).to(&Roughness::spacing);
+    t.integer("seed", "seed of the roughness; the same seed gives the same terrain").at_least(0).computed("seed")
+        .only_with("shape", {"polyline"});
     t.number("velocity", "m/s", "prescribed velocity, x and y").pair().or_word("free");
     t.number("displacement", "m", "prescribed displacement, x and y").pair().or_word("free");
     t.number("spin", "deg/s", "prescribed angular velocity, counterclockwise");
@@ -406,6 +431,19 @@ void add_keys_of_loads(KeyTable& t) {
         "file with lines `time, factor` [s, -], instead of a table, relative to the scenario file; # starts a comment. "
         "Of a polyline: lines `x, y` of its points in order, with units in the line of names, `x [m], y [m]`, or "
         "behind the numbers; its factor is then by ramp or table");
+    t.list("obstacle[].range[]", "a part of a polyline with values of its own; ranges do not overlap")
+        .only_with("shape", {"polyline"});
+    t.number("from", "m", "x where it begins").computed("the smallest x of the terrain");
+    t.number("to", "m", "x where it ends").computed("the largest x of the terrain");
+    t.number("friction", "", "Coulomb friction coefficient").at_least(0).computed("that of the obstacle")
+        .to(&ContactLaw::friction);
+    t.number("restitution", "", "Newton's coefficient of restitution").at_least(0).at_most(1)
+        .computed("that of the obstacle").to(&ContactLaw::restitution);
+    add_rebound(t);
+    t.number("roughness", "m", "largest offset, or standard deviation").at_least(0).computed("that of the obstacle")
+        .to(&Roughness::size);
+    t.number("spacing", "m", "longer segments are divided evenly").above(0).computed("that of the obstacle")
+        .to(&Roughness::spacing);
 
     t.table("contact", "contact between all free faces of all bodies and fragments, without a penalty; without this "
         "table faces that are no neighbours pass through each other. Two faces of joints with one law keep its "
@@ -416,12 +454,14 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("restitution", "", "Newton's coefficient of restitution of all pairs: 0 plastic, 1 elastic impact")
         .at_least(0).at_most(1).computed("that of the interface law between the two materials")
         .to(&ContactLaw::restitution);
+    add_rebound(t);
     t.list("contact.pair[]", "values of one pair of materials, in place of those of [contact]");
     t.text("materials", "two materials; a material twice: contact between its faces").pair().required();
     t.number("friction", "", "Coulomb friction coefficient").at_least(0).computed("as in [contact]")
         .to(&ContactLaw::friction);
     t.number("restitution", "", "Newton's coefficient of restitution").at_least(0).at_most(1)
         .computed("as in [contact]").to(&ContactLaw::restitution);
+    add_rebound(t);
 
     t.table("rigid", "pieces of the body move as rigid ones, in steps of milliseconds, while nothing can break them: "
         "free flight, sliding, rolling, rest. A harder blow makes all deformable until nothing has broken for a while. "

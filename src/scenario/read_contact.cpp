@@ -7,6 +7,15 @@
 namespace knap {
 namespace {
 
+/// R_N and R_T of an obstacle, or of a range of it.
+void refuse_rebounds(const Table& table) {
+    const SchemeOptions& scheme = table.scenario().time.scheme;
+    for (const char* key : {"R_N", "R_T"})
+        if (table.given(key) && scheme.takes_implicit_steps())
+            return table.exclude(key, "R_N", std::string("bulk = \"") + name_of(scheme.bulk) + "\"",
+                                 "time.bulk = \"explicit\", or friction and restitution");
+}
+
 void warn_of_ghosts(Reading& reading) {
     if (reading.scenario.bodies.size() < 2) return;
     reading.table(reading.scenario.bodies[1].path)
@@ -43,7 +52,25 @@ void refuse_ground(Reading& reading) {
 
 }  // namespace
 
+void read_contact_law(const Table& table, ContactLaw& law) {
+    const bool has_R_N = table.given("R_N");
+    if (has_R_N && table.given("restitution"))
+        table.error("exclusive-keys", "R_N", "is the rebound of bodies, restitution that of faces", "one of both");
+    if (has_R_N) table.leave_out("restitution");
+    table.fill(law);
+    law.gives_restitution |= has_R_N || table.given("restitution");
+    if (table.given("restitution")) law.rebound = ContactLaw::Rebound::of_faces;
+    if (has_R_N) law.rebound = ContactLaw::Rebound::of_bodies, law.restitution = table.number("R_N").value_or(0);
+    if (table.given("R_T") && law.tangential < 1 && law.friction == 0)
+        table.warning("no-friction", "R_T", "has no effect: it is friction that brakes the slip, and friction is 0",
+                      "friction = 0.5");
+}
+
 void read_contact(Reading& reading) {
+    for (const Table& obstacle : reading.list("obstacle")) {
+        refuse_rebounds(obstacle);
+        for (const Table& range : obstacle.list("range")) refuse_rebounds(range);
+    }
     const Table table = reading.table("contact");
     if (!table.given()) {
         refuse_ground(reading);
@@ -64,8 +91,8 @@ void read_contact(Reading& reading) {
             ContactLaw& law = contact_of_pair[a][b];
             if (const Index number = reading.scenario.law_of_pair[a][b]; number >= 0)  // otherwise reported
                 law = {reading.scenario.laws[number].law.friction, reading.scenario.laws[number].law.restitution};
-            table.fill(law);
-            law.gives_restitution = law.restitution > 0 || table.given("restitution");
+            read_contact_law(table, law);
+            law.gives_restitution |= law.restitution > 0;
         }
     std::set<std::pair<Index, Index>> pairs;
     for (const Table& row : table.list("pair")) {
@@ -77,10 +104,9 @@ void read_contact(Reading& reading) {
         const auto [a, b] = std::minmax(material[0], material[1]);
         if (!pairs.emplace(a, b).second)
             row.error("duplicate-name", "materials", "is the second entry of this pair of materials");
-        if (!row.given("friction") && !row.given("restitution"))
-            row.error("missing-key", "", "has neither friction nor restitution");
-        row.fill(contact_of_pair[a][b]);
-        contact_of_pair[a][b].gives_restitution |= row.given("restitution");
+        if (!row.given("friction") && !row.given("restitution") && !row.given("R_N") && !row.given("R_T"))
+            row.error("missing-key", "", "has neither friction nor restitution, R_N or R_T");
+        read_contact_law(row, contact_of_pair[a][b]);
         contact_of_pair[b][a] = contact_of_pair[a][b];
     }
 }

@@ -131,46 +131,6 @@ void read_load(const Table& table) {
 
 // ---- obstacles: outline, inertia, prescribed and free components
 
-/// What is wrong with the points of an open polyline, or "".
-std::string fault_of(const std::vector<Vec2>& points) {
-    const auto nearby = [&](std::size_t i) { return place_text(points[i]); };
-    if (points.size() < 2) return "has one point; a polyline needs two";
-    for (std::size_t i = 0; i + 1 < points.size(); ++i)
-        if (points[i] == points[i + 1]) return "has two points in a row at " + nearby(i);
-    const Polyline line(points);
-    std::string fault;
-    const auto side = [&](Index i) { return Segment{line.point(i), line.point(i + 1)}; };
-    for (Index i = 0; i + 1 < line.n_points() && fault.empty(); ++i) {
-        const auto& [start, along, outward, length, turn] = line.sides()[i];
-        if (i > 0 && line.sides()[i - 1].along.dot(along) < -1 + 1e-12) return "turns back on itself at " + nearby(i);
-        line.visit_near(start, length, [&](Index j) {
-            if (j > i + 1 && distance_between(side(i), side(j)) == 0)
-                fault = "crosses or touches itself near " + nearby(i);
-        });
-    }
-    return fault;
-}
-
-void read_polyline(const Table& table, Obstacle& obstacle) {
-    const auto form = table.one_of({"points", "csv"}, true);
-    if (!form || !table.has(*form)) return;
-    auto points = form == "csv" ? read_pairs(table, {.line = "x, y",
-                                                     .first = "x",
-                                                     .note = "each line: x, y along the polyline, with a line of names "
-                                                             "`x [m], y [m]` or units behind the numbers",
-                                                     .key = "points",
-                                                     .unit = "m"})
-                                : *table.get<std::vector<Vec2>>("points");
-    if (points.empty()) return;
-    if (const std::string fault = fault_of(points); !fault.empty())
-        return table.error("out-of-range", "points", fault, "the points of an open polyline in order");
-    obstacle.start.position = bounding_box(points).middle();
-    for (Vec2& p : points) p -= obstacle.start.position;
-    obstacle.outline.kind = Outline::Kind::polyline;
-    obstacle.outline.line = std::make_shared<const Polyline>(points);
-    obstacle.outline.points = std::move(points);
-}
-
 void read_outline(const Table& table, Obstacle& obstacle) {
     const std::string shape = table.text("shape");
     Outline& outline = obstacle.outline;
@@ -260,11 +220,12 @@ void read_obstacle(const Table& table) {
     obstacle.name = "obstacle" + std::to_string(obstacles.size() + 1);
     table.compute("name", Node::of_text(obstacle.name));
     table.fill(obstacle);
-    table.fill(obstacle.contact);
-    obstacle.gives_restitution = table.given("restitution");
+    read_contact_law(table, obstacle.contact);
     read_outline(table, obstacle);  // first: csv of a polyline has its points, and stays only after an error
     obstacle.start.angle = table.number("angle").value_or(0) * degree;
-    obstacle.start.position += table.get<Vec2>("shift").value_or(Vec2::Zero());
+    const Vec2 shift = table.get<Vec2>("shift").value_or(Vec2::Zero());
+    obstacle.start.position += shift;
+    for (SurfaceRange& range : obstacle.ranges) range.from += shift.x(), range.to += shift.x();
     const bool has_bad_points = table.text("shape") == "polyline" && table.given("csv");
     const TimeFunction history = has_bad_points ? TimeFunction() : read_history(table);
     read_inertia(table, obstacle);

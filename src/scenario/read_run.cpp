@@ -40,7 +40,7 @@ void check_theta(const Table& time) {
     for (const NamedLaw& named : scenario.laws) check("law `" + named.name + "`", named.law.restitution);
     if (!scenario.time.scheme.takes_implicit_steps()) return;
     for (const Obstacle& obstacle : scenario.obstacles)
-        check("obstacle `" + obstacle.name + "`", obstacle.contact.restitution);
+        check("obstacle `" + obstacle.name + "`", obstacle.largest_restitution());
 }
 
 /// "bulk = \"auto\""
@@ -61,7 +61,11 @@ void read_viscosity(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const TimeOptions& time = scenario.time;
     const bool rubs = reading.table("contact").given() ||
-                      std::ranges::any_of(scenario.obstacles, [](const Obstacle&o) { return o.contact.friction > 0; }),
+                      std::ranges::any_of(
+                          scenario.obstacles,
+                          [](const Obstacle&obstacle) {
+                              return obstacle.any_law([](const ContactLaw& law) { return law.friction > 0; });
+                          }),
                only_implicit = !time.scheme.takes_explicit_steps(),
                cuts_order_2 = scenario.order == 2 && reading.values.has("excavation"),
                fixed_step =  // viscosity may make it unstable

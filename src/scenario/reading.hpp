@@ -150,6 +150,10 @@ std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh);
 TimeFunction read_history(const Table& table);
 /// The pairs [temperature, value] of a key; empty, and an error, where their temperatures do not ascend.
 TemperatureTable read_over_temperature(const Table& table, const char* key);
+/// The outline and the laws of an obstacle that is a polyline; its law elsewhere is read before.
+void read_polyline(const Table& table, Obstacle& obstacle);
+/// Friction and restitution of a table, or its R_N and R_T; what it does not give stays as in `law`.
+void read_contact_law(const Table& table, ContactLaw& law);
 /// A place: boundary, box, body.
 Selection read_selection(const Table& table);
 /// `on` of an entry that acts by its key `what`: on a boundary, or (`in_volume`) in a body, where none means all.

@@ -50,7 +50,7 @@ Model frozen(const Model& model, double time) {
             if (drive.kind == Drive::Kind::velocity) drive = {};  // fixed where it is
         }
         for (ObstacleForce& force : obstacle.forces) freeze(force.history);
-        obstacle.contact.restitution = 0;
+        obstacle.for_laws([](ContactLaw& law) { law.restitution = 0; });
     }
     for (CohesiveLaw& law : still.laws) law.restitution = 0;
     return still;
@@ -334,7 +334,9 @@ std::string EquilibriumSearch::unheld(const State& before, const State& state, d
     // a support that the loads tilt by a millionth lets a block slide that nothing but its weight holds
     const bool slides =
         std::ranges::any_of(state.face_contacts, [](const auto& at) { return at.contact > 0 && at.tangential == 0; }) ||
-        std::ranges::any_of(turned_.obstacles, [](const auto& at) { return at.contact.friction == 0; });
+        std::ranges::any_of(turned_.obstacles, [](const Obstacle& obstacle) {
+            return obstacle.any_law([](const ContactLaw& law) { return law.friction == 0; });
+        });
     return formatted("%s the body, it would move away with %.3g m/s2%s%s",
                      meets ? "contact and friction do not hold" : "nothing holds", acceleration,
                      !meets         ? ""

@@ -42,7 +42,8 @@ double MoreauJean::theta_of(const State& begin, double h) const {
     if (begin.split_fans.empty() || !begins_implicit_stage(begin, h)) return options_.theta;
     double restitution = 0;
     for (const CohesiveLaw& law : model_.laws) restitution = std::max(restitution, law.restitution);
-    for (const Obstacle& obstacle : model_.obstacles) restitution = std::max(restitution, obstacle.contact.restitution);
+    for (const Obstacle& obstacle : model_.obstacles)
+        restitution = std::max(restitution, obstacle.largest_restitution());
     return 1 / (1 + restitution);
 }
 

@@ -216,7 +216,7 @@ inline ModelInput input_of(const FlyingScene& scene) {
     input.contact_of_pair.assign(n, std::vector<ContactLaw>(n, scene.contact));
     input.large_rotation = true;
     if (scene.gravity > 0) input.loads = {{.kind = Load::Kind::acceleration, .on = {}, .value = {0, -scene.gravity}}};
-    const CohesiveLaw touch{.friction = scene.contact.friction, .restitution = scene.contact.restitution};
+    const ContactLaw touch{.friction = scene.contact.friction, .restitution = scene.contact.restitution};
     const Vec2 below(0.5 * (low.x() + high.x()), low.y());
     const double width = high.x() - low.x();
     switch (scene.floor) {

@@ -112,7 +112,7 @@ private:
     void press(WildBody& made) {
         if (made.body.scheme.bulk != BulkScheme::explicit_lumped || pressing_.uniform() > 0.15) return;
         ModelInput& input = made.body.input;
-        const auto draw_contact = [&](CohesiveLaw& law) {
+        const auto draw_contact = [&](auto& law) {
             law.restitution = pressing_.uniform(0.02, 0.98);
             law.friction = std::max(0.0, pressing_.uniform(-0.3, 1));
         };

@@ -126,6 +126,8 @@ shape = "half plane"
 at = ["-60 mm", "0 mm"]
 normal = [2, 0]
 friction = 0.3
+R_N = 0.5
+R_T = 0.6
 velocity = ["1 m/s", "free"]
 mass = "2 kg"
 force = ["0 N", "-3 N"]
@@ -147,6 +149,24 @@ displacement = ["-1 mm", 0]
 spin = "1 rad/s"
 turns = false
 ramp = "10 us"
+[[obstacle]]
+shape = "polyline"
+points = [["1 m", "1 m"], ["50 cm", "1 m"]]
+roughness = "1 mm"
+roughness_kind = "normal"
+spacing = "2 cm"
+seed = 7
+[[obstacle.range]]
+from = "60 cm"
+to = "70 cm"
+friction = 0.1
+restitution = 0.2
+roughness = "2 mm"
+spacing = "1 cm"
+[[obstacle.range]]
+from = "80 cm"
+R_N = 0.3
+R_T = 0.8
 [[absorb]]
 on = { boundary = "top", box = ["0 mm", "40 mm", "10 mm", "42 mm"] }
 [[excavation]]
@@ -429,6 +449,10 @@ restitution = 0.3
 materials = ["steel", "glass"]
 friction = 0.4
 restitution = 0.1
+[[contact.pair]]
+materials = ["glass", "glass"]
+R_N = 0.2
+R_T = 0.4
 [rigid]
 step = "1 ms"
 thaw = 0.4
@@ -446,6 +470,9 @@ density = 8000
 E = 190e9
 nu = 0.3
 )");
+
+const std::string of_bodies =
+    samples::changed("[contact]\nfriction = 0.6\nrestitution = 0.3\n", "[contact]\nR_N = 0.3\nR_T = 0.7\n", patterns);
 
 const std::string schemes = samples::least + "[study]\nschemes = [\"explicit/explicit\", \"implicit/implicit\"]\n";
 
@@ -725,6 +752,8 @@ const Case cases[] = {
     {rectangle, "obstacle[0].at", "[-0.06, 0]"},
     {rectangle, "obstacle[0].normal", "[2, 0]"},
     {rectangle, "obstacle[0].friction", "0.3"},
+    {rectangle, "obstacle[0].R_N", "0.5"},
+    {rectangle, "obstacle[0].R_T", "0.6"},
     {rectangle, "obstacle[0].velocity", "[1, \"free\"]"},
     {rectangle, "obstacle[0].mass", "2"},
     {rectangle, "obstacle[0].force", "[0, -3]"},
@@ -743,6 +772,18 @@ const Case cases[] = {
     {rectangle, "obstacle[2].spin", "57.29577951308232"},
     {rectangle, "obstacle[2].turns", "false"},
     {rectangle, "obstacle[2].ramp", "1e-05"},
+    {rectangle, "obstacle[3].roughness", "0.001"},
+    {rectangle, "obstacle[3].roughness_kind", "\"normal\""},
+    {rectangle, "obstacle[3].spacing", "0.02"},
+    {rectangle, "obstacle[3].seed", "7"},
+    {rectangle, "obstacle[3].range[0].from", "0.6"},
+    {rectangle, "obstacle[3].range[0].to", "0.7"},
+    {rectangle, "obstacle[3].range[0].friction", "0.1"},
+    {rectangle, "obstacle[3].range[0].restitution", "0.2"},
+    {rectangle, "obstacle[3].range[0].roughness", "0.002"},
+    {rectangle, "obstacle[3].range[0].spacing", "0.01"},
+    {rectangle, "obstacle[3].range[1].R_N", "0.3"},
+    {rectangle, "obstacle[3].range[1].R_T", "0.8"},
     {rectangle, "initial[0].velocity", "[1, 2]"},
     {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
     {rectangle, "initial[0].strain_rate", "[10, 0, 1000]"},
@@ -952,6 +993,10 @@ const Case cases[] = {
     {patterns, "rigid.smallest", "0.003"},
     {patterns, "rigid.sleep", "0.01"},
     {patterns, "rigid.restitution", "0.8"},
+    {patterns, "contact.pair[1].R_N", "0.2"},
+    {patterns, "contact.pair[1].R_T", "0.4"},
+    {of_bodies, "contact.R_N", "0.3"},
+    {of_bodies, "contact.R_T", "0.7"},
     {patterns, "support[0].beyond", "0.03"},
     {patterns, "limits.contact_depth", "0.05"},
     {warm, "material.steel.expansion_table", "[[20, 0], [573, 0.009], [583, 0.015]]"},
@@ -1171,7 +1216,7 @@ TEST_CASE("scenario: the structs hold the values of the file") {
 
 TEST_CASE("scenario: the structs hold the obstacles") {
     const Scenario s = samples::read(rectangle).scenario;
-    REQUIRE(s.obstacles.size() == 3);
+    REQUIRE(s.obstacles.size() == 4);
     const Obstacle &wall = s.obstacles[0], &disc = s.obstacles[1], &jaw = s.obstacles[2];
     CHECK(wall.outline.normal == Vec2(1, 0));
     CHECK(wall.start.position == Vec2(-0.06, 0));

@@ -3,6 +3,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <tuple>
@@ -64,8 +65,59 @@ TEST_CASE("scenario: the points of a terrain keep their order and are part of th
     std::filesystem::remove_all(directory);
 }
 
+TEST_CASE("scenario: ranges of a terrain have laws of their own between their ends") {
+    const ReadResult read = samples::read(samples::least + polyline +
+                                          "points = [[9, 0], [4, 3], [0, 1]]\nfriction = 0.5\nrestitution = 0.1\n"
+                                          "[[obstacle.range]]\nfrom = \"500 cm\"\nto = 7\nfriction = 0.2\n"
+                                          "[[obstacle.range]]\nto = 3\nrestitution = 0.6\n");
+    const Obstacle& terrain = only_obstacle(read);
+    const auto law_at = [&](double x, double angle = 0) -> const ContactLaw& {
+        return terrain.law_at(Rotation::by(angle).turned(Vec2(x, 1.7) - terrain.start.position), angle);
+    };
+    for (const auto& [x, friction, restitution] : {std::tuple{0., 0.5, 0.6},
+                                                   {2.9, 0.5, 0.6},
+                                                   {3.1, 0.5, 0.1},
+                                                   {5.1, 0.2, 0.1},
+                                                   {6.9, 0.2, 0.1},
+                                                   {7.1, 0.5, 0.1}}) {
+        CAPTURE(x);
+        CHECK(law_at(x).friction == friction);
+        CHECK(law_at(x).restitution == restitution);
+        CHECK(law_at(x, 0.7).friction == friction);  // the ranges turn with their terrain
+    }
+    CHECK(terrain.largest_restitution() == 0.6);
+    const Obstacle moved = only_obstacle(samples::read(samples::least + polyline +
+                                                       "shift = [10, 1]\npoints = [[9, 0], [0, 1]]\nfriction = 0.5\n" +
+                                                       "[[obstacle.range]]\nfrom = 5\nfriction = 0.2\n"));
+    CHECK(moved.law_at(Vec2(15.1, 0) - moved.start.position, 0).friction == 0.2);
+    CHECK(moved.law_at(Vec2(14.9, 0) - moved.start.position, 0).friction == 0.5);
+    CHECK(points_of(terrain).size() == 3);
+}
+
+TEST_CASE("scenario: a rough terrain is that of its seed") {
+    const auto points = [](const std::string& more) {
+        return points_of(
+            only_obstacle(samples::read(samples::least + polyline + "points = [[9, 0], [0, 0]]\n" + more)));
+    };
+    const std::string rough = "roughness = 0.1\nspacing = 0.3\n";
+    const std::vector<Vec2> one = points(rough);
+    CHECK(one.size() == 31);
+    for (const Vec2& p : one) CHECK(std::abs(p.y()) <= 0.1);
+    CHECK(points(rough) == one);
+    CHECK(points(rough + "seed = 1\n") == one);  // that of the scenario
+    CHECK(points(rough + "seed = 2\n") != one);
+    // 0.2 long from 3 to 6, and smooth there with its ends
+    const std::vector<Vec2> part =
+        points(rough + "[[obstacle.range]]\nfrom = 3\nto = 6\nroughness = 0\nspacing = 0.2\n");
+    CHECK(part.size() == 36);
+    for (const Vec2& p : part) CHECK((p.y() == 0) == (p.x() >= 3 && p.x() <= 6));
+}
+
 TEST_CASE("scenario: mistakes in the points of a terrain are told with the place") {
     const auto points = [](const std::string& list) { return polyline + "points = [" + list + "]\n"; };
+    const auto range = [&](const std::string& keys) {
+        return points("[2, 0], [0, 0]") + "[[obstacle.range]]\n" + keys + "\n";
+    };
     for (const auto& [text, code, message] :
          {std::tuple{points("[0, 0]"), "out-of-range", "has one point"},
           {points("[2, 0], [2, 0], [0, 0]"), "out-of-range", "has two points in a row at (2, 0) m"},
@@ -78,6 +130,20 @@ TEST_CASE("scenario: mistakes in the points of a terrain are told with the place
           {points("[2, 0], [0, 0]") + "turns = true\n", "missing-key", "needs inertia"},
           {points("[2, 0], [0, 0]") + "csv = \"a.csv\"\n", "exclusive-keys", "of which only one is allowed"},
           {polyline, "missing-key", "has none of points, csv"},
+          {range("from = 1\nto = 1"), "out-of-range", "`obstacle[0].range[0].from` is not less than `to`"},
+          {range("from = -0.1"), "out-of-range", "`obstacle[0].range[0].from` lies beyond the terrain"},
+          {range("to = 2.1"), "out-of-range", "`obstacle[0].range[0].to` lies beyond the terrain"},
+          {range("from = 1") + "[[obstacle.range]]\nto = 1.1\n", "out-of-range", "begins within another range"},
+          {range("friction = -1"), "out-of-range", "`obstacle[0].range[0].friction`"},
+          {range("restitution = 1.1"), "out-of-range", "`obstacle[0].range[0].restitution`"},
+          {range("roughness = -0.1"), "out-of-range", "`obstacle[0].range[0].roughness`"},
+          {range("to = 1\nroughness = 1"), "out-of-range", "`obstacle[0].range[0].roughness` is as large as the segm"},
+          {points("[2, 0], [0, 0]") + "roughness = 0.1\nspacing = 0.1\n", "out-of-range",
+           "is as large as the segments"},
+          {points("[2, 0], [0, 0], [2, 0.02]") + "roughness = 0.04\nspacing = 0.1\n", "out-of-range",
+           "crosses or touches"},
+          {std::string("[[obstacle]]\nshape = \"disc\"\ncentre = [5, 5]\nradius = 1\n[[obstacle.range]]\nto = 1\n"),
+           "exclusive-keys", "range"},
           {std::string("[[obstacle]]\nshape = \"polygon\"\n"), "missing-key", "is missing"}}) {
         CAPTURE(text);
         try {

@@ -16,7 +16,7 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 37> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 38> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
                                                           {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
@@ -42,6 +42,7 @@ inline constexpr std::array<Capability, 37> capabilities{{{"rotation = \"large\"
                                                           {"[[obstacle]]", ""},
                                                           {"free [[obstacle]]", "[[obstacle]]"},
                                                           {"[[collector]]", ""},
+                                                          {"R_N", "[[obstacle]]"},
                                                           {"[[grains]]", ""},
                                                           {"joints", ""},
                                                           {"[[initial]]", ""},
@@ -165,6 +166,7 @@ inline std::string scene_of(const CapabilityPair& pair) {
             "[[obstacle]]\nshape = \"disc\"\ncentre = [-0.03, 0.06]\nradius = 0.02\nmass = 1\n"
             "initial_velocity = [1, 0]\n";
     else add(has("[[obstacle]]"), "[[obstacle]]\nshape = \"half plane\"\nat = [-0.01, 0]\nnormal = [1, 0]\n");
+    add(has("R_N"), "R_N = 0.3\nR_T = 0.5\nfriction = 0.5\n");
     add(has("[[collector]]"), "[[collector]]\nname = \"line\"\nx = 0.04\n");
     text += "[time]\nend = 1e-4\n";
     add(implicit && !changes, "bulk = \"implicit\"\n");

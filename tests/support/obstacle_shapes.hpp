@@ -5,13 +5,12 @@
 
 namespace knap::tests {
 
-inline Obstacle platen(const Vec2& on, const Vec2& normal, const CohesiveLaw& contact = {}) {
+inline Obstacle platen(const Vec2& on, const Vec2& normal, const ContactLaw& contact = {}) {
     Obstacle made;
     made.name = "platen";
     made.outline = {.kind = Outline::Kind::half_plane, .normal = normal.normalized()};
     made.start.position = on;
     made.contact = contact;
-    made.contact.sigma_c = 0;
     return made;
 }
 
@@ -22,31 +21,29 @@ inline void set_free(Obstacle& obstacle, double density, double thickness = 1) {
 }
 
 /// A free disc of mass 1 and density 1/area.
-inline Obstacle boulder(const Vec2& centre, double radius, const Vec2& velocity, const CohesiveLaw& contact = {}) {
+inline Obstacle boulder(const Vec2& centre, double radius, const Vec2& velocity, const ContactLaw& contact = {}) {
     Obstacle made;
     made.name = "boulder";
     made.outline = {.kind = Outline::Kind::disc, .radius = radius};
     made.start.position = centre;
     made.contact = contact;
-    made.contact.sigma_c = 0;
     set_free(made, 1 / made.outline.area());
     made.initial_velocity.head<2>() = velocity;
     return made;
 }
 
-inline Obstacle polygon(const std::vector<Vec2>& points, const CohesiveLaw& contact = {}) {
+inline Obstacle polygon(const std::vector<Vec2>& points, const ContactLaw& contact = {}) {
     Obstacle made;
     made.name = "polygon";
     made.outline.kind = Outline::Kind::polygon;
     made.start.position = centroid(points);
     for (const Vec2& p : points) made.outline.points.push_back(p - made.start.position);
     made.contact = contact;
-    made.contact.sigma_c = 0;
     return made;
 }
 
 /// Open, with the ground on its left.
-inline Obstacle terrain(std::vector<Vec2> points, const CohesiveLaw& contact = {}) {
+inline Obstacle terrain(std::vector<Vec2> points, const ContactLaw& contact = {}) {
     Obstacle made;
     made.name = "terrain";
     made.outline.kind = Outline::Kind::polyline;
@@ -55,7 +52,6 @@ inline Obstacle terrain(std::vector<Vec2> points, const CohesiveLaw& contact = {
     made.outline.line = std::make_shared<const Polyline>(points);
     made.outline.points = std::move(points);
     made.contact = contact;
-    made.contact.sigma_c = 0;
     return made;
 }
 

@@ -114,7 +114,7 @@ private:
                 const Vec2 place = contact.of_body([&](Index corner) { return mesh_.corner(corner); });
                 if (contact.gap <= near * std::sqrt(2 * mesh_.area(t)))
                     add_both(pieces_.first[t], rigid_support, place, contact.normal,
-                             model_.obstacles[contact.obstacle].contact.friction);
+                             obstacles.law_of(contact, start).friction);
             }
         }
         if (model_.contact_of_pair.empty()) return;

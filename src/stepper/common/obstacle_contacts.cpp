@@ -253,6 +253,23 @@ void ObstacleContacts::find_at_corners_of(const Edge& edge, const PlacedEdge& at
                                [&](std::size_t corner) { find_at_corner_of(edge, at, o, corner, begin, h); });
 }
 
+/// A point behind an edge lies in front of the next one, beyond a convex corner of the body.
+bool ObstacleContacts::is_in_front_of_next(const Edge& edge, const PlacedEdge& at, const Vec2& x,
+                                           const State& begin) const {
+    const auto is_right_of = [&](const Vec2& from, const Vec2& to) { return cross(to - from, x - from) < 0; };
+    const auto corners = [&](Index corner) { return model_.corners(model_.fans[model_.fan_of_corner[corner]]); };
+    const auto is_whole = [&](Index corner) { return begin.split_rank[model_.fan_of_corner[corner]] < 0; };
+    const Index next = is_whole(edge.b) ? next_[corners(edge.b).front()] : -1,
+                previous = is_whole(edge.a) ? previous_[corners(edge.a).back()] : -1;
+    if (next >= 0) {
+        const Vec2 x_b = at.x_a + at.along, end = place(next, begin);
+        if (cross(at.along, end - x_b) > 0 && is_right_of(x_b, end)) return true;
+    }
+    if (previous < 0) return false;
+    const Vec2 start = place(previous, begin);
+    return cross(at.x_a - start, at.along) > 0 && is_right_of(start, at.x_a);
+}
+
 /// A corner of an obstacle that no side of it which begins there leaves towards the body, and that lies between the
 /// ends of the edge. Where both of these touch as near, the corner adds nothing.
 void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at, Index o, std::size_t corner,
@@ -264,6 +281,7 @@ void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at,
     if (surface.any_side_at(corner,
                             [&](const Vec2& side) { return at.outward.dot(side) < -corner_cone * side.norm(); }))
         return;
+    if (gap < 0 && surface.outline().kind == Outline::Kind::polyline && is_in_front_of_next(edge, at, x, begin)) return;
     const double as_near = gap + almost_as_near * at.length;
     if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) return;
     add_on_edge({.corner = edge.a,

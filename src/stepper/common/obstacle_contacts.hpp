@@ -57,6 +57,10 @@ public:
               const std::vector<Vec2>& corner_force);
 
     const std::vector<ObstacleContact>& all() const { return contacts_; }
+    /// What acts at a contact.
+    const ContactLaw& law_of(const ObstacleContact& contact, const State& begin) const {
+        return model_.obstacles[contact.obstacle].law_at(contact.arm, begin.obstacles[contact.obstacle].pose.angle);
+    }
     std::size_t n_at_corners() const { return n_at_corners_; }
     std::span<const ObstacleContact> on_edges() const { return std::span(contacts_).subspan(n_at_corners_); }
     /// At corners of the fan.
@@ -103,6 +107,7 @@ private:
     void find_at_corners_of(const Edge& edge, const PlacedEdge& at, Index obstacle, const State& begin, double h);
     void find_at_corner_of(const Edge& edge, const PlacedEdge& at, Index obstacle, std::size_t corner,
                            const State& begin, double h);
+    bool is_in_front_of_next(const Edge& edge, const PlacedEdge& at, const Vec2& x, const State& begin) const;
     void add_on_edge(const ObstacleContact& contact, double length, const State& begin, double h);
     Vec2 place(Index corner, const State& begin) const {
         return model_.mesh.corner(corner) + begin.displacement_of(corner);

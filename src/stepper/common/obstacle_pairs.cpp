@@ -149,9 +149,12 @@ void find_facing(const Two& pair, double reach, double tolerance, std::vector<Fa
 
 }  // namespace
 
-ContactLaw law_between(const Obstacle& one, const Obstacle& two) {
-    return {.friction = std::sqrt(one.contact.friction * two.contact.friction),
-            .restitution = std::sqrt(one.contact.restitution * two.contact.restitution)};
+ContactLaw law_between(const Model& model, const ObstaclePairContact& contact, const State& begin) {
+    const auto law_of = [&](int k) -> const ContactLaw& {
+        const Index o = contact.obstacle[k];
+        return model.obstacles[o].law_at(contact.arm[k], begin.obstacles[o].pose.angle);
+    };
+    return law_between(law_of(0), law_of(1));
 }
 
 ObstaclePairs::ObstaclePairs(const Model& model) : model_(model), pairs_(obstacles_that_may_meet(model.obstacles)) {

@@ -20,8 +20,8 @@ struct ObstaclePairContact {
     double gap;               // [m]
 };
 
-/// Of two obstacles: the geometric means of what each has against the body.
-ContactLaw law_between(const Obstacle& one, const Obstacle& two);
+/// Of what both obstacles have there.
+ContactLaw law_between(const Model& model, const ObstaclePairContact& contact, const State& begin);
 
 class ObstaclePairs {
 public:

@@ -28,7 +28,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       absorbing_(model, options.absorbing),
       free_pieces_(model, options, absorbing_.dashpots()),
       blocks_(make_blocks(model, absorbing_.dashpots())),
-      obstacle_step_(model),
+      obstacle_step_(model, absorbing_.dashpots()),
       solver_(model, options, obstacle_step_, absorbing_),
       obstacles_(model, obstacle_step_),
       amplitude_(model.histories.size()),

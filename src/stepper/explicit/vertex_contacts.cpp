@@ -26,6 +26,11 @@ double positive_work(const Vec2& P, const Vec2& mean) {
     return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
 }
 
+/// A face of the body, which is deformable: what R_N and R_T are for it, Rebounds has.
+ContactLaw of_deformable(const ContactLaw& law) {
+    return {.friction = law.friction, .restitution = law.restitution_of_faces()};
+}
+
 /// The impulses [N s] of the step before; zero where a contact was none. Contacts come in the same order in most steps,
 /// so the search goes on behind the last one that was found: a corner in a valley of a terrain has one for each side.
 class ImpulsesBefore {
@@ -120,12 +125,12 @@ void VertexContacts::add_row(const ObstacleContact& contact, const ExplicitStep&
     add_term(row, contact.corner, (1 - contact.share) * n, (1 - contact.share) * t);
     if (contact.is_on_edge()) add_term(row, contact.second_corner, contact.share * n, contact.share * t);
     add_obstacle_term(row, contact.obstacle, contact.arm, -1, n);
-    const CohesiveLaw& law = model_.obstacles[contact.obstacle].contact;
     add_row({.gap = contact.gap,
              .deep = infinity,
              .rounding = position_rounding * (x.norm() + contact.arm.norm()),
-             .law = {.friction = law.friction, .restitution = law.restitution},
-             .place = x},
+             .law = of_deformable(obstacles_.contacts.law_of(contact, step.begin)),
+             .place = x,
+             .gives = obstacles_.given_at(contact)},
             step);
 }
 
@@ -138,7 +143,7 @@ void VertexContacts::add_row(const ObstaclePairContact& contact, const ExplicitS
     add_row({.gap = contact.gap,
              .deep = rebound_depth * obstacles_.pairs.size(contact),
              .rounding = position_rounding * (x.norm() + contact.arm[0].norm() + contact.arm[1].norm()),
-             .law = law_between(model_.obstacles[one], model_.obstacles[two]),
+             .law = law_between(model_, contact, step.begin),
              .place = x},
             step);
 }
@@ -150,8 +155,10 @@ void VertexContacts::add_row(const Row& row, const ExplicitStep& step) {
     rows_.push_back(row);
     before_.push_back(rate(number, step.begin));
     impulse_.push_back(Vec2::Zero()), residual_.push_back(0);
-    double& e = rows_.back().law.restitution;
-    if (rests_under(e, -before_.back().x(), approach_by_forces(number, step))) e = 0;
+    ContactLaw& law = rows_.back().law;
+    const double approach = -before_.back().x(), push = approach_by_forces(number, step);
+    if (rests_under(law.restitution, approach, push)) law.restitution = 0;
+    if (approach <= push) law.tangential = 0;  // no impact
 }
 
 void VertexContacts::begin_obstacles(const ExplicitStep& step) {
@@ -179,6 +186,7 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
     first_term_.assign(1, 0), first_obstacle_term_.assign(1, 0);
     obstacle_velocity_.resize(model_.obstacles.size());
     contacts_.find(step.begin, step.drift_time);
+    obstacles_.rebounds.begin(step.begin);
     if (const auto& refusal = contacts_.refusal()) {
         if (refusal->reason == ContactRefusal::Reason::speed)
             report.reject(Rejection::contact_speed, refusal->place, refusal->value);
@@ -195,6 +203,10 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
                          .rounding = position_rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length),
                          .law = law_between_faces(model_, c),
                          .place = place_of_corner(c.vertex[1], step.begin)});
+        Row& row = rows_.back();
+        row.gives = obstacles_.rebounds.find(c, row.law, step.begin);
+        if (row.law.rebound == ContactLaw::Rebound::of_bodies) row.deep = Rebounds::depth_of_faces() * c.length;
+        row.law = of_deformable(row.law);
         add_terms(i);
         impulse_[i] = scale * Vec2(c.contact, c.tangential);
         before_[i] = rate(i, step.begin);
@@ -350,9 +362,11 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
             const Row& row = rows_[cluster.contacts[k]];
             const double of_gap = cluster.contacts[k] < n_faces() ? error : 0;  // else ObstacleContacts clears it
-            problem.contact(k).law =
-                contact_law(row.gap, before_[cluster.contacts[k]], problem.may_slip(k) ? row.law.friction : 0,
-                            row.law.restitution, step.drift_time, row.deep, kink_tolerance * speed + of_gap);
+            const bool rubs = row.gives.rubs && problem.may_slip(k);
+            problem.contact(k).law = contact_law(row.gap, before_[cluster.contacts[k]], rubs ? row.law.friction : 0,
+                                                 row.law.restitution, step.drift_time, row.deep,
+                                                 kink_tolerance * speed + of_gap, row.law.tangential, row.gives.rate);
+            if (!row.gives.pushes) problem.contact(k).law.contact.may_touch = false;
         }
         residual = problem.solve(speed, error, effort_of(round));
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k)
@@ -448,14 +462,15 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
         }
     for (Index i = 0; i < static_cast<Index>(rows_.size()); ++i) {
         const Vec2 after = rate(i, step.end), mean = 0.5 * (before_[i] + after), P = impulse_[i];
-        account_contact({.contact = P.x(),
-                         .friction = P.y(),
-                         .rate_N = mean.x(),
-                         .rate_T = mean.y(),
-                         .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
-                         // of faces contact_depth has it
-                         .opening = i < n_faces() ? 0 : rows_[i].gap + step.drift_time * after.x()},
-                        report);
+        account_contact(
+            {.contact = P.x(),
+             .friction = P.y(),
+             .rate_N = mean.x(),
+             .rate_T = mean.y(),
+             .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
+             // of faces contact_depth has it
+             .opening = i < n_faces() || rows_[i].gives.lies_deep ? 0 : rows_[i].gap + step.drift_time * after.x()},
+            report);
         report.contact_injection += positive_work(P, mean);
         if (i >= n_faces()) continue;
         const FaceContact& c = contacts_.all()[i];
@@ -465,6 +480,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
     for (const Cluster& cluster : clusters_)
         report.add_contact_residual(cluster.residual, rows_[cluster.contacts.front()].place);
     report.face_contacts = n_faces();
+    obstacles_.rebounds.finish(step.end);
     if (!model_.contact_of_pair.empty()) retire_points(model_, step.begin.retired, step.end);
 }
 

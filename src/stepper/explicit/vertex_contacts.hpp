@@ -26,7 +26,7 @@ namespace knap {
 class VertexContacts {
 public:
     /// `obstacles` must outlive this.
-    VertexContacts(const Model& model, const VertexSolver& solver, const ObstacleStep& obstacles,
+    VertexContacts(const Model& model, const VertexSolver& solver, ObstacleStep& obstacles,
                    std::vector<Vec2>& corner_impulse)
         : model_(model), solver_(solver), obstacles_(obstacles), corner_impulse_(corner_impulse), contacts_(model) {}
 
@@ -59,6 +59,7 @@ private:
         double rounding;  // [m] of its places
         ContactLaw law;
         Vec2 place;  // [m]
+        GivingWay gives = {};
     };
     /// A contact acts on a corner: V = sum of (along_N . v, along_T . v), up to four terms a contact; the ground, which
     /// does not move, has none.
@@ -112,7 +113,7 @@ private:
 
     const Model& model_;
     const VertexSolver& solver_;
-    const ObstacleStep& obstacles_;
+    ObstacleStep& obstacles_;
     std::vector<Vec2>& corner_impulse_;
     FaceContacts contacts_;
     std::vector<Index> fans_;            // touched

@@ -6,6 +6,10 @@ void VertexObstacles::begin(const ExplicitStep& step) {
     now_.motion.begin_explicit(step.begin, step.kick_time, step.drift_time, step.obstacle_damping);
     now_.contacts.find(step.begin, step.drift_time, now_.motion.rate(), step.corner_force);
     now_.pairs.find(step.begin, step.drift_time, now_.motion.rate());
+    now_.gives.clear();
+    for (const ObstacleContact& contact : now_.contacts.all())
+        if (!now_.rebounds.is_idle())
+            now_.gives.push_back(now_.rebounds.find(contact, now_.contacts.law_of(contact, step.begin), step.begin));
     now_.impulse.assign(now_.contacts.all().size(), Vec2::Zero());
 }
 

@@ -17,6 +17,7 @@ constexpr double closed_opening =
     1e-5;  // [-] of the softening length: where fans turn, an opening below it counts as none
 constexpr double mean_tolerance = 1e-14;  // [-] of the velocities of a fan on an absorbing boundary
 constexpr int max_fan_sweeps = 100;
+constexpr double far_away = 1e6;  // [m] a gap that no step closes
 constexpr double stick_tolerance =
     1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
@@ -189,21 +190,23 @@ void VertexSolver::add_contacts(Index f, const ExplicitStep& step, FanProblem& p
     const auto corners = model_.corners(fan);
     for (const ObstacleContact& contact : obstacles_.contacts.of_fan(f)) {
         if (!is_within_fan(contact)) continue;
-        const Obstacle& obstacle = model_.obstacles[contact.obstacle];
+        const ContactLaw& law = obstacles_.contacts.law_of(contact, step.begin);
+        const GivingWay gives = obstacles_.given_at(contact);
         problem.links.push_back({.before = static_cast<Index>(problem.bodies.size()),
                                  .after = place_among(corners, contact.corner),
                                  .normal = contact.normal,
-                                 .u_N = contact.gap,
+                                 .u_N = gives.pushes ? contact.gap : far_away,
                                  .u_T = 0,
                                  .cohesive = 0,
                                  .gamma = 0,
-                                 .friction = obstacle.contact.friction,
-                                 .restitution = obstacle.contact.restitution,
-                                 .unbreakable = false});
+                                 .friction = gives.rubs ? law.friction : 0,
+                                 .restitution = law.restitution_of_faces(),
+                                 .unbreakable = false,
+                                 .given = gives.rate});
         problem.bodies.push_back({.velocity = velocity_at(step.begin.obstacles[contact.obstacle].velocity, contact),
                                   .free_velocity = velocity_at(obstacles_.motion.rate()[contact.obstacle], contact),
                                   .inverse_mass = Vec2::Zero()});
-        if (obstacle.contact.restitution == 0) continue;
+        if (law.restitution_of_faces() == 0) continue;
         Vec2 force = Vec2::Zero();  // on the whole fan
         for (const Index c : corners) force += step.corner_force[c];
         FanLink& link = problem.links.back();
@@ -334,6 +337,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         const Vec2 after = result.across(link);
         const double mean_N = 0.5 * n.dot(before + after), mean_T = 0.5 * t.dot(before + after);
         const double u_N = link.u_N + step.drift_time * n.dot(after), u_T = link.u_T + step.drift_time * t.dot(after);
+        double overlap = u_N;  // [m] negative: what gave way is none
         if (i < fan.n_points) {
             const FanPoint& point = model_.points(fan)[i];
             const CohesiveLaw& law = law_of(model_, step.begin, point);
@@ -367,6 +371,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                              report);
         } else {
             while (!is_within_fan(*contact)) ++contact;
+            if (obstacles_.given_at(*contact).lies_deep) overlap = 0;
             obstacles_.impulse[&*contact++ - obstacles_.contacts.all().data()] = found.impulse;
         }
         account_contact({.contact = found.contact,
@@ -374,7 +379,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                          .rate_N = mean_N,
                          .rate_T = mean_T,
                          .rate_error = rate_error,
-                         .opening = u_N,
+                         .opening = overlap,
                          .cohesive = found.cohesive_impulse},
                         report);
     }

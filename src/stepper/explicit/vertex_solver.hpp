@@ -14,18 +14,26 @@
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/explicit/absorbing_boundary.hpp"
 #include "stepper/explicit/explicit_step.hpp"
+#include "stepper/explicit/rebounds.hpp"
 #include "stepper/explicit/stationary_fans.hpp"
 
 namespace knap {
 
 /// The contacts with obstacles in a step.
 struct ObstacleStep {
-    explicit ObstacleStep(const Model& model) : contacts(model), pairs(model), motion(model) {}
+    ObstacleStep(const Model& model, std::span<const Dashpot> dashpots)
+        : contacts(model), pairs(model), motion(model), rebounds(model, dashpots) {}
 
     ObstacleContacts contacts;
     ObstaclePairs pairs;
     ObstacleMotion motion;
-    std::vector<Vec2> impulse;  // [N s] per contact, on the body; of those within a fan
+    Rebounds rebounds;
+    std::vector<GivingWay> gives;  // per contact; empty: no surface gives way
+    std::vector<Vec2> impulse;     // [N s] per contact, on the body; of those within a fan
+
+    GivingWay given_at(const ObstacleContact& contact) const {
+        return gives.empty() ? GivingWay{} : gives[&contact - contacts.all().data()];
+    }
 };
 
 class VertexSolver {

@@ -9,6 +9,7 @@ constexpr double no_cohesion = 1e-12;  // [-] beta below it is zero
 // [-] kappa/delta_c. A steeper ramp counts as an opening without one: rounding of the openings would be forces, and its
 // energy is less than a millionth of G_c.
 constexpr double steepest_ramp = 1e-6;
+const CohesiveLaw of_obstacles;  // without cohesion
 
 }  // namespace
 
@@ -48,27 +49,27 @@ ActivePoint obstacle_point(const Model& model, const StepContext& step, const Co
                            const ObstacleContact& contact, const Vec3& obstacle_rate) {
     const State& begin = *step.begin;
     const Obstacle& obstacle = model.obstacles[contact.obstacle];
+    const ContactLaw& law = obstacle.law_at(contact.arm, begin.obstacles[contact.obstacle].pose.angle);
     const Index node = nodes.node_of_corner[contact.corner];
     const Vec2 of_body = contact.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
                of_obstacle = velocity_at(begin.obstacles[contact.obstacle].velocity, contact);
     const double rate = normal_rate(contact.normal, of_obstacle, of_body);
     const bool slip_follows_normal = obstacle.is_free() && contact.is_led_along(nodes.prescribed[node]);
-    ActivePoint made{
-        .sides = {.fan_point = -1,
-                  .before = -1,
-                  .after = node,
-                  .second_node = contact.is_on_edge() ? nodes.node_of_corner[contact.second_corner] : -1,
-                  .share = contact.share,
-                  .leaf_corner = contact.corner},
-        .normal = contact.normal,
-        .law = {.u_N = contact.gap,
-                .u_T = 0,
-                .strength = 0,
-                .cohesion = 0,
-                .material = &obstacle.contact,
-                .friction = slip_follows_normal ? 0 : obstacle.contact.friction,
-                .contact = contact_bound_theta(contact.gap, rate, obstacle.contact.restitution, step.h, step.theta, 0),
-                .step = &step}};
+    ActivePoint made{.sides = {.fan_point = -1,
+                               .before = -1,
+                               .after = node,
+                               .second_node = contact.is_on_edge() ? nodes.node_of_corner[contact.second_corner] : -1,
+                               .share = contact.share,
+                               .leaf_corner = contact.corner},
+                     .normal = contact.normal,
+                     .law = {.u_N = contact.gap,
+                             .u_T = 0,
+                             .strength = 0,
+                             .cohesion = 0,
+                             .material = &of_obstacles,
+                             .friction = slip_follows_normal ? 0 : law.friction,
+                             .contact = contact_bound_theta(contact.gap, rate, law.restitution, step.h, step.theta, 0),
+                             .step = &step}};
     made.support_rate = made.in_frame(velocity_at(obstacle_rate, contact));
     apply_prescribed(nodes, made);
     made.law.set_staircase();

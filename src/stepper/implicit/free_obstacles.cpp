@@ -42,7 +42,7 @@ bool FreeObstacles::begin(const StepContext& step) {
                          .arm = at.arm,
                          .normal = at.normal,
                          .gap = at.gap,
-                         .law = law_between(model_.obstacles[one], model_.obstacles[two])});
+                         .law = law_between(model_, at, begin)});
         const Vec2 v_1 = velocity_at(begin.obstacles[one].velocity, at.arm[0]),
                    v_2 = velocity_at(begin.obstacles[two].velocity, at.arm[1]);
         rows_.back().before = normal_rate(at.normal, v_1, v_2);
@@ -61,13 +61,14 @@ void FreeObstacles::add_held(const Body& body) {
         const Obstacle& obstacle = model_.obstacles[at.obstacle];
         const ActivePoint& point = body.points[i];
         if (!point.is_held || !obstacle.is_free()) continue;
+        const ContactLaw& law = contacts_.law_of(at, begin);
         rows_.push_back({.contact = static_cast<Index>(i),
                          .obstacle = {at.obstacle, -1},
                          .arm = {at.arm, at.arm},
                          .normal = at.normal,
                          .gap = at.gap,
-                         .law = {.friction = std::isinf(point.multipliers.rho_T) ? obstacle.contact.friction : 0,
-                                 .restitution = obstacle.contact.restitution}});
+                         .law = {.friction = std::isinf(point.multipliers.rho_T) ? law.friction : 0,
+                                 .restitution = law.restitution}});
         const auto rate = [&](Index c) -> Vec2 { return body.rate[body.nodes.node_of_corner[c]]; };
         const Vec2 of_body = at.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
                    of_obstacle = velocity_at(begin.obstacles[at.obstacle].velocity, at);

@@ -405,7 +405,7 @@ bool ImplicitScheme::opens(Index f) const {
 void ImplicitScheme::store(State& end, StepReport& report) {
     const State& begin = *step_.begin;
     end = begin;
-    end.obstacle_contacts.clear();
+    end.obstacle_contacts.clear(), end.impacts.clear();
     end.free_pieces = carried_.motions();
     end.temperature = step_.end_temperature, end.temperature_before = begin.temperature;
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {

@@ -89,7 +89,9 @@ void RigidContacts::complete(Row& row, const std::vector<MovingBody>& bodies) {
 void RigidContacts::find_strikes(const RigidStep& step, std::vector<MovingBody>& bodies) {
     bool any = false;
     for (Row& row : rows_) {
-        if (rests_under(row.law.restitution, -row.before.x(), row.before.x() - row.free.x())) row.law.restitution = 0;
+        const double approach = -row.before.x(), push = row.before.x() - row.free.x();
+        if (rests_under(row.law.restitution, approach, push)) row.law.restitution = 0;
+        if (approach <= push) row.law.tangential = 0;  // no impact
         row.is_struck = row.law.restitution > 0 && row.gap > 0 && row.before.x() < 0 &&
                         row.gap + step.drift_time * row.before.x() < 0;
         any = any || row.is_struck;
@@ -176,19 +178,18 @@ void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<Movin
     const auto& before = begin.obstacle_contacts;
     for (Index i = 0; i < static_cast<Index>(obstacle_contacts_.all().size()); ++i) {
         const ObstacleContact& c = obstacle_contacts_.all()[i];
-        const Obstacle& obstacle = model_.obstacles[c.obstacle];
+        ContactLaw law = obstacle_contacts_.law_of(c, begin);
         const Vec2 n = c.normal, t = turned_left(n);
         const Index piece = piece_of(c.corner);
         const Vec2 x = c.of_body([&](Index corner) { return place_of(corner); });
+        if (!law.gives_restitution) law.restitution = options_.restitution;
+        if (can_break(piece)) law.restitution = 0;
         Row row{.source = Source::obstacle,
                 .number = i,
                 .gap = c.gap,
                 .length = begin.frozen->pieces[piece].edge(),
                 .rounding = position_rounding * (x.norm() + c.arm.norm()),
-                .law = {.friction = obstacle.contact.friction,
-                        .restitution = can_break(piece)             ? 0
-                                       : obstacle.gives_restitution ? obstacle.contact.restitution
-                                                                    : options_.restitution},
+                .law = law,
                 .place = x};
         for (std::size_t k = 0; k < before.size(); ++k) {  // mostly in the same order
             const ObstacleContactState& at = before[(known + k) % before.size()];
@@ -253,7 +254,7 @@ void RigidContacts::add_pairs(const RigidStep& step, const std::vector<MovingBod
                 .gap = c.gap,
                 .length = pairs_.size(c),
                 .rounding = position_rounding * (x.norm() + c.arm[0].norm() + c.arm[1].norm()),
-                .law = law_between(model_.obstacles[c.obstacle[0]], model_.obstacles[c.obstacle[1]]),
+                .law = law_between(model_, c, step.begin),
                 .place = x};
         add_term(row, body_of_obstacle(c.obstacle[0]), -n, -t, c.arm[0]);
         add_term(row, body_of_obstacle(c.obstacle[1]), n, t, c.arm[1]);
@@ -409,7 +410,7 @@ void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<M
         problem.couple(contact, contact, Eigen::Matrix2d::Zero());
         InterfaceLaw& law = problem.contacts.back().law;
         law = contact_law(row.gap, row.before, row.law.friction, row.law.restitution, step.drift_time, infinity,
-                          tolerance);
+                          tolerance, row.law.tangential);
         if (row.is_struck) law.contact = {true, std::max(0.0, -row.law.restitution * row.before.x())};
     }
     cluster.residual = problem.solve(cluster.speed, error, ClusterEffort::sweeps);
@@ -507,7 +508,7 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
     // impulses are kept as forces times the step; before a step of the deformable body as forces
     const double lasting = (step.closing ? 1 : step.drift_time) / step.kick_time;
     if (meets_faces()) end.face_contacts.clear();
-    end.obstacle_contacts.clear();
+    end.obstacle_contacts.clear(), end.impacts.clear();
     for (const Row& row : rows_) {
         const Vec2 after = rate(row, bodies, &MovingBody::end), mean = 0.5 * (row.before + after), P = row.impulse;
         const double residual = 1e-14 * (row.before.norm() + row.free.norm() + after.norm());

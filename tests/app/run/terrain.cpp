@@ -1,7 +1,10 @@
 // Bodies on an obstacle that is a terrain: they slide and rest on it as on planes, in both schemes, and what starts in
 // its ground is refused.
 #include "app/program.hpp"
+#include "base/random.hpp"
 #include "output/history_csv.hpp"
+
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 
@@ -89,6 +92,59 @@ TEST_CASE("terrain: a body rests in a valley of a terrain with its weight in bot
     CHECK(force("explicit", "[time]\nend = 0.02\nstart = \"equilibrium\"\n") == doctest::Approx(weight).epsilon(1e-6));
     CHECK(force("implicit", "[time]\nend = 0.02\nbulk = \"implicit\"\nstep = 1e-3\nstart = \"equilibrium\"\n") ==
           doctest::Approx(weight).epsilon(1e-6));
+}
+
+TEST_CASE("terrain: a body loses mu g L on every range of a terrain that it slides over") {
+    const Folder folder("ranges");
+    const std::string ground =
+        "shape = \"polyline\"\npoints = [[9, 0], [-9, 0]]\nfriction = 0\n"
+        "[[obstacle.range]]\nfrom = 0.5\nto = 0.8\nfriction = 0.2\n"
+        "[[obstacle.range]]\nfrom = 1\nto = 1.1\nfriction = 0.5\n";
+    const std::string text = on_slope(0, ground, "[time]\nend = 0.15\n[[initial]]\nvelocity = [10, 0]\n");
+    const double v = run_column(folder, "slides", text, "fragment_paths.csv", "velocity_x").back();
+    // its nodes pass both ranges one after the other; while it is braked those in front bear more than those behind
+    CHECK(10 * 10 - v * v == doctest::Approx(2 * 9.81 * (0.2 * 0.3 + 0.5 * 0.1)).epsilon(0.04));
+}
+
+TEST_CASE(
+    "terrain: fast and spinning boulders and triangles stay above a rough terrain of corners finer than an edge") {
+    const Folder folder("rough");
+    knap::Random random(45, "boulders");
+    std::string text = "knap = 1\n[domain]\nrotation = \"large\"\n[mesh]\nsize = 0.5\n[contact]\n" + rock +
+                       "[[obstacle]]\nname = \"ground\"\nshape = \"polyline\"\npoints = [[80, -40], [-5, 2.5]]\n"
+                       "friction = 0.6\nroughness = 0.02\nroughness_kind = \"normal\"\nspacing = 0.05\n"
+                       "[time]\nend = 0.012\n[output]\nevery = 1\nfields = false\nhistory_every = 0.012\n";
+    const int n = 50;
+    for (int k = 0; k < n; ++k) {
+        const bool is_disc = k % 3 == 0, is_triangle = k % 3 == 1;
+        const double radius = random.uniform(0.15, is_triangle ? 0.25 : 0.5), x = 1.5 * k,
+                     y = -0.5 * x + 1.2 * radius + 0.2, turn = random.uniform(0, 6);
+        text += "[[body]]\nmesh_size = " + std::to_string(radius) +
+                "\nvelocity = " + point(random.uniform(-20, 40), -random.uniform(20, 40)) + "\nspin = \"" +
+                std::to_string(random.uniform(-3000, 3000)) + " deg/s\"\n";
+        if (is_disc) {
+            text += "shape = \"disc\"\ncentre = " + point(x, y) + "\nradius = " + std::to_string(radius) + "\n";
+            continue;
+        }
+        const int corners = is_triangle ? 3 : 4 + k % 5;
+        text += "shape = \"polygon\"\npoints = [";
+        for (int i = 0; i < corners; ++i) {
+            const double angle = turn + 2 * M_PI * (i + random.uniform(-0.2, 0.2)) / corners;
+            text += (i > 0 ? ", " : "") + point(x + radius * std::cos(angle), y + radius * std::sin(angle));
+        }
+        text += "]\n";
+    }
+    write_scene(folder, text);
+    const Answer answer = run_scene(folder, "-j 1 -s 'figure=[]' -o " + folder.in_shell("drop"));
+    CAPTURE(answer.text);
+    REQUIRE(answer.code == 0);
+    const auto record = nlohmann::json::parse(text_of(folder.path / "drop/run.json"));
+    for (const auto& gate : record["gates"])
+        if (gate["name"] == "obstacle_depth") CHECK(gate["value"].get<double>() < 0.03);
+    const auto paths = knap::read_csv(folder.path / "drop/fragment_paths.csv");
+    const std::vector<double> x = paths.column("centre_x"), y = paths.column("centre_y");
+    REQUIRE(x.size() >= n);
+    for (std::size_t i = x.size() - n; i < x.size(); ++i) CHECK(y[i] + 0.5 * x[i] > -0.05);
 }
 
 TEST_CASE("terrain: a body that starts in the ground is refused with the cure") {

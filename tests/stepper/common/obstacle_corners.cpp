@@ -15,7 +15,7 @@ using namespace knap::tests;
 
 namespace {
 
-Obstacle wedge(const Vec2& tip, const CohesiveLaw& contact, double side) {
+Obstacle wedge(const Vec2& tip, const ContactLaw& contact, double side) {
     return polygon({tip, tip + Vec2(side * 0.4, side), tip + Vec2(-side * 0.4, side)}, contact);
 }
 

@@ -107,7 +107,7 @@ TEST_CASE("two free discs exchange their speeds and keep their momentum") {
             for (const double mu : {0.0, 0.4}) {
                 CAPTURE(e);
                 CAPTURE(mu);
-                const CohesiveLaw contact{.friction = mu, .restitution = e};
+                const ContactLaw contact{.friction = mu, .restitution = e};
                 Obstacle left = boulder({0, 0}, 0.5, {1, 0}, contact), right = boulder({1.1, 0}, 0.5, {0, 0}, contact);
                 left.initial_velocity.z() = 2;
                 Run run(scene({left, right}), scheme);
@@ -168,6 +168,51 @@ TEST_CASE("a rigid block slides down a rigid incline as Coulomb says") {
     }
 }
 
+TEST_CASE("R_N and R_T are those of the point of contact of a rigid body as far as friction can") {
+    const double R_N = 0.35, R_T = 0.8;
+    // a triangle whose corner hits the ground beside its centre of mass: both components are coupled
+    for (const double mu : {2.0, 0.1})
+        for (const bool terrain_decides : {false, true}) {
+            CAPTURE(mu);
+            CAPTURE(terrain_decides);
+            const ContactLaw law{
+                .friction = mu, .restitution = R_N, .rebound = ContactLaw::Rebound::of_bodies, .tangential = R_T};
+            Obstacle triangle =
+                freed(polygon({{0, 0.01}, {0.7, 0.4}, {-0.2, 0.8}}, terrain_decides ? ContactLaw{} : law));
+            triangle.initial_velocity = Vec3(-1, -2, 0.5);
+            Run run(scene({terrain({{5, 0}, {-5, 0}}, law), triangle}));
+            const Vec3 before = run.now.obstacles[1].velocity;
+            Vec2 V_before, V_after;
+            for (int i = 0; i < 100 && run.now.obstacles[1].velocity == before; ++i) {
+                const Pose& pose = run.now.obstacles[1].pose;
+                const Vec2 corner = Rotation::by(pose.angle).turned(triangle.outline.points[0]);
+                const Vec2 arm = corner + 0.5e-3 * before.z() * turned_left(corner) -
+                                 Vec2(0, 0.5 * (pose.position + corner).y());  // of the middle of the step
+                run.step(1e-3);
+                V_before = velocity_at(before, arm), V_after = velocity_at(run.now.obstacles[1].velocity, arm);
+            }
+            CHECK(V_before.y() < -1.5);
+            CHECK(V_after.y() == relative(-R_N * V_before.y(), 1e-9));
+            const Vec2 P = triangle.mass * (run.now.obstacles[1].velocity - before).head<2>();
+            if (mu > 1) CHECK(V_after.x() == relative(R_T * V_before.x(), 1e-9));
+            else CHECK(P.x() == relative(mu * P.y(), 1e-9));
+            CHECK(V_after.x() <= R_T * V_before.x() * (1 - 1e-9));
+            check_energy_balance(run);
+        }
+}
+
+TEST_CASE("R_T brakes no slide: Coulomb's friction does") {
+    const ContactLaw law{.friction = 0.3, .rebound = ContactLaw::Rebound::of_bodies, .tangential = 0.9};
+    Obstacle block = freed(box({0, 0}, {0.4, 0.2}, 0));
+    block.initial_velocity.x() = 1;
+    Run run(heavy_scene({platen({0, 0}, {0, 1}, law), block}));
+    for (int i = 0; i < 200; ++i) run.step(1e-3);
+    CHECK(run.now.obstacles[1].velocity.x() == relative(1 - 0.3 * g * 199.5e-3, 1e-9));
+    for (int i = 0; i < 300; ++i) run.step(1e-3);
+    CHECK(std::abs(run.now.obstacles[1].velocity.x()) < 1e-12);
+    check_energy_balance(run);
+}
+
 TEST_CASE("four free obstacles in a heap come to rest") {
     const std::vector<Obstacle> heap{freed(box({-0.8, 0.05}, {-0.1, 0.45}, 0.5)),
                                      freed(box({0.05, 0.02}, {0.7, 0.6}, 0.5)),
@@ -206,7 +251,7 @@ TEST_CASE("a disc and a square lie in a valley of a terrain and press on both of
             const Obstacle body =
                 is_disc ? boulder({0, height + 1e-3}, radius, {0, 0})
                         : freed(polygon({{0, 0.1}, {0.1, 0.2}, {0, 0.3}, {-0.1, 0.2}}, {.friction = 0.9}));
-            const CohesiveLaw contact{.friction = is_disc ? 0 : 0.9};
+            const ContactLaw contact{.friction = is_disc ? 0 : 0.9};
             Run run(heavy_scene({terrain({2 * right, Vec2(0, 0), 2 * left}, contact), body}), scheme);
             for (int i = 0; i < 3000; ++i) run.step(1e-3);
             CHECK(kinetic(run) < 1e-12);
@@ -217,6 +262,21 @@ TEST_CASE("a disc and a square lie in a valley of a terrain and press on both of
             CHECK(overlap(run) < (is_implicit(scheme) ? 4e-4 : 1e-4));
             check_energy_balance(run);
         }
+    for (const bool is_disc : {true, false}) {
+        CAPTURE(is_disc);
+        const double height = radius / std::cos(angle);
+        const Obstacle body = is_disc
+                                  ? boulder({0, height + 1e-3}, radius, {0, 0})
+                                  : freed(polygon({{0, 0.1}, {0.1, 0.2}, {0, 0.3}, {-0.1, 0.2}}, {.friction = 0.9}));
+        const ContactLaw contact{.friction = is_disc ? 0 : 0.9};
+        Run run(heavy_scene({terrain({2 * right, Vec2(0, 0), 2 * left}, contact), body}));
+        for (int i = 0; i < 3000; ++i) run.step(1e-3);
+        CHECK(kinetic(run) < 1e-12);
+        CHECK(run.now.obstacles[1].reaction.y() == relative(run.model.obstacles[1].mass * g, 1e-6));
+        if (is_disc) CHECK(run.now.obstacles[1].pose.position.y() == relative(height, 1e-4));
+        CHECK(overlap(run) < 1e-4);
+        check_energy_balance(run);
+    }
 }
 
 TEST_CASE("a disc that rolls over the summit of a terrain follows its corner") {

@@ -196,7 +196,7 @@ Run random_scene(std::uint64_t seed, double unit_of_length = 1, double unit_of_t
     RandomBody body = bodies.body();
     ModelInput& input = body.input;
     Random random(seed, "obstacles");
-    CohesiveLaw contact{.sigma_c = 0, .friction = random.uniform() < 0.5 ? 0 : random.uniform(0, 0.5)};
+    ContactLaw contact{.friction = random.uniform() < 0.5 ? 0 : random.uniform(0, 0.5)};
     input.laws[0].restitution = 0;
     for (const double side : {-1.0, 1.0}) {
         const Vec2 centre(random.uniform(0, 2), side < 0 ? -0.02 : 3.4), towards(random.uniform(-0.3, 0.3), -side);

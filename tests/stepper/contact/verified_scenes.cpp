@@ -49,7 +49,7 @@ Rubble pour(int columns, int rows, double E, int n_steps) {
     ModelInput input = bodies.input({.friction = 0.5, .restitution = 0});
     for (Elastic& each : input.materials) each.E = E;
     input.loads = {{.kind = Load::Kind::acceleration, .value = {0, -10}}};
-    const CohesiveLaw touch{.friction = 0.5};
+    const ContactLaw touch{.friction = 0.5};
     input.obstacles = {platen({0, 0}, {0, 1}, touch), platen({0, 0}, {1, 0}, touch),
                        platen({width, 0}, {-1, 0}, touch)};
     Run run(std::move(input), {.damping = damping, .damping_of = DampingOf::motion});

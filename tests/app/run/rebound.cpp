@@ -1,0 +1,103 @@
+// Deformable bodies rebound with R_N of what they hit, where they would with more, and keep R_T of their slip.
+#include "app/program.hpp"
+#include "output/history_csv.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <tuple>
+
+namespace rebound_test {
+
+using namespace program;
+
+namespace {
+
+const std::string rock =
+    "[material.rock]\ndensity = 2700\nE = \"30 GPa\"\nnu = 0.25\n[interface.default]\nbreakable = false\n";
+
+struct Rebound {
+    double e;     // [-] -V_N+/V_N- at the point of contact
+    double slip;  // [m/s] of the point of contact after it, 0.35 m below the centre
+};
+
+/// A body falls with 5 m/s, and slides, on a plane at y = 0, which it touches below x = `contact`.
+Rebound rebound_of(const Folder& folder, const std::string& shape, double contact, const std::string& law,
+                   double slip = 0) {
+    write_scene(folder,
+                "knap = 1\n[domain]\nrotation = \"large\"\n" + shape + rock +
+                    "[[obstacle]]\nname = \"ground\"\nshape = \"half plane\"\nat = [0, -1e-4]\nnormal = [0, 1]\n" +
+                    law + "[[initial]]\nvelocity = [" + std::to_string(slip) +
+                    ", -5]\n[time]\nend = 0.004\n[output]\nevery = 1\nfields = false\nhistory_every = 0.004\n");
+    const Answer answer = run_scene(folder, "-j 1 --force -s 'figure=[]' -o " + folder.in_shell("run"));
+    CAPTURE(answer.text);
+    REQUIRE(answer.code == 0);
+    const auto path = knap::read_csv(folder.path / "run/fragment_paths.csv");
+    const auto last = [&](const char* column) { return path.column(column).back(); };
+    const double before = path.column("centre_x").front();
+    return {(last("velocity_y") + last("spin") * (contact - before)) / 5, last("velocity_x") + 0.35 * last("spin")};
+}
+
+std::string size(double h) { return "[mesh]\nsize = " + std::to_string(h) + "\n"; }
+
+}  // namespace
+
+TEST_CASE("rebound: discs and boulders and bars of three meshes have R_N within five percent") {
+    const Folder folder("rebound");
+    const std::string disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n",
+                      boulder =
+                          "shape = \"polygon\"\npoints = [[-0.45, 0.2], [-0.1, 0], [0.3, 0.15], [0.5, 0.5], "
+                          "[0.3, 0.9], [-0.15, 1], [-0.5, 0.65]]\n",
+                      bar = "shape = \"polygon\"\npoints = [[0, 0], [0.25, 0], [0.25, 1], [0, 1]]\n";
+    for (const auto& [shape, contact, h] : {std::tuple{disc, 0., 0.2},
+                                            {disc, 0., 0.14},
+                                            {disc, 0., 0.1},
+                                            {boulder, -0.1, 0.3},
+                                            {boulder, -0.1, 0.2},
+                                            {boulder, -0.1, 0.14},
+                                            {bar, 0.125, 0.12},
+                                            {bar, 0.125, 0.1},
+                                            {bar, 0.125, 0.07}})
+        for (const double R_N : {0.3, 0.6}) {
+            CAPTURE(shape);
+            CAPTURE(h);
+            CAPTURE(R_N);
+            const std::string law = "R_N = " + std::to_string(R_N) + "\n";
+            CHECK(rebound_of(folder, shape + size(h), contact, law).e == doctest::Approx(R_N).epsilon(0.05));
+        }
+    CHECK(rebound_of(folder, disc + size(0.14), 0, "restitution = 0.3\n").e > 0.9);
+    CHECK(rebound_of(folder, disc + size(0.14), 0, "R_N = 1\n").e > 0.9);
+}
+
+TEST_CASE("rebound: two deformable bodies part with R_N of their materials") {
+    const Folder folder("pair");
+    // a corner meets the middle of a face, so both fly on along x
+    const std::string bodies =
+        "[[body]]\nshape = \"polygon\"\npoints = [[0.5, 0], [0, 0.5], [-0.5, 0], [0, -0.5]]\nvelocity = [5, 0]\n"
+        "[[body]]\nshape = \"polygon\"\npoints = [[0.501, -0.45], [1.4, -0.45], [1.4, 0.45], [0.501, 0.45]]\n";
+    for (const double R_N : {0.3, 0.6}) {
+        CAPTURE(R_N);
+        write_scene(folder, "knap = 1\n[domain]\nrotation = \"large\"\n[mesh]\nsize = 0.18\n" + bodies + rock +
+                                "[contact]\nfriction = 0\n[[contact.pair]]\nmaterials = [\"rock\", \"rock\"]\nR_N = " +
+                                std::to_string(R_N) +
+                                "\n[time]\nend = 0.005\n[output]\nevery = 1\nfields = false\nhistory_every = 0.005\n");
+        const Answer answer = run_scene(folder, "-j 1 --force -s 'figure=[]' -o " + folder.in_shell("run"));
+        CAPTURE(answer.text);
+        REQUIRE(answer.code == 0);
+        const std::vector<double> v = knap::read_csv(folder.path / "run/fragment_paths.csv").column("velocity_x");
+        REQUIRE(v.size() >= 2);
+        CHECK(std::abs(v[v.size() - 1] - v[v.size() - 2]) / 5 == doctest::Approx(R_N).epsilon(0.05));
+    }
+}
+
+TEST_CASE("rebound: friction leaves R_T of the slip of a deformable disc or takes mu of the normal impulse") {
+    const Folder folder("slip");
+    const std::string disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n" + size(0.14);
+    const auto with = [&](double mu) {
+        return rebound_of(folder, disc, 0, "R_N = 0.4\nR_T = 0.8\nfriction = " + std::to_string(mu) + "\n", 4).slip;
+    };
+    CHECK(with(2) == doctest::Approx(0.8 * 4).epsilon(0.08));
+    CHECK(with(0.02) == doctest::Approx(4 - 3 * 0.02 * 1.4 * 5).epsilon(0.05));  // its mobility is 1/m + r^2/J = 3/m
+}
+
+}  // namespace rebound_test
