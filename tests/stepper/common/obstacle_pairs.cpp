@@ -262,21 +262,6 @@ TEST_CASE("a disc and a square lie in a valley of a terrain and press on both of
             CHECK(overlap(run) < (is_implicit(scheme) ? 4e-4 : 1e-4));
             check_energy_balance(run);
         }
-    for (const bool is_disc : {true, false}) {
-        CAPTURE(is_disc);
-        const double height = radius / std::cos(angle);
-        const Obstacle body = is_disc
-                                  ? boulder({0, height + 1e-3}, radius, {0, 0})
-                                  : freed(polygon({{0, 0.1}, {0.1, 0.2}, {0, 0.3}, {-0.1, 0.2}}, {.friction = 0.9}));
-        const ContactLaw contact{.friction = is_disc ? 0 : 0.9};
-        Run run(heavy_scene({terrain({2 * right, Vec2(0, 0), 2 * left}, contact), body}));
-        for (int i = 0; i < 3000; ++i) run.step(1e-3);
-        CHECK(kinetic(run) < 1e-12);
-        CHECK(run.now.obstacles[1].reaction.y() == relative(run.model.obstacles[1].mass * g, 1e-6));
-        if (is_disc) CHECK(run.now.obstacles[1].pose.position.y() == relative(height, 1e-4));
-        CHECK(overlap(run) < 1e-4);
-        check_energy_balance(run);
-    }
 }
 
 TEST_CASE("a disc that rolls over the summit of a terrain follows its corner") {
