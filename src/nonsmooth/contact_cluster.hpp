@@ -33,6 +33,9 @@
 
 namespace knap {
 
+constexpr double kink_tolerance = 1e-12;     // [-] of the speeds: nearer kinks of the friction are one
+constexpr double position_rounding = 1e-15;  // [-] of the positions of what touches
+
 struct ClusterContact {
     InterfaceLaw law;
     double cohesive = 0;           // [N s] C; of an interface point

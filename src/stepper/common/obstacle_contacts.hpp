@@ -46,6 +46,29 @@ inline Vec2 velocity_at(const Vec3& obstacle_velocity, const ObstacleContact& co
     return velocity_at(obstacle_velocity, contact.arm);
 }
 
+/// The impulses [N s] of the step before; zero where a contact was none. Contacts come in the same order in most steps,
+/// so the search goes on behind the last one that was found: a corner in a valley of a terrain has one for each side.
+class ImpulsesBefore {
+public:
+    explicit ImpulsesBefore(const State& begin) : all_(begin.obstacle_contacts) {}
+    Vec2 next(const ObstacleContact& contact) {
+        for (std::size_t k = 0; k + (next_ > 0) < all_.size(); ++k) {
+            const std::size_t i = (next_ + k) % all_.size();
+            const ObstacleContactState& before = all_[i];
+            if (before.corner != contact.corner || before.second_corner != contact.second_corner ||
+                before.obstacle != contact.obstacle)
+                continue;
+            next_ = i + 1;
+            return {before.contact, before.tangential};
+        }
+        return Vec2::Zero();
+    }
+
+private:
+    const std::vector<ObstacleContactState>& all_;
+    std::size_t next_ = 0;
+};
+
 class ObstacleContacts {
 public:
     explicit ObstacleContacts(const Model& model);

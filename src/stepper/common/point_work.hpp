@@ -37,6 +37,11 @@ inline void account_contact(const ContactWork& at, StepReport& report) {
     report.penetration = std::max(report.penetration, -at.opening);
 }
 
+/// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
+inline double positive_work(const Vec2& P, const Vec2& mean) {
+    return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
+}
+
 /// A prescribed component: the impulse [N s] that its drive gives to the body works with the rate of the scheme [m/s].
 /// `on_mass` [J]: of it, where the end velocity is not that of the scheme.
 inline void account_drive(double impulse, double rate, StepReport& report, double on_mass = 0) {

@@ -12,47 +12,17 @@ namespace knap {
 namespace {
 
 constexpr double rebound_depth = 1e-3;           // [-] of the edge: a deeper penetration is reduced by a rebound
-constexpr double kink_tolerance = 1e-12;         // [-] of the speeds: nearer kinks of the friction are one
 constexpr double max_speed_ratio = 1e3;          // [-] of the speeds of a cluster: no impulse of a contact causes it
 constexpr double max_injected = 1e-3;            // [-] of energy and losses of a cluster, by its residual
 constexpr double convergence_tolerance = 1e-12;  // [-] of the speeds, between contacts and fans
-constexpr double position_rounding = 1e-15;      // [-] of the positions
 constexpr int max_contact_rounds = 100;          // of contacts and fans
 constexpr int careful_round = 3;                 // of clusters with obstacles
 constexpr int patience = 4;                      // rounds without half the residual: a wedge has no solution
-
-/// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.
-double positive_work(const Vec2& P, const Vec2& mean) {
-    return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
-}
 
 /// A face of the body, which is deformable: what R_N and R_T are for it, Rebounds has.
 ContactLaw of_deformable(const ContactLaw& law) {
     return {.friction = law.friction, .restitution = law.restitution_of_faces()};
 }
-
-/// The impulses [N s] of the step before; zero where a contact was none. Contacts come in the same order in most steps,
-/// so the search goes on behind the last one that was found: a corner in a valley of a terrain has one for each side.
-class ImpulsesBefore {
-public:
-    explicit ImpulsesBefore(const State& begin) : all_(begin.obstacle_contacts) {}
-    Vec2 next(const ObstacleContact& contact) {
-        for (std::size_t k = 0; k + (next_ > 0) < all_.size(); ++k) {
-            const std::size_t i = (next_ + k) % all_.size();
-            const ObstacleContactState& before = all_[i];
-            if (before.corner != contact.corner || before.second_corner != contact.second_corner ||
-                before.obstacle != contact.obstacle)
-                continue;
-            next_ = i + 1;
-            return {before.contact, before.tangential};
-        }
-        return Vec2::Zero();
-    }
-
-private:
-    const std::vector<ObstacleContactState>& all_;
-    std::size_t next_ = 0;
-};
 
 }  // namespace
 

@@ -10,19 +10,13 @@
 namespace knap {
 namespace {
 
-constexpr double kink_tolerance = 1e-12;     // [-] of the speeds: nearer kinks of the friction are one
-constexpr double position_rounding = 1e-15;  // [-] of the positions
-constexpr double same_plane = 1e-12;         // [-] 1 - cosine of the normals of one plane
-constexpr double held = 1e-12;               // [-] of the mobility of a row: nothing moves along this component
-constexpr double allowed_depth = 1e-4;       // [-] of the edge: deeper overlaps are corrected
-constexpr double corrected = 1e-6;           // [-] of the edge: smaller corrections end the search for them
-constexpr int max_corrections = 20;          // sweeps
-constexpr double few_edges = 10;             // [-] D/L up to which sigma_c/(rho c) breaks a piece
-constexpr double lasting_load = 0.5;         // [-] of sigma_c, over an edge, that a piece bears without a blow
-
-double positive_work(const Vec2& P, const Vec2& mean) {
-    return std::max(0.0, P.x() * mean.x()) + std::max(0.0, P.y() * mean.y());
-}
+constexpr double same_plane = 1e-12;    // [-] 1 - cosine of the normals of one plane
+constexpr double held = 1e-12;          // [-] of the mobility of a row: nothing moves along this component
+constexpr double allowed_depth = 1e-4;  // [-] of the edge: deeper overlaps are corrected
+constexpr double corrected = 1e-6;      // [-] of the edge: smaller corrections end the search for them
+constexpr int max_corrections = 20;     // sweeps
+constexpr double few_edges = 10;        // [-] D/L up to which sigma_c/(rho c) breaks a piece
+constexpr double lasting_load = 0.5;    // [-] of sigma_c, over an edge, that a piece bears without a blow
 
 }  // namespace
 
@@ -174,8 +168,7 @@ void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<Movin
     const State& begin = step.begin;
     const std::size_t first = rows_.size();
     const double scale = begin.last_step > 0 ? step.kick_time / begin.last_step : 0;
-    std::size_t known = 0;
-    const auto& before = begin.obstacle_contacts;
+    ImpulsesBefore before(begin);
     for (Index i = 0; i < static_cast<Index>(obstacle_contacts_.all().size()); ++i) {
         const ObstacleContact& c = obstacle_contacts_.all()[i];
         ContactLaw law = obstacle_contacts_.law_of(c, begin);
@@ -191,12 +184,7 @@ void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<Movin
                 .rounding = position_rounding * (x.norm() + c.arm.norm()),
                 .law = law,
                 .place = x};
-        for (std::size_t k = 0; k < before.size(); ++k) {  // mostly in the same order
-            const ObstacleContactState& at = before[(known + k) % before.size()];
-            if (at.corner != c.corner || at.second_corner != c.second_corner || at.obstacle != c.obstacle) continue;
-            row.lasting = scale * Vec2(at.contact, at.tangential), known += k + 1;
-            break;
-        }
+        row.lasting = scale * before.next(c);
         add_term(row, piece, n, t, x - bodies[piece].centre);
         add_term(row, body_of_obstacle(c.obstacle), -n, -t, c.arm);
         add_row(row, bodies);
