@@ -163,7 +163,8 @@ void measure_dust(std::vector<Measurement>& measured) {
     const Model model = build_model(scenario);
     const Mesh& mesh = model.mesh;
     State state = initial_state(model);
-    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) split(model, f, state);
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f)
+        if (state.split_rank[f] < 0) split(model, f, state);
     std::ranges::fill(state.retired, Retirement::retired);
     Random random(1, "dust");
     for (Index t = 0; t < mesh.n_triangles(); ++t) {

@@ -114,6 +114,14 @@ TEST_CASE("bench does not overwrite a file") {
     CHECK(text_of(folder.path / "mine.csv") == "mine");
 }
 
+TEST_CASE("bench measures to its end" * doctest::test_suite("slow")) {
+    const Answer answer = command("bench");
+    CHECK(answer.code == 0);
+    for (const char* words : {"same bits with 1 and 2 threads:                     yes", "a step with [contact]",
+                              "dust: detection", "ground: detection with 40 000 edges"})
+        CHECK_MESSAGE(answer.has(words), words);
+}
+
 TEST_CASE("mesh reports and writes") {
     const Folder folder("mesh");
     const std::string scenario = "mesh edge_cracked_block -s 'mesh.size=1 mm' ";

@@ -4,6 +4,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 namespace knap {
@@ -59,11 +60,12 @@ FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
 }
 
 bool FreeBoundary::update(std::span<const Retirement> retired) {
-    std::vector<Index> touched;  // fans
+    if (retired_.empty()) return false;  // the model has no contact between free faces
+    std::vector<Index> touched;          // fans
     bool only_more = true;
     for (std::size_t first = 0; first < retired.size(); first += marks_at_once) {
         const auto marks = retired.subspan(first, std::min(marks_at_once, retired.size() - first));
-        if (std::ranges::equal(marks, std::span(retired_).subspan(first, marks.size()))) continue;
+        if (std::memcmp(marks.data(), retired_.data() + first, marks.size_bytes()) == 0) continue;  // most steps
         for (std::size_t p = first; p < first + marks.size(); ++p) {
             if (retired[p] == retired_[p]) continue;
             only_more = only_more && retired[p] != Retirement::none;
