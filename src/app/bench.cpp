@@ -114,8 +114,9 @@ double handover_time() {
 /// The block, its steps, and the time that they take.
 class Block {
 public:
-    explicit Block(double size, bool cracked = true, bool large_rotation = false, bool contact = false)
-        : scenario_(scenario_of(size, cracked, large_rotation, contact)) {}
+    using Overrides = std::vector<std::string>;
+    explicit Block(double size, bool cracked = true, bool large_rotation = false, const Overrides& others = {})
+        : scenario_(scenario_of(size, cracked, large_rotation, others)) {}
     struct Times {
         double cpu, wall;  // [s]
     };
@@ -145,11 +146,11 @@ public:
     double n_solves = 0;  // of vertices that have split, in the last run
 
 private:
-    static Scenario scenario_of(double size, bool cracked, bool large_rotation, bool contact) {
-        std::vector<std::string> overrides{formatted("mesh.size=%.9g", size)};
+    static Scenario scenario_of(double size, bool cracked, bool large_rotation, const Overrides& others) {
+        Overrides overrides{formatted("mesh.size=%.9g", size)};
         if (!cracked) overrides.emplace_back("domain.crack=[]");
         if (large_rotation) overrides.emplace_back("domain.rotation=large");
-        if (contact) overrides.emplace_back("contact={}");
+        overrides.insert(overrides.end(), others.begin(), others.end());
         return built_in("edge_cracked_block", overrides);
     }
     std::int64_t steps_to(double time) const { return static_cast<std::int64_t>(std::ceil(time / step_ * (1 - 1e-9))); }
@@ -323,9 +324,13 @@ struct Bench {
 
     void measure_contacts() {
         use_threads(1);
-        Block alone(1e-3, true, true, false), with_contact(1e-3, true, true, true);
-        const double until = 20e-6, without = alone.run(until).cpu;
-        ratio("a step with [contact] where hardly any faces meet", with_contact.run(until).cpu / without);
+        Block elastic(1e-3, true, true), with_contact(1e-3, true, true, {"contact={}"}),
+            viscous(1e-3, true, true, {"material.glass.bulk_viscosity=[0, 1.2]", "material.glass.shear_viscosity=0.1"});
+        const double until = 20e-6, n_elastic = elastic.work(until), n_viscous = viscous.work(until),
+                     without = viscous.run(until).cpu / n_viscous;
+        ratio("a step with the viscosity that [contact] has by default",
+              without / (elastic.run(until).cpu / n_elastic));
+        ratio("a step with [contact] where hardly any faces meet", with_contact.run(until).cpu / n_viscous / without);
         for (const Measurement& of : measure_contact()) ratio(of.name.c_str(), of.value);
     }
 };
