@@ -19,6 +19,7 @@
 #include "mesh/mesh_file.hpp"
 #include "microstructure/grain_mesh.hpp"
 #include "model/selections.hpp"
+#include "scenario/specimen_strength.hpp"
 #include "scenario/write_scenario.hpp"
 #include "stepper/rigid/freeze.hpp"
 

@@ -4,7 +4,7 @@
 #include "base/union_find.hpp"
 #include "mesh/gmsh_file.hpp"
 #include "mesh/overlap.hpp"
-#include "mesh/planar_graph.hpp"
+#include "mesh/shape_graph.hpp"
 
 #include <cmath>
 #include <set>

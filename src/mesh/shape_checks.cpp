@@ -1,8 +1,8 @@
 // The checks that a shape can be meshed with the requested sizes: every mistake is named before anything is meshed.
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
-#include "mesh/planar_graph.hpp"
 #include "mesh/search_grid.hpp"
+#include "mesh/shape_graph.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,9 +4,9 @@
 #include "mesh/triangulate.hpp"
 
 #include "mesh/constrained_delaunay.hpp"
-#include "mesh/planar_graph.hpp"
 #include "mesh/poisson_discs.hpp"
 #include "mesh/relax.hpp"
+#include "mesh/shape_graph.hpp"
 
 #include <cmath>
 #include <map>

@@ -3,18 +3,12 @@
 // (strength_by_law). `knap calibrate --of strength` measures it and writes a table; with strength = "as measured"
 // sigma_c of a scenario is that for which the law gives the strength of a specimen, and interfaces get sigma_c over the
 // surplus.
-#include "analysis/specimen.hpp"
+#include "scenario/strength_options.hpp"
 #include "scenario/surplus.hpp"
 #include "scenario/toughness.hpp"
 
 namespace knap {
 
-/// [strength].
-struct StrengthOptions {
-    bool as_measured = false;
-    SpecimenOptions::Test test = SpecimenOptions::Test::compression;  // or brazilian
-    double size = 0;  // [m] width of the plate, twice as high, or diameter of the disc; 0: unknown
-};
 /// "compression", "brazilian".
 const char* test_word(SpecimenOptions::Test test);
 

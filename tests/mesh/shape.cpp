@@ -1,7 +1,7 @@
 // Shapes that cannot be meshed are rejected, and the part at fault is named.
 #include "mesh/shapes.hpp"
 
-#include "mesh/planar_graph.hpp"
+#include "mesh/shape_graph.hpp"
 #include "mesh/triangulate.hpp"
 
 #include <doctest/doctest.h>

@@ -1,5 +1,5 @@
 // Shape::snap: maps of traces as they were digitised.
-#include "mesh/planar_graph.hpp"
+#include "mesh/shape_graph.hpp"
 #include "mesh/shapes.hpp"
 #include "mesh/triangulate.hpp"
 #include "support/trace_map.hpp"

@@ -2,8 +2,8 @@
 #include "microstructure/inclusions.hpp"
 
 #include "mesh/mesh_report.hpp"
-#include "mesh/planar_graph.hpp"
 #include "mesh/polygon.hpp"
+#include "mesh/shape_graph.hpp"
 #include "mesh/shapes.hpp"
 #include "mesh/triangulate.hpp"
 #include "microstructure/materials.hpp"

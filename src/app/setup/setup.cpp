@@ -2,7 +2,7 @@
 
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
-#include "mesh/planar_graph.hpp"
+#include "mesh/shape_graph.hpp"
 #include "microstructure/grain_mesh.hpp"
 #include "scenario/reading.hpp"
 
