@@ -22,8 +22,11 @@ std::string fault_of(const std::vector<Vec2>& points) {
         const auto& [start, along, outward, length, turn] = line.sides()[i];
         if (i > 0 && line.sides()[i - 1].along.dot(along) < -1 + 1e-12) return "turns back on itself at " + nearby(i);
         line.visit_near(start, length, [&](Index j) {
-            if (j > i + 1 && distance_between(side(i), side(j)) == 0)
-                fault = "crosses or touches itself near " + nearby(i);
+            if (j <= i + 1 || distance_between(side(i), side(j)) > 0 || !fault.empty()) return;
+            const auto [a, b] = side(i);
+            const auto [c, d] = side(j);
+            const double across = cross(b - a, d - c), share = across == 0 ? 0 : cross(c - a, d - c) / across;
+            fault = "crosses or touches itself at " + place_text(a + std::clamp(share, 0.0, 1.0) * (b - a));
         });
     }
     return fault;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <sstream>
+#include <utility>
 
 namespace knap {
 
@@ -35,8 +36,10 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     constexpr int max_reports = 5;
     const auto bytes = table.bytes_of("csv");
     if (!bytes) return {};
+    const std::size_t between = file.line.find(", ");
+    const std::array<std::string, 2> expected{file.line.substr(0, between), file.line.substr(between + 2)};
     std::array<std::string, 2> unit;  // by the line of names
-    bool lacks_unit = false;
+    bool lacks_unit = false, has_content = false;
     const auto number_in = [&](const std::string& text, int column) -> std::optional<double> {
         Quantity quantity = parse_quantity(text);
         if (!quantity.problem.empty()) return std::nullopt;
@@ -49,6 +52,20 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     const auto unit_of_name = [](const std::string& name) {
         const std::size_t open = name.find('['), close = name.find(']');
         return open < close && close != std::string::npos ? name.substr(open + 1, close - open - 1) : std::string();
+    };
+    const auto without_unit = [](const std::string& name) {
+        return std::string(trimmed(name.substr(0, name.find('['))));
+    };
+    /// Columns in the other order would be taken for one another; columns with units must have the names, too.
+    const auto fault_of_names = [&](const std::array<std::string, 2>& names) -> std::string {
+        const bool are_swapped = names[0] == expected[1] && names[1] == expected[0];
+        if (are_swapped || (!file.unit.empty() && names != expected))
+            return "the columns are `" + names[0] + ", " + names[1] + "` and not `" + file.line + "`";
+        for (const std::string& given : unit)
+            if (const Quantity one = parse_quantity("1 " + given);
+                !given.empty() && (!one.problem.empty() || one.dimension != dimension_of(file.unit)))
+                return "the unit `" + given + "` is not one of the kind of `" + std::string(file.unit) + "`";
+        return {};
     };
     std::vector<Vec2> pairs;
     double direction = file.unit.empty() ? 1 : 0;
@@ -75,8 +92,13 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
                           column_2 = content.substr(std::min(comma + 1, content.size()));
         lacks_unit = false;
         const auto first = number_in(column_1, 0), second = number_in(column_2, 1);
-        if (!first && number == 1 && !lacks_unit) {  // names
-            unit = {unit_of_name(column_1), unit_of_name(column_2)};
+        if (!std::exchange(has_content, true) && !first && !lacks_unit) {  // names
+            if (!file.unit.empty()) unit = {unit_of_name(column_1), unit_of_name(column_2)};
+            if (const std::string fault = fault_of_names({without_unit(column_1), without_unit(column_2)});
+                !fault.empty()) {
+                report(fault);
+                break;
+            }
             continue;
         }
         const double change = pairs.empty() || !first ? 0 : *first - pairs.back().x();

@@ -1336,6 +1336,7 @@ TEST_CASE("scenario: a softening law from a csv file is part of the resolved sce
     CHECK(again.scenario.laws[0].law.softening->knots() == found.scenario.laws[0].law.softening->knots());
     for (const auto& [content, code] : {std::pair{"0, 3\n0.1, 4\n0.5, 0\n", "out-of-range"},
                                         {"0, 3\n0.1, 1\n0.05, 0\n", "bad-csv"},
+                                        {"traction, opening\n0, 3\n0.5, 0\n", "bad-csv"},
                                         {"0, 3\n0.5, one\n", "bad-csv"}}) {
         write(content);
         CAPTURE(content);
