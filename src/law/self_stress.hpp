@@ -20,7 +20,7 @@ struct HalfPlane {
     double value;
     Vec2 gradient;
     Index link;
-    int kind;  // 0 = tension, +1 / -1 = shear in the direction of +T / -T
+    int shear;  // sign of the tangential impulse that yields, along T; 0: the tension yields
 };
 
 /// Admissible impulses of a point: p = P_N + C >= 0 and the tangential range of p, three half planes.

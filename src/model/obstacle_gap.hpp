@@ -1,6 +1,6 @@
 #pragma once
-// Rigid obstacles among each other, which do not touch: a free one penetrates the others, which is reported; and in
-// edges of the body.
+// Gaps between rigid obstacles, and between an obstacle and an edge of the body: where contact begins, and how deep one
+// lies in the other.
 #include "model/obstacle.hpp"
 
 #include <functional>

@@ -164,8 +164,8 @@ private:
     std::vector<std::uint8_t> tried_;  // states of one attempt after the other
     std::vector<BodyRow> body_rows_;
     std::vector<Eigen::Index> unknown_, place_;  // rows of W; per row: its place in unknown_, or -1
-    std::vector<Eigen::Matrix2d> part_;          // per coupling: of it what concerns unknowns
-    std::vector<TermPart> part_of_term_;         // per term: likewise
+    std::vector<Eigen::Matrix2d> part_;          // per coupling: its entries between unknowns
+    std::vector<TermPart> part_of_term_;         // per term: its entries at unknowns
     std::vector<Index> place_of_part_;           // per coupling, then four per term: in factor_
     bool is_analysed_ = false;                   // factor_ has the pattern of the couplings
     BlockFactor factor_;                         // of contacts, then two rows per rigid body

@@ -86,12 +86,12 @@ bool FanSolver::settle_self_stress() {
     for (int k = 0; k < found.n_binding; ++k) {
         const HalfPlane& plane = planes_[found.binding[k]];
         LinkState& state = now_.states[plane.link];
-        if (plane.kind == 0) {
+        if (plane.shear == 0) {
             state.set(false, state.state_of(false, state.tangential.kink, scales_.speed_tolerance));
         } else if (state.tangential.stick) {
             // loaded towards +T beyond its strength: the sides slide towards -T
             const int last = state.law.staircase(state.closed).n_states() - 1;
-            state.set(state.closed, std::clamp(state.tangential_state - plane.kind, 0, last));
+            state.set(state.closed, std::clamp(state.tangential_state - plane.shear, 0, last));
         }
     }
     return false;

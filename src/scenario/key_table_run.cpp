@@ -22,8 +22,9 @@ void add_keys_of_run(KeyTable& t) {
     t.word("until", {"end", "rest"}, "rest: the run ends before time.end once the body is at rest: its kinetic energy "
         "stays below a part of the largest one so far and of the strain energy, and no load changes any more")
         .otherwise("end").to(&RestOptions::ends_run, {false, true});
-    t.number("rest_below", "", "that part").above(0).below(1).otherwise("1e-3").to(&RestOptions::below);
-    t.number("rest_for", "s", "time for which it stays below").above(0)
+    t.number("rest_below", "", "kinetic energy of rest, over its maximum and over the strain energy")
+        .above(0).below(1).otherwise("1e-3").to(&RestOptions::below);
+    t.number("rest_for", "s", "time for which the kinetic energy stays below that part").above(0)
         .computed("ten passages of a shear wave through all of the body").to(&RestOptions::duration);
     t.word("bulk", {"explicit", "implicit", "auto"}, "explicit: central differences with lumped mass, limited to the "
         "stable step; implicit: theta scheme, steps of any size; auto: implicit while nothing moves fast, explicit "

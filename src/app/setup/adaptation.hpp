@@ -13,7 +13,7 @@ public:
     /// `input`: of the model, without its mesh.
     Adaptation(const AdaptOptions& options, ModelInput input) : options_(options), input_(std::move(input)) {}
 
-    /// Which vertices of a model may not split; at the start of a run.
+    /// Marks the vertices of a model that may not split; called at the start of a run.
     void guard(Model& model) const;
     /// A look at the mesh is due before the next step.
     bool is_due(const State& now) const {

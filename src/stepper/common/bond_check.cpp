@@ -51,7 +51,7 @@ double BondCheck::utilisation(Index f, const State& begin, std::span<const Vec2>
         StrengthPolygon::at_rest(law, points[j].normal, 0)
             .add_half_planes(j, P, fan.closed ? Vec2::Ones() : Vec2::Zero(), planes_);
         for (HalfPlane& plane : std::span(planes_).subspan(first)) {
-            const double unit = plane.kind == 0 ? strength : (law.gamma + law.friction) * strength;
+            const double unit = plane.shear == 0 ? strength : (law.gamma + law.friction) * strength;
             plane.value /= unit, plane.gradient /= unit;
         }
         return true;

@@ -70,7 +70,7 @@ struct StepReport {
     Vec2 depth_place = Vec2::Zero();     // [m] of the largest depth, in the deformed body
     double largest_speed = 0;            // [m/s]
     double approach = 0;                 // [m/s] largest with which obstacles or free faces meet in the step
-    Vec2 approach_place = Vec2::Zero();  // [m] of it, in the deformed body
+    Vec2 approach_place = Vec2::Zero();  // [m] where that is, in the deformed body
     double largest_opened = 0;           // [-] by which a point that loses cohesion opens, over its delta_c; explicit
     double largest_beta_growth = 0;      // [-] must be 0
     double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time

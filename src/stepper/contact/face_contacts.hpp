@@ -36,8 +36,8 @@ struct FaceContact {
     }
 };
 
-/// That of the pair of materials; on a support that of its interface, whatever lies on it; of two faces of joints that
-/// of the joint, so that slip which leaves the points behind goes on with the same friction.
+/// The law is that of the pair of materials. On a support it is that of the support's interface, whatever lies on it;
+/// two faces of joints keep that of the joint, so that slip beyond the points goes on with the same friction.
 inline ContactLaw law_between_faces(const Model& model, const FaceContact& contact) {
     const auto of_interface = [&](Index law) -> ContactLaw {
         return {.friction = model.laws[law].friction, .restitution = model.laws[law].restitution};

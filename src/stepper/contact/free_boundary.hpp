@@ -30,8 +30,8 @@ struct FreeEdge {
     Index piece_start;             // the contact piece at a: place of the edge that leaves it; -1: it touches nothing
     Index piece_end;               // at b
     Index group_start, group_end;  // of the pieces at a and b: edges of a group do not touch its vertices
-    std::array<Index, 2>
-        joined;      // neighbours of the group at a which points join to it (Retirement::meeting): likewise; or -1
+    std::array<Index, 2> joined;   // the groups beside the one at a that points join to it (Retirement::meeting), whose
+                                   // edges do not touch its vertex, either; -1: there is none
     Index entering;  // place of the edge that enters the piece which this edge leaves; -1: this edge leaves
                      // no piece, or the piece touches nothing
     Index start_place, end_place;  // of a and b in FreeBoundary::corners()

@@ -89,7 +89,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     for (const CornerLoad& load : crack_forces_.find(begin))
         corner_force_[load.corner] += amplitude_[load.history] * load.force;
     if (contacts_) find_obstacle_contacts(step);
-    // rows 2 and 3, and 5 and 6 likewise, for all other fans: of several blocks, loaded, guided or near obstacles
+    // rows 2 and 3, 5 and 6 for all other fans: on several blocks, with loads, prescribed motion or obstacles
     report += sweep_bordering(step);
     // row 5 for all fans that contacts couple: the impulses of contacts, and the rates of free obstacles
     if (contacts_) contacts_->solve(step, splits_, workspaces_, report);
@@ -106,7 +106,6 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     if (model_.large_rotation) account_rotation(step, report);
     absorbing_.account(step, report);
     if (report.released > 0) order_split_fans(model_, end, unordered_);  // a block reads contiguous ones
-    report.largest_speed = std::sqrt(report.largest_speed);              // squared until here
     return report;
 }
 

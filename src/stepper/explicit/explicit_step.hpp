@@ -37,7 +37,7 @@ inline double dot(const Pair& a, const Pair& b) {
     return products[0] + products[1];
 }
 
-/// The place of a corner among those of its fan, or of others.
+/// Position of a corner in a list of corners.
 inline Index place_among(std::span<const Index> corners, Index corner) {
     return static_cast<Index>(std::ranges::find(corners, corner) - corners.begin());
 }
@@ -47,7 +47,7 @@ inline Pair force_inlined(const Model& model, const CornerLoad& corner_load, con
     return corner_load.depends_on_state() ? load(force_of(model, corner_load, state)) : load(corner_load.force);
 }
 
-/// [N s] That takes a mass [kg] from `before` to `after` [m/s], against the damping d [-].
+/// Impulse [N s] that changes the velocity of a mass [kg] from `before` to `after` [m/s], with the damping d [-].
 inline Vec2 damped_impulse(double mass, const Vec2& before, const Vec2& after, double damping) {
     return mass * ((1 + damping) * after - (1 - damping) * before);
 }
@@ -82,7 +82,7 @@ struct ExplicitStep {
             if (motion.component[k]) velocity[k] = motion.rate(k, model.histories, displacement[k], times).rate;
         return velocity;
     }
-    /// [N s] That takes a mass from `before` to `after` [m/s], against the damping.
+    /// Impulse [N s] that changes the velocity of a mass [kg] from `before` to `after` [m/s], with the body's damping.
     Vec2 impulse(double mass, const Vec2& before, const Vec2& after) const {
         return damped_impulse(mass, before, after, damping);
     }
@@ -135,7 +135,7 @@ public:
         report.step_change_work += sums_.step_change_work;
         report.damping_work += sums_.damping_work;
         report.rotation_work += sums_.rotation_work;
-        report.largest_speed = std::max(report.largest_speed, sums_.largest_speed2);
+        report.largest_speed = std::max(report.largest_speed, std::sqrt(sums_.largest_speed2));
     }
 
 private:

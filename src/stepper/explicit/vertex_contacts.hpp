@@ -117,7 +117,7 @@ private:
     std::vector<Vec2>& corner_impulse_;
     FaceContacts contacts_;
     std::vector<Index> fans_;            // touched
-    std::vector<TouchedFan> touched_;    // in their order; memory of more
+    std::vector<TouchedFan> touched_;    // in the order of fans_; capacity for more is kept from step to step
     std::vector<Index> touched_of_fan_;  // per fan: into fans_, or -1
     std::vector<Row> rows_;              // per contact: those between free faces, then those with obstacles
     std::vector<Term> terms_;

@@ -301,7 +301,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
         report.reject(solution.is_lawful() ? Rejection::not_converged : Rejection::jammed,
                       model_.mesh.corner(corners[0]));
 
-    // the impulse of a prescribed motion is the rest of the balance of its corner, and it works
+    // the reaction of a prescribed motion is the residual of the momentum balance of its corner; its work is booked
     const auto drive = [&](Index body, int k, double impulse) {
         if (body < 0 || body >= fan.n_corners || problem.bodies[body].inverse_mass[k] != 0) return;
         step.drive(model_.prescribed_of_corner[corners[body]], k, impulse,

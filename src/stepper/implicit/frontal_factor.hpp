@@ -14,17 +14,8 @@
 // the root, of which the largest are on one path, so several threads also share the rows and columns of a large front.
 // Every entry is one sum in a fixed order, and does not depend on their number.
 //
-// Why not CHOLMOD (tools/bench/cholmod, one thread; its time over ours; block of 1 mm with 100 nodes split, of 0.5 mm
-// in brackets):
-//     new factor after a change, ordering kept              2.3 to 7     (3.4 to 11.5)
-//     row additions and deletions for 100 split nodes       5.1 to 5.5   (2.8 to 5.5)
-//     the same for one node                                 0.3 to 0.4   (0.2 to 0.4)
-//     update for 10 changed points                          0.16 to 0.6  (0.06 to 0.09)
-//     factor from scratch                                   0.6          (1.0)
-//     substitution; our L has 2.1 to 2.7 times the entries  0.2          (0.4)
-// CHOLMOD's modified factor depends on its history, needs all unknowns beforehand, and allocates memory in the step.
-// (Measured before the smallest vertex cuts of dissection.hpp, which took a third of the entries and more than half of
-// the operations.)
+// CHOLMOD's modified factor depends on its history, needs all unknowns beforehand, and allocates memory in the step;
+// tools/bench/cholmod.csv compares the times.
 #include "base/arena.hpp"
 #include "element/triangle_matrices.hpp"
 #include "stepper/common/step_scheme.hpp"

@@ -2,10 +2,11 @@
 // Tresca's law at single points of the active set (active_set.hpp): their friction is bounded by
 // contact impulses that follow from step to step with a delay.
 //
-// A point that friction makes no P problem changes its piece for ever: closed, its impulse is a tension; open, its
-// sides overlap. In rubble that rests three to ten points of thousands do so, and no step length ends it. Bounded by
-// the impulse of the step before, their friction lets them settle; once no point changes its piece any more, it follows
-// the contact impulse again. Points with cohesion never lag: where they soften, too, their cycles go on (granite).
+// A point whose local matrix is no P-matrix because of friction changes its piece for ever: closed, its impulse is a
+// tension; open, its sides overlap. In rubble that rests three to ten points of thousands do so, and no step length
+// ends it. Bounded by the impulse of the step before, their friction lets them settle; once no point changes its piece
+// any more, it follows the contact impulse again. Points with cohesion never lag: where they soften, too, their cycles
+// go on (granite).
 #include "stepper/implicit/active_point.hpp"
 
 #include <vector>
