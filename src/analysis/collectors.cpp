@@ -1,5 +1,6 @@
 #include "analysis/collectors.hpp"
 
+#include "base/quantile.hpp"
 #include "mesh/polygon.hpp"
 #include "model/model.hpp"
 
@@ -106,16 +107,6 @@ Passages passages_of(const History& table, std::size_t number) {
         found.height.push_back(row[height]), found.speed.push_back(row[speed]);
     }
     return found;
-}
-
-double quantile(std::vector<double> values, double q) {
-    std::erase_if(values, [](double x) { return !std::isfinite(x); });
-    if (values.empty()) return none;
-    std::ranges::sort(values);
-    const double place = q * static_cast<double>(values.size() - 1);
-    const std::size_t i = std::min(static_cast<std::size_t>(place), values.size() - 1),
-                      j = std::min(i + 1, values.size() - 1);
-    return values[i] + (place - static_cast<double>(i)) * (values[j] - values[i]);
 }
 
 Collectors::Collectors(const Model& model, const State& start, std::vector<CollectorOptions> collectors)

@@ -53,10 +53,6 @@ std::span<const Measure<Passages>> collector_numbers();
 /// Those of collector `number` in the table of all.
 Passages passages_of(const History& table, std::size_t number);
 
-/// The value that the part q of the values does not exceed, linear between two of them; NaN without values. Values that
-/// are not finite do not count.
-double quantile(std::vector<double> values, double q);
-
 class Collectors {
 public:
     Collectors(const Model& model, const State& start, std::vector<CollectorOptions> collectors);

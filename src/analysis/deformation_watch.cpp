@@ -10,7 +10,6 @@ namespace knap {
 namespace {
 
 constexpr double negligible_overlap = 1e-3;  // of the area of a triangle: faces that slid a little
-constexpr double straight = 1e-6;            // [rad] a support that turns by less continues straight on
 
 struct Gradient {
     double xx, xy, yx, yy;  // u_x,x  u_x,y  u_y,x  u_y,y
@@ -128,7 +127,7 @@ void DeformationWatch::renew() {
             result = next == interfaces.end() ? Index(support_ends) : *next;
             if (result < 0) continue;
             const Vec2 further = turned_left(model.interfaces[*next].normal);
-            if (along.dot(further) <= 0 || std::abs(cross(along, further)) > straight) result = support_turns;
+            if (along.dot(further) <= 0 || std::abs(cross(along, further)) > straight_on) result = support_turns;
         }
 }
 

@@ -49,16 +49,17 @@ void ThermalStress::for_each_weight(Index t, const Add& add) const {
     }
 }
 
+/// On the corners of a triangle.
+void ThermalStress::add_forces_of(Index t, std::span<const double> strain, double factor, Vec2* force) const {
+    // V p = 2 (p t/2) area, over the number of strains
+    const double of_strain = factor * 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains();
+    for_each_weight(
+        t, [&](Index m, Index c, const Vec2& weight) { force[c] += of_strain * strain[n_strains() * t + m] * weight; });
+}
+
 void ThermalStress::add_forces(std::span<const double> strain, double factor, std::vector<Vec2>& force) const {
-    const Index n = n_corners();
 #pragma omp parallel for schedule(static) if (n_triangles() > 1024)
-    for (Index t = 0; t < n_triangles(); ++t) {
-        // V p = 2 (p t/2) area, over the number of strains
-        const double of_strain = factor * 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains();
-        for_each_weight(t, [&](Index m, Index c, const Vec2& weight) {
-            force[n * t + c] += of_strain * strain[n_strains() * t + m] * weight;
-        });
-    }
+    for (Index t = 0; t < n_triangles(); ++t) add_forces_of(t, strain, factor, &force[n_corners() * t]);
 }
 
 /// sigma : e I = e (2 (lambda + mu) tr eps - 2 p)
@@ -118,9 +119,7 @@ double ThermalStress::evaluate(Index first, Index last, const std::vector<Vec2>&
     for (Index t = first; t < last; ++t, force += n) {
         const Triangle& here = triangles_[t];
         if (order_ == 2) {
-            const double of_strain = 2 * here.half_pressure * mesh_.area(t) / 3;
-            for_each_weight(
-                t, [&](Index m, Index c, const Vec2& weight) { force[c] += of_strain * strain[3 * t + m] * weight; });
+            add_forces_of(t, strain, 1, force);
             sum += product_of(t, displacement, node_of_corner, strain, other);
             const auto g = shape_gradients(mesh_, t);
             for (Index k = 0; k < 6 && !fan_of_corner_.empty(); ++k) {

@@ -57,6 +57,7 @@ private:
     Index n_strains() const { return order_ == 1 ? 1 : 3; }
     template <class Add>
     void for_each_weight(Index triangle, const Add& add) const;
+    void add_forces_of(Index triangle, std::span<const double> strain, double factor, Vec2* force) const;
     double product_of(Index triangle, const std::vector<Vec2>& displacement, const std::vector<Index>& node_of_corner,
                       std::span<const double> strain, std::span<const double> other) const;
 

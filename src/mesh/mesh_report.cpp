@@ -1,5 +1,6 @@
 #include "mesh/mesh_report.hpp"
 
+#include "base/quantile.hpp"
 #include "base/random.hpp"
 
 #include <algorithm>
@@ -9,8 +10,6 @@
 
 namespace knap {
 namespace {
-
-constexpr double degrees_per_radian = 180 / std::numbers::pi;
 
 /// The vertices that every vertex shares an edge with.
 Grouped<Index> neighbours_of_vertices(const Mesh& mesh) {
@@ -24,13 +23,6 @@ Grouped<Index> neighbours_of_vertices(const Mesh& mesh) {
             }};
 }
 
-/// Largest value of the lowest `fraction` of the values.
-double percentile(std::vector<double>& values, double fraction) {
-    const auto place = values.begin() + static_cast<std::ptrdiff_t>(fraction * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
-}
-
 void judge_triangles(const Mesh& mesh, MeshReport& report) {
     std::vector<double> smallest_angles;
     report.smallest_altitude = infinity;
@@ -38,7 +30,7 @@ void judge_triangles(const Mesh& mesh, MeshReport& report) {
         double smallest = 180, longest_edge = 0;
         for (Index k = 0; k < 3; ++k) {
             const Vec2 to_next = mesh.side_vector(t, k), to_last = mesh.corner(t, (k + 2) % 3) - mesh.corner(t, k);
-            const double angle = degrees_per_radian * std::atan2(cross(to_next, to_last), to_next.dot(to_last));
+            const double angle = std::atan2(cross(to_next, to_last), to_next.dot(to_last)) / degree;
             smallest = std::min(smallest, angle);
             report.largest_angle = std::max(report.largest_angle, angle);
             longest_edge = std::max(longest_edge, to_next.norm());
@@ -50,7 +42,7 @@ void judge_triangles(const Mesh& mesh, MeshReport& report) {
     }
     report.smallest_angle = std::ranges::min(smallest_angles);
     for (std::size_t i = 0; i < 3; ++i)
-        report.smallest_angle_percentiles[i] = percentile(smallest_angles, std::array{0.01, 0.1, 0.5}[i]);
+        report.smallest_angle_percentiles[i] = quantile(smallest_angles, std::array{0.01, 0.1, 0.5}[i]);
 }
 
 void judge_edges(const Mesh& mesh, const Grouped<Index>& graph, MeshReport& report) {

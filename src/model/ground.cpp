@@ -51,7 +51,7 @@ private:
     /// The polyline goes on from edge i to edge j, which has the mesh vertex between them.
     bool go_on(Index i, Index j) const {
         const Interface &a = model_.interfaces[i], &b = model_.interfaces[j];
-        if (std::abs(cross(a.normal, b.normal)) > parallel) return true;
+        if (std::abs(cross(a.normal, b.normal)) > straight_on) return true;
         return a.normal.dot(b.normal) > 0 && std::abs(a.gap - b.gap) <= same_gap * a.length;
     }
     Index other(const std::map<Index, Index>& at, const std::map<Index, Index>& own, Index vertex) const {
@@ -76,7 +76,7 @@ private:
         if (before < 0) return x + away(edge);
         const Interface& other = model_.interfaces[before];
         const double sine = cross(edge.normal, other.normal);
-        if (std::abs(sine) <= parallel) return x + away(edge);
+        if (std::abs(sine) <= straight_on) return x + away(edge);
         return x + (edge.gap * turned_left(other.normal) - other.gap * turned_left(edge.normal)) / sine;
     }
 
@@ -150,7 +150,7 @@ private:
             if (at.prev < 0 || at.next < 0) continue;
             const Vec2 in = (at.place - ground_.vertices[at.prev].place).normalized(),
                        out = (ground_.vertices[at.next].place - at.place).normalized();
-            at.convex = cross(in, out) > flat;
+            at.convex = cross(in, out) > Polyline::flat;
         }
     }
 

@@ -10,6 +10,8 @@ namespace knap {
 
 struct Model;
 
+constexpr double straight_on = 1e-6;  // sine of the angle between two edges that are straight
+
 struct GroundVertex {
     Vec2 place;              // [m]
     Index next = -1;         // the vertex at the other end of the edge that leaves this one; -1: none does

@@ -35,6 +35,7 @@ public:
         double length;               // [m]
         double turn;  // sine of the turn at its start, positive to the left: there the ground is convex; 0 of the first
     };
+    static constexpr double flat = 1e-3;  // sine of a turn that is none: it would reach 1e-4 of an edge into a face
     /// At least two points, none in the place of the one before it.
     explicit Polyline(const std::vector<Vec2>& points);
 
@@ -89,8 +90,6 @@ private:
         std::size_t end = 0;                      // into in_bins_
         double low = infinity, high = -infinity;  // [m] of its sides, across the axis
     };
-    static constexpr double flat = 1e-3;  // sine of a turn that is none: it would reach 1e-4 of an edge into a face
-
     Index size() const { return static_cast<Index>(sides_.size()); }
     std::size_t bin(double x) const {
         return static_cast<std::size_t>(std::clamp((x - low_) / cell_, 0.0, static_cast<double>(bins_.size() - 1)));

@@ -25,8 +25,7 @@ void exclude_others(Reading& reading, const Table& table) {
     };
     const std::string fine_from_start = "[[mesh.refine]] makes a region fine from the start";
     const BulkScheme bulk = scenario.time.scheme.bulk;
-    exclude(bulk != BulkScheme::explicit_lumped, std::string("bulk = \"") + name_of(bulk) + "\"",
-            "bulk = \"explicit\"");
+    exclude(bulk != BulkScheme::explicit_lumped, words_of(bulk), "bulk = \"explicit\"");
     exclude(scenario.order == 2, "mesh.order = 2", "triangles of first order");
     exclude(scenario.large_rotation, "rotation = \"large\"", fine_from_start);
     exclude(has_several_bodies(scenario), "[[body]]", fine_from_start);

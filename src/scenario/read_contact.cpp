@@ -12,7 +12,7 @@ void refuse_rebounds(const Table& table) {
     const SchemeOptions& scheme = table.scenario().time.scheme;
     for (const char* key : {"R_N", "R_T"})
         if (table.given(key) && scheme.takes_implicit_steps())
-            return table.exclude(key, "R_N", std::string("bulk = \"") + name_of(scheme.bulk) + "\"",
+            return table.exclude(key, "R_N", words_of(scheme.bulk),
                                  "time.bulk = \"explicit\", or friction and restitution");
 }
 

@@ -43,16 +43,14 @@ void check_theta(const Table& time) {
         check("obstacle `" + obstacle.name + "`", obstacle.largest_restitution());
 }
 
-/// "bulk = \"auto\""
-std::string bulk_of(const SchemeOptions& scheme) { return std::string("bulk = \"") + name_of(scheme.bulk) + "\""; }
-
 void check_large_rotation(const Table& domain) {
     const Scenario& scenario = domain.scenario();
     const auto exclude = [&](const std::string& other, const std::string& cure) {
         domain.exclude("rotation", "rotation = \"large\"", other, cure + ", or rotation = \"small\"");
     };
     if (scenario.order == 2) exclude("mesh.order = 2", "mesh.order = 1");
-    if (scenario.time.scheme.takes_implicit_steps()) exclude(bulk_of(scenario.time.scheme), "time.bulk = \"explicit\"");
+    if (scenario.time.scheme.takes_implicit_steps())
+        exclude(words_of(scenario.time.scheme.bulk), "time.bulk = \"explicit\"");
 }
 
 /// Faces that rub while the body flutters slip where their mean force would hold them, so viscosity is on there, unless

@@ -38,13 +38,15 @@ void MoreauJean::make_scheme(bool implicit) {
 }
 
 /// theta of a first implicit step after explicit ones reverses no rate of a contact (scheme_change.hpp).
-double MoreauJean::theta_of(const State& begin, double h) const {
-    if (begin.split_fans.empty() || !begins_implicit_stage(begin, h)) return options_.theta;
+SchemeOptions MoreauJean::options_of(const State& begin, double h) const {
+    SchemeOptions options = options_;
+    if (begin.split_fans.empty() || !begins_implicit_stage(begin, h)) return options;
     double restitution = 0;
     for (const CohesiveLaw& law : model_.laws) restitution = std::max(restitution, law.restitution);
     for (const Obstacle& obstacle : model_.obstacles)
         restitution = std::max(restitution, obstacle.largest_restitution());
-    return 1 / (1 + restitution);
+    options.theta = 1 / (1 + restitution);
+    return options;
 }
 
 StepScheme& MoreauJean::scheme_of(const State& begin, double h) {
@@ -52,7 +54,7 @@ StepScheme& MoreauJean::scheme_of(const State& begin, double h) {
     const bool implicit = is_implicit(begin);
     const std::unique_ptr<StepScheme>& scheme = implicit ? implicit_ : explicit_;
     if (!scheme) make_scheme(implicit);
-    if (implicit && changes()) scheme->set_theta(theta_of(begin, h));
+    if (implicit && changes()) scheme->set_theta(options_of(begin, h).theta);
     return *scheme;
 }
 

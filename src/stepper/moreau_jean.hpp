@@ -47,10 +47,11 @@ public:
     /// Ends a long step early, by StepGivenUp. Without it every step is completed.
     void give_up_when(GiveUp condition);
 
-    bool is_implicit(const State& begin) const;           // the next step
-    double theta_of(const State& begin, double h) const;  // [-] of an implicit one
-    double stable_step() const;                           // [s] of explicit steps; infinite without them
-    FactorSize factor_size() const;                       // of the implicit scheme
+    bool is_implicit(const State& begin) const;  // the next step
+    /// With the theta that an implicit step of h [s] has.
+    SchemeOptions options_of(const State& begin, double h) const;
+    double stable_step() const;      // [s] of explicit steps; infinite without them
+    FactorSize factor_size() const;  // of the implicit scheme
 
 private:
     bool changes() const { return options_.bulk == BulkScheme::automatic; }

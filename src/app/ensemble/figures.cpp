@@ -158,15 +158,15 @@ fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
 }  // namespace
 
 std::vector<fs::path> draw_ensemble(const Ensemble& ensemble, const fs::path& directory) {
+    const fs::path figures = directory / "figures";
+    if (ensemble.is_study() || ensemble.trajectories) fs::create_directories(figures);
+    if (ensemble.is_study()) return draw_study(ensemble, figures);
     std::vector<fs::path> drawn;
-    if (!ensemble.is_study() && !ensemble.sheet.show.empty()) drawn.push_back(draw_sheet(ensemble, directory));
-    if (!ensemble.is_study() && !ensemble.trajectories) return drawn;
-    fs::create_directories(directory / "figures");
-    if (!ensemble.is_study())
-        for (fs::path& file : draw_trajectories(ensemble, directory / "runs", directory / "figures"))
+    if (!ensemble.sheet.show.empty()) drawn.push_back(draw_sheet(ensemble, directory));
+    if (ensemble.trajectories)
+        for (fs::path& file : draw_trajectories(ensemble, directory / "runs", figures))
             drawn.push_back(std::move(file));
-    if (!ensemble.is_study()) return drawn;
-    return draw_study(ensemble, directory / "figures");
+    return drawn;
 }
 
 }  // namespace knap

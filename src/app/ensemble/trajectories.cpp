@@ -1,5 +1,6 @@
 // What moved in all runs of a sweep: where, how high, how fast, how far, in which pieces, and through which collectors.
 #include "app/ensemble/ensemble.hpp"
+#include "base/quantile.hpp"
 #include "figures/chart.hpp"
 #include "figures/curve_figures.hpp"
 #include "output/history_csv.hpp"

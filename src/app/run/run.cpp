@@ -235,8 +235,7 @@ void Run::excavate() {
                                   ", where a region is to vanish: see its place " + place_text(trial.where));
     ExcavationEnergies energies;
     report(excavations_.prepare(setup_.model, *stepper_, now_, next_, h));
-    SchemeOptions of_trial = scheme();
-    of_trial.theta = stepper_->theta_of(now_, h);
+    const SchemeOptions of_trial = stepper_->options_of(now_, h);
     replace_model([&] { log_.add(excavations_.perform(next_, of_trial, setup_.model, now_, energies)); });
     recorder_.after_excavation(energies);
 }

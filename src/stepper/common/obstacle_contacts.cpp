@@ -1,23 +1,21 @@
 #include "stepper/common/obstacle_contacts.hpp"
 
+#include "stepper/common/contact_search.hpp"
+
 namespace knap {
 namespace {
 
-constexpr double near = 0.02;  // [-] of the size of a corner: nearer corners are candidates at any speed
-constexpr double obstacle_reach_in_steps = 4;  // distances covered in a step at the speeds of its start
-constexpr double touching_corner = 1e-3;       // [-] of the size of a corner: as a rounding error of the geometry
-constexpr double end_of_edge = 1e-3;           // [-] of an edge: there its end is in contact instead
-constexpr double almost_as_near = 0.05;        // [-] of an edge: both ends touch as near as a corner between them
+constexpr double end_of_edge = 1e-3;     // [-] of an edge: there its end is in contact instead
+constexpr double almost_as_near = 0.05;  // [-] of an edge: both ends touch as near as a corner between them
 constexpr double flat_arc = 0.008;  // [-] edge over radius: an arc rises by less than 1e-3 of the edge between its ends
 constexpr double corner_cone = 0.26;      // [-] sine of 15 degrees, by which directions out of a corner may differ
 constexpr double largest_depth = 0.35;    // [-] of the altitude of a triangle
 constexpr double at_the_corner = 1e-9;    // [-] of the distance from the origin of an obstacle
 constexpr double rounded_up = 1 + 1e-12;  // more than the rounding of a bound
-constexpr double gap_rounding = 1e-12;    // [-] of the coordinates whose difference is a gap
 
 /// The gap at x, or zero where it is rounding.
 double cleared(double gap, const Vec2& x, const ObstacleSurface& surface) {
-    return std::abs(gap) <= gap_rounding * (x.norm() + surface.position().norm()) ? 0 : gap;
+    return without_rounding(gap, x.norm() + surface.position().norm());
 }
 
 }  // namespace
@@ -146,7 +144,7 @@ bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x,
             const double length = along.norm();
             const double height = -cross(along, to_centre) / length;
             return length > flat_arc * outline.radius && towards > 0 && towards < length * length &&
-                   height >= outline.radius - touching_corner * length;
+                   height >= outline.radius - touching_part * length;
         };
         return is_beside(out, out.dot(to_centre)) || is_beside(in, -in.dot(to_centre));
     }
@@ -167,7 +165,7 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
     const Vec2& v = begin.velocity[node];
     const double kick = corner_force.empty() ? 0 : h / model_.corner_mass[c];
     const Vec2 force = corner_force.empty() ? Vec2::Zero() : corner_force[c];
-    const double nearest = near * corner_size_[c], in_steps = obstacle_reach_in_steps * h,
+    const double nearest = near_contact * corner_size_[c], in_steps = contact_reach_in_steps * h,
                  most = v.lpNorm<1>() + kick * force.lpNorm<1>();  // [m/s] at least its speed
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
         const ObstacleSurface& surface = surfaces_[o];
@@ -180,7 +178,7 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
         const double speed = v.norm() + kick * force.norm();
         const double obstacle_speed =
             velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
-        const double reach = near * corner_size_[c] + obstacle_reach_in_steps * h * (speed + obstacle_speed);
+        const double reach = near_contact * corner_size_[c] + contact_reach_in_steps * h * (speed + obstacle_speed);
         if (!surface.may_reach(x, reach + depth)) continue;
         const Vec2 motion = h * (begin.velocity[node] - velocity_at(predicted_[o], arm));
         const auto add = [&](const SurfaceDistance& distance) {
@@ -197,7 +195,7 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
             contacts_.back().normal = Rotation::by(0.5 * h * predicted_[o].z()).turned(distance.normal);
             contacts_.back().arm += 0.5 * h * (begin.velocity[node] - predicted_[o].head<2>());
         };
-        surface.visit_planes(x, motion, touching_corner * corner_size_[c], reach, depth, add);
+        surface.visit_planes(x, motion, touching_part * corner_size_[c], reach, depth, add);
     }
 }
 
@@ -232,7 +230,7 @@ void ObstacleContacts::find_on_arc(const Edge& edge, const PlacedEdge& at, Index
     if (at.length <= flat_arc * radius || !(share > 0 && share < 1 && height > 0)) return;
     const Vec2 x = at.x_a + share * at.along;
     const double as_near = almost_as_near * at.length;
-    if (height - radius < -touching_corner * at.length && is_carried(edge.a, as_near, begin) &&
+    if (height - radius < -touching_part * at.length && is_carried(edge.a, as_near, begin) &&
         is_carried(edge.b, as_near, begin))
         return;
     add_on_edge({.corner = edge.a,
@@ -302,7 +300,7 @@ void ObstacleContacts::add_on_edge(const ObstacleContact& contact, double length
     const AtMost& of_obstacle = at_most_[contact.obstacle];
     const double most = speed(contact.corner) + speed(contact.second_corner) + of_obstacle.speed +
                         of_obstacle.spin * contact.arm.norm();
-    if (contact.gap <= near * length + obstacle_reach_in_steps * h * most) contacts_.push_back(contact);
+    if (contact.gap <= near_contact * length + contact_reach_in_steps * h * most) contacts_.push_back(contact);
 }
 
 }  // namespace knap

@@ -16,6 +16,7 @@
 
 namespace knap {
 
+constexpr double rate_rounding = 1e-14;  // [-] of the rates
 constexpr double min_softening = 1e-12;  // [-] loss of beta in a step; a smaller one is rounding of an opening
 
 struct ContactWork {

@@ -13,6 +13,8 @@ enum class BulkScheme { explicit_lumped, implicit_theta, automatic };
 constexpr const char* name_of(BulkScheme bulk) {
     return bulk == BulkScheme::automatic ? "auto" : bulk == BulkScheme::implicit_theta ? "implicit" : "explicit";
 }
+/// As a scenario has it: bulk = "auto"
+inline std::string words_of(BulkScheme bulk) { return std::string("bulk = \"") + name_of(bulk) + "\""; }
 enum class CohesionScheme { explicit_beta, implicit_beta };
 constexpr const char* name_of(CohesionScheme cohesion) {
     return cohesion == CohesionScheme::implicit_beta ? "implicit" : "explicit";

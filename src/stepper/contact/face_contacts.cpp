@@ -1,6 +1,8 @@
 #include "stepper/contact/face_contacts.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/common/contact_search.hpp"
+#include "stepper/common/step_report.hpp"
 #include "stepper/contact/retirement.hpp"
 
 #include <cmath>
@@ -8,14 +10,12 @@
 namespace knap {
 namespace {
 
-constexpr double touching = 1e-3;  // [-] of an edge: gaps and penetrations that count as rounding of the geometry
 // [-] of an edge. Gaps that differ by less do not decide which of two contacts stays: their rounding would do it anew
 // in every step, and what rests would never have the same forces twice.
 constexpr double even_planes = 1e-9;        // of two planes
 constexpr double even_pairs = 1e-5;         // of duplicate pairs, whose edges turn a little
-constexpr double rigid_reach_in_steps = 1;  // as below, of rigid pieces, which move by a twentieth of an edge
-constexpr double reach_in_steps = 4;        // distances covered in a step at the speeds of its start
-constexpr double deep_in_steps = 2;         // likewise, for a penetration without a history
+constexpr double rigid_reach_in_steps = 1;  // of rigid pieces, which move by a twentieth of an edge
+constexpr double deep_in_steps = 2;         // distances covered in a step, for a penetration without a history
 constexpr double beyond_end = 0.25;         // [-] of an edge
 constexpr double reflex_turn = -0.02;       // sine of a turn to the right that still counts as flat
 constexpr double flat_turn = 0.2;           // sine of a turn of a flat vertex
@@ -24,7 +24,6 @@ constexpr double opposite = -0.9;        // product of the normals of two contac
 constexpr double parallel = 0.97;        // likewise for two edges that are one face
 constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are a duplicate pair
 constexpr double largest_motion = 0.05;  // [-] of an edge, in a step
-constexpr double deepest = 0.1;          // [-] of an edge
 constexpr double rigid_margin_share = 0.5;  // likewise, of rigid pieces
 constexpr double margin_share = 0.2;  // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
 constexpr double reach_margin = 1.5, motion_margin = 2.5;  // NearbyEdges
@@ -139,7 +138,8 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
             }
         });
     const double speed = std::sqrt(motion.squared_speed);
-    reach_ = touching * longest_ + (frame_ ? rigid_reach_in_steps : reach_in_steps) * h * extrapolated * speed;
+    reach_ =
+        touching_part * longest_ + (frame_ ? rigid_reach_in_steps : contact_reach_in_steps) * h * extrapolated * speed;
     if (!(reach_ <= longest_)) {
         for (const CornerMotion& corner : corners_)
             if ((corner.v - carried).squaredNorm() == motion.squared_speed)
@@ -228,22 +228,23 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const Vec2 n = outward(t), from_a = at.x - a.x;
     const double gap = n.dot(from_a), share = t.dot(from_a) / length, most = overrun(pair.edge, at.x, gap, share);
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
-    const double travel = h * v.norm(), reach = touching * length + reach_in_steps * travel;
+    const double travel = h * v.norm(), reach = touching_part * length + contact_reach_in_steps * travel;
     const double beyond = largest_overrun(gap, reach, most, length, edge.depth) / length;
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
     if (!at.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
     const double gap_at_end = gap + h * n.dot(v);
-    if (travel > largest_motion * length && gap_at_end < touching * length)
+    if (travel > largest_motion * length && gap_at_end < touching_part * length)
         refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
     // a piece that has just left its fan is as far from the mean of its corners as half their slip
     const double slipped = 0.5 * retirement_slip * std::max(at.l_in, at.l_out);
-    const bool is_deep = gap < -(touching * length + slipped + deep_in_steps * travel);
+    const bool is_deep = gap < -(touching_part * length + slipped + deep_in_steps * travel);
     const FaceContactState* before = known(at.before, pair.edge);
     if (is_deep && !before && !was_beside(begin, pair)) return;
-    const double depth = gap < -deepest * length ? overlap(edge, at, gap, begin) : -gap;
+    const double depth = gap < -max_contact_depth * length ? overlap(edge, at, gap, begin) : -gap;
     if (depth <= 0 && gap < 0 && !before) return;
-    if (depth > deepest * length) refuse({ContactRefusal::Reason::depth, depth / length, at.x}, block.refusal);
+    if (depth > max_contact_depth * length)
+        refuse({ContactRefusal::Reason::depth, depth / length, at.x}, block.refusal);
     if (!before) before = slid_from(pair.edge, at);
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                                        .edge = {edge.start, edge.end},
@@ -304,7 +305,7 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
             if (tips || second_is_nearer(first, second, at, h) != at_end) continue;
             if (at.accepts(other_n)) return false;
             // both edges at the vertex lie in front of the nearer edge, which separates them from this one
-            if (at.distance(other_n, from_corner) > -touching * length) return false;
+            if (at.distance(other_n, from_corner) > -touching_part * length) return false;
             // gaps between the places of both vertices: else each may seem smaller than the other
             const Index j = at_end ? edges[e].piece_end : edges[e].piece_start;
             if (meets_nearer(j, at, n.dot(from_corner), begin)) return false;
@@ -348,11 +349,12 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
     const CornerMotion &a = end_of(first), &b = start_of(second);
     const Vec2 from_corner = at.x - 0.5 * (a.x + b.x), v = at.v - 0.5 * (a.v + b.v);
     const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
-    const double rounding_1 = touching * sides_[first].length, rounding_2 = touching * sides_[second].length;
+    const double rounding_1 = touching_part * sides_[first].length, rounding_2 = touching_part * sides_[second].length;
     const double tie = even_planes * across.norm() * std::min(sides_[first].length, sides_[second].length);
     if (n_1.dot(n_2) > parallel || gap_1 < -rounding_1 || gap_2 < -rounding_2) return across.dot(from_corner) > tie;
     const auto slides_on = [&](const Vec2& n, double gap, double rate, double rounding) {
-        return gap < rounding && h * rate > -std::max(cone * h * v.norm(), touching * rounding) && was_on_face(at, n);
+        return gap < rounding && h * rate > -std::max(cone * h * v.norm(), touching_part * rounding) &&
+               was_on_face(at, n);
     };
     const bool slides_on_1 = slides_on(n_1, gap_1, rate_1, rounding_1),
                slides_on_2 = slides_on(n_2, gap_2, rate_2, rounding_2);
@@ -427,7 +429,7 @@ void FaceContacts::prune() {
             return i >= 0 && std::ranges::any_of(of_vertex(i), [&](const Found& other) {
                        return other.kept && ends_in(other.edge, at.vertex) &&
                               other.contact.normal.dot(at.contact.normal) < opposite &&
-                              other.contact.gap < at.contact.gap + touching * at.contact.length;
+                              other.contact.gap < at.contact.gap + touching_part * at.contact.length;
                    });
         };
         if (at.kept && at.flat && meets(edge.piece_start) && meets(edge.piece_end)) at.kept = false;
@@ -460,7 +462,7 @@ void FaceContacts::prune_corners(Found& at) {
                 const double less = at.overhang - other.overhang;
                 const Found& then = prefers(at.gap_at_end - other.gap_at_end - less, even_planes) ? at : other;
                 const Found& now = prefers(at.contact.gap - other.contact.gap - less, even_planes) ? at : other;
-                const Found& stays = then.contact.gap > -touching * then.contact.length ? then : now;
+                const Found& stays = then.contact.gap > -touching_part * then.contact.length ? then : now;
                 (&stays == &at ? other : at).kept = false;
             }
         }

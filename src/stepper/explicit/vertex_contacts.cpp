@@ -11,13 +11,12 @@
 namespace knap {
 namespace {
 
-constexpr double rebound_depth = 1e-3;           // [-] of the edge: a deeper penetration is reduced by a rebound
-constexpr double max_speed_ratio = 1e3;          // [-] of the speeds of a cluster: no impulse of a contact causes it
-constexpr double max_injected = 1e-3;            // [-] of energy and losses of a cluster, by its residual
-constexpr double convergence_tolerance = 1e-12;  // [-] of the speeds, between contacts and fans
-constexpr int max_contact_rounds = 100;          // of contacts and fans
-constexpr int careful_round = 3;                 // of clusters with obstacles
-constexpr int patience = 4;                      // rounds without half the residual: a wedge has no solution
+constexpr double rebound_depth = 1e-3;   // [-] of the edge: a deeper penetration is reduced by a rebound
+constexpr double max_speed_ratio = 1e3;  // [-] of the speeds of a cluster: no impulse of a contact causes it
+constexpr double max_injected = 1e-3;    // [-] of energy and losses of a cluster, by its residual
+constexpr int max_contact_rounds = 100;  // of contacts and fans
+constexpr int careful_round = 3;         // of clusters with obstacles
+constexpr int patience = 4;              // rounds without half the residual: a wedge has no solution
 
 /// A face of the body, which is deformable: what R_N and R_T are for it, Rebounds has.
 ContactLaw of_deformable(const ContactLaw& law) {
@@ -361,7 +360,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         if (!any_jointly) break;
         residual = problem.residual(work.rate);
         if (residual < 0.5 * least) least = residual, last_progress = round;
-        if (residual <= convergence_tolerance * speed + error || round - last_progress > patience) break;
+        if (residual <= relative_tolerance * speed + error || round - last_progress > patience) break;
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
     cluster.residual = speed > 0 ? std::max(0.0, residual - error) / speed : 0;
@@ -437,7 +436,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
              .friction = P.y(),
              .rate_N = mean.x(),
              .rate_T = mean.y(),
-             .rate_error = residual_[i] + 1e-14 * (before_[i].norm() + after.norm()),
+             .rate_error = residual_[i] + rate_rounding * (before_[i].norm() + after.norm()),
              // of faces contact_depth has it
              .opening = i < n_faces() || rows_[i].gives.lies_deep ? 0 : rows_[i].gap + step.drift_time * after.x()},
             report);

@@ -12,10 +12,8 @@ namespace {
 
 constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
 constexpr double rest_tolerance = 1e-9, max_rest_tolerance = 1e-6;  // [-] of the largest speed
-constexpr double velocity_rounding = 1e-14;                         // [-] of the velocities of a fan
 constexpr double closed_opening =
     1e-5;  // [-] of the softening length: where fans turn, an opening below it counts as none
-constexpr double mean_tolerance = 1e-14;  // [-] of the velocities of a fan on an absorbing boundary
 constexpr int max_fan_sweeps = 100;
 constexpr double far_away = 1e6;  // [m] a gap that no step closes
 constexpr double stick_tolerance =
@@ -230,7 +228,7 @@ FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& wo
             speed = std::max(speed, before.norm() + after.norm());
             work.mean_velocity[i] = mean;
         }
-        if (change <= mean_tolerance * speed) return solution;
+        if (change <= rate_rounding * speed) return solution;
         solution = solve_for_mean(f, step, work);
     }
     solution.residual = std::max(solution.residual, change / speed);
@@ -322,7 +320,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
     }
 
     // normals round a vertex that turns differ: rates that cancel along it leave their tolerance
-    const double tolerance = problem.turns ? 10 * relative_tolerance : velocity_rounding,
+    const double tolerance = problem.turns ? 10 * relative_tolerance : rate_rounding,
                  rate_error = (tolerance + solution.residual) * speed_scale(work.fan);  // [m/s]
     auto contact = obstacles_.contacts.of_fan(f).begin();
     for (Index i = 0; i < static_cast<Index>(problem.links.size()); ++i) {

@@ -2,6 +2,7 @@
 // An interface point of an active fan, or a contact with an obstacle, in the equations of an implicit step.
 #include "law/point_law.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
+#include "stepper/common/point_work.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"
 
 #include <algorithm>
@@ -90,8 +91,6 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
 /// A contact with an obstacle that moves with the rate `obstacle_rate` over the step, as a point.
 ActivePoint obstacle_point(const Model& model, const StepContext& step, const CornerPartition& nodes,
                            const ObstacleContact& contact, const Vec3& obstacle_rate);
-
-constexpr double rate_rounding = 1e-14;  // of the rates
 
 /// [m/s] V_N of two sides, or zero where it is rounding: no w would meet the bound that follows from it.
 inline double normal_rate(const Vec2& normal, const Vec2& first, const Vec2& second) {
