@@ -47,7 +47,8 @@ bool on_support(const Interface& interface) {
 DeformationWatch::DeformationWatch(const Model& model) : model_(model) {
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) body_area_ += model.mesh.area(t);
     triangle_area_ = body_area_ / std::max<Index>(1, model.mesh.n_triangles());
-    obstacle_pairs_ = obstacles_that_may_meet(model.obstacles);
+    supports_ = obstacles_of_ground(model);
+    obstacle_pairs_ = obstacles_that_may_meet(model.obstacles, supports_);
     renew();
 }
 
@@ -71,7 +72,9 @@ double DeformationWatch::turned(const State& state, Index triangle) const {
 }
 
 void DeformationWatch::look_at_obstacles(const State& state) {
+    const auto n = static_cast<Index>(model_.obstacles.size());
     const auto surface = [&](Index i) -> ObstacleSurface {
+        if (i >= n) return {supports_[i - n].outline, {}};
         return {model_.obstacles[i].outline, state.obstacles[i].pose};
     };
     for (const auto& [i, j] : obstacle_pairs_) {

@@ -39,7 +39,7 @@ public:
     /// Overlap: as expensive as some steps.
     void look_for_overlap(const State& state);
 
-    /// Free obstacles that meet others.
+    /// Free obstacles that meet others, and supports.
     void look_at_obstacles(const State& state);
 
     /// Edges of the body in obstacles: as expensive as finding the contacts of a step.
@@ -100,7 +100,8 @@ private:
     };
     std::vector<Turns> turns_;  // per triangle, with large rotations
     Extreme rotation_, strain_, area_change_, slip_, overlap_, obstacle_overlap_, obstacle_depth_;
-    std::vector<std::array<Index, 2>> obstacle_pairs_;
+    std::vector<Obstacle> supports_;                    // which free obstacles meet
+    std::vector<std::array<Index, 2>> obstacle_pairs_;  // obstacles, and behind them supports
 };
 
 }  // namespace knap

@@ -289,8 +289,8 @@ const GateRule rules[] = {
          return found;
      }},
     {{"obstacle_overlap", "m",
-      "largest depth of a free obstacle in another obstacle; what lands in implicit steps overlaps by 1 - theta of its "
-      "path in a step, or less",
+      "largest depth of a free obstacle in another obstacle or a support; what lands in implicit steps overlaps by "
+      "1 - theta of its path in a step, or less",
       "Take smaller steps or a larger theta; where it does not matter, [limits] obstacle_overlap sets another limit."},
      {infinity, infinity, allowed},
      [](const GateView& run) {

@@ -40,8 +40,8 @@ struct StartOverlap {
 std::optional<StartOverlap> overlap_at_start(const Model& model);
 
 /// What comes first on the way of a free obstacle, from its velocity and forces at the start until `end` [s]:
-/// a support, which meets bodies alone; or an edge that is held along its normal and may slip, where the friction of a
-/// free obstacle is not solved in implicit steps.
+/// a support, which meets bodies alone where pieces are rigid; or an edge that is held along its normal and may slip,
+/// where the friction of a free obstacle is not solved in implicit steps.
 struct HeldAgainst {
     enum class What { edge, support };
     What what;

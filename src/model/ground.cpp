@@ -10,8 +10,6 @@
 namespace knap {
 namespace {
 
-constexpr double parallel = 1e-6;  // sine of the angle between two edges that are straight
-constexpr double flat = 1e-3;      // likewise of a corner that is none: it would reach 1e-4 of an edge into a face
 constexpr double same_gap = 1e-9;  // [-] of the edge
 
 class GroundMaker {
@@ -164,5 +162,35 @@ private:
 }  // namespace
 
 Ground make_ground(const Model& model) { return model.contact_of_pair.empty() ? Ground{} : GroundMaker(model).make(); }
+
+std::vector<Obstacle> obstacles_of_ground(const Model& model) {
+    std::vector<Obstacle> made;
+    if (std::ranges::none_of(model.obstacles, [](const Obstacle& o) { return o.is_free(); })) return made;
+    const std::vector<GroundVertex>& vertices = model.ground.vertices;
+    std::vector<std::uint8_t> done(vertices.size(), 0);
+    const auto follows_alike = [&](Index a, Index b) {
+        return a >= 0 && vertices[a].has_face && vertices[b].has_face && vertices[a].law == vertices[b].law;
+    };
+    const auto add = [&](Index first) {
+        std::vector<Vec2> points{vertices[first].place};
+        Index at = first;
+        do {
+            done[at] = 1;
+            points.push_back(vertices[vertices[at].next].place);
+        } while (follows_alike(at, vertices[at].next) && !done[at = vertices[at].next]);
+        const CohesiveLaw& law = model.laws[vertices[first].law];
+        Obstacle& obstacle = made.emplace_back();
+        obstacle.name = "a support";
+        obstacle.outline = {.kind = Outline::Kind::polyline, .points = points};
+        obstacle.outline.line = std::make_shared<const Polyline>(points);
+        obstacle.contact = {.friction = law.friction, .restitution = law.restitution, .gives_restitution = true};
+    };
+    const auto n = static_cast<Index>(vertices.size());
+    for (Index v = 0; v < n; ++v)  // where a stretch begins
+        if (vertices[v].has_face && !follows_alike(vertices[v].prev, v)) add(v);
+    for (Index v = 0; v < n; ++v)  // round a hole
+        if (vertices[v].has_face && !done[v]) add(v);
+    return made;
+}
 
 }  // namespace knap

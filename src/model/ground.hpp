@@ -2,7 +2,7 @@
 // The supports as the ground of contact between free faces: rigid polylines, fixed in space, with the ground to the
 // left. A point that stands on its support is a link of its fan; general contact has whatever else comes near, and the
 // body itself where it has left its place.
-#include "base/vec.hpp"
+#include "model/obstacle.hpp"
 
 #include <vector>
 
@@ -32,5 +32,8 @@ struct Ground {
 /// straight away from the body: bodies beyond its end are not supported. Throws UserError where a continuation crosses
 /// the body.
 Ground make_ground(const Model& model);
+
+/// The faces of the ground as fixed obstacles, which free ones meet: a polyline for every stretch of one law.
+std::vector<Obstacle> obstacles_of_ground(const Model& model);
 
 }  // namespace knap

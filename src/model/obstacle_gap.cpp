@@ -153,11 +153,14 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
     return before > largest.gap ? ObstacleGap{before, deepest} : largest;
 }
 
-std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles) {
+std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles,
+                                                          const std::vector<Obstacle>& behind) {
     std::vector<std::array<Index, 2>> pairs;
-    for (std::size_t j = 0; j < obstacles.size(); ++j)
-        for (std::size_t i = 0; i < j; ++i)
-            if (may_meet(obstacles[i], obstacles[j])) pairs.push_back({static_cast<Index>(i), static_cast<Index>(j)});
+    const std::size_t n = obstacles.size();
+    for (std::size_t j = 0; j < n + behind.size(); ++j)
+        for (std::size_t i = 0; i < std::min(j, n); ++i)
+            if (may_meet(obstacles[i], j < n ? obstacles[j] : behind[j - n]))
+                pairs.push_back({static_cast<Index>(i), static_cast<Index>(j)});
     return pairs;
 }
 

@@ -24,7 +24,9 @@ ObstacleGap gap_to_edge(
     const ObstacleSurface& surface, const Vec2& a, const Vec2& b,
     const std::function<bool(const Vec2&)>& is_in_body = [](const Vec2&) { return true; });
 
-/// Pairs (i < j) of which one moves freely, unless the components in which they move keep them apart.
-std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles);
+/// Pairs (i < j) of which one moves freely, unless the components in which they move keep them apart; also with those
+/// `behind` them, which are numbered on.
+std::vector<std::array<Index, 2>> obstacles_that_may_meet(const std::vector<Obstacle>& obstacles,
+                                                          const std::vector<Obstacle>& behind = {});
 
 }  // namespace knap

@@ -215,7 +215,7 @@ void add_keys_of_run(KeyTable& t) {
         "the largest energy").above(0).or_word("none").otherwise("0.001");
     t.number("temperature_overshoot", "", "maximum excess of a temperature over those around it, over the largest "
         "difference; with conduction").above(0).or_word("none").computed("0.05, warning from 0.001");
-    t.number("obstacle_overlap", "m", "maximum depth of a free obstacle in another obstacle")
+    t.number("obstacle_overlap", "m", "maximum depth of a free obstacle in another obstacle or a support")
         .above(0).or_word("none").computed("a thousandth of the body, warning from a tenth of that");
     t.number("obstacle_depth", "", "maximum depth of an edge of the body in an obstacle over the length of the edge, "
         "or half the width of the obstacle if that is less")

@@ -89,23 +89,29 @@ std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model
 
 std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Model& model) {
     std::vector<Diagnostic> found;
-    for (const auto& [i, j] : obstacles_that_may_meet(model.obstacles)) {
-        const Obstacle &a = model.obstacles[i], &b = model.obstacles[j];
+    const std::vector<Obstacle> supports = obstacles_of_ground(model);
+    const auto n = static_cast<Index>(model.obstacles.size());
+    for (const auto& [i, j] : obstacles_that_may_meet(model.obstacles, supports)) {
+        const bool on_support = j >= n;
+        const Obstacle &a = model.obstacles[i], &b = on_support ? supports[j - n] : model.obstacles[j];
         const auto [gap, place] = gap_between({a.outline, a.start}, {b.outline, b.start});
-        const std::string both = named(a, i) + " and " + named(b, j);
+        const std::string both = named(a, i) + " and " + (on_support ? "the ground of a support" : named(b, j));
         const double size = place.norm() + std::sqrt(std::abs((b.is_free() ? b : a).outline.area()));
         if (gap < -negligible * size)
             found.push_back(
-                read.at(item("obstacle", j),
+                read.at(item("obstacle", on_support ? i : j),
                         {.severity = Diagnostic::Severity::error,
                          .code = "obstacles-overlap",
                          .message = both + " overlap by " + readable(-gap, "m") + " at " + place_text(place),
-                         .note = "move them apart, or give one of them a [[body]] instead"}));
+                         .note = on_support ? "move it to the side on which the body stands: a support is ground "
+                                              "behind its faces and `beyond`"
+                                            : "move them apart, or give one of them a [[body]] instead"}));
     }
     for (const auto& [what, number, place] : held_against_obstacles(model, read.scenario.time.end)) {
         const Obstacle& obstacle = model.obstacles[number];
         const bool is_support = what == HeldAgainst::What::support;
-        if (!is_support && (!read.scenario.time.scheme.takes_implicit_steps() || obstacle.contact.friction == 0))
+        if (is_support ? !read.scenario.time.scheme.rigid.active()
+                       : (!read.scenario.time.scheme.takes_implicit_steps() || obstacle.contact.friction == 0))
             continue;
         found.push_back(read.at(
             item("obstacle", number),
@@ -115,12 +121,11 @@ std::vector<Diagnostic> findings_of_obstacles(const ReadResult& read, const Mode
                  named(obstacle, number) + " comes first to " + (is_support ? "a support" : "an edge") + ", at " +
                  place_text(place) +
                  (is_support
-                      ? ": a support meets bodies alone, and a free obstacle passes through it"
+                      ? ": with [rigid] a support meets bodies alone, and a free obstacle passes through it"
                       : ": it is held along its normal and may slip, and in implicit steps friction between it and a "
                         "free obstacle, whose pressure the body does not decide, is not solved"),
-             .note = is_support
-                         ? "a fixed [[obstacle]] in its place, or make the obstacle a [[body]] of a stiff material"
-                         : "bulk = \"explicit\"; hold the edge along its face, too; or friction = 0"}));
+             .note = is_support ? "a fixed [[obstacle]] in its place, or no [rigid]"
+                                : "bulk = \"explicit\"; hold the edge along its face, too; or friction = 0"}));
     }
     return found;
 }

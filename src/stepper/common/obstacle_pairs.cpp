@@ -1,19 +1,18 @@
 #include "stepper/common/obstacle_pairs.hpp"
 
 #include "model/obstacle_gap.hpp"
+#include "stepper/common/contact_search.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace knap {
 namespace {
 
 using PairKind = Outline::Kind;
 
-constexpr double near_pair = 0.02;         // [-] of the half width of the smaller one: nearer ones are candidates
-constexpr double pair_reach_in_steps = 4;  // distances covered in a step at the speeds of its start
-constexpr double same_depth = 1e-3;        // [-] of the half width: sides that are as far away; the first one is taken
-constexpr double pair_rounding = 1e-12;    // [-] of the coordinates whose difference is a gap
+constexpr double same_depth = 1e-3;  // [-] of the half width: sides that are as far away; the first one is taken
 
 /// A point of one obstacle that faces another one.
 struct Facing {
@@ -152,29 +151,39 @@ void find_facing(const Two& pair, double reach, double tolerance, std::vector<Fa
 ContactLaw law_between(const Model& model, const ObstaclePairContact& contact, const State& begin) {
     const auto law_of = [&](int k) -> const ContactLaw& {
         const Index o = contact.obstacle[k];
+        if (o < 0) return contact.support->contact;
         return model.obstacles[o].law_at(contact.arm[k], begin.obstacles[o].pose.angle);
     };
     return law_between(law_of(0), law_of(1));
 }
 
-ObstaclePairs::ObstaclePairs(const Model& model) : model_(model), pairs_(obstacles_that_may_meet(model.obstacles)) {
-    for (const Obstacle& obstacle : model.obstacles)
-        half_width_.push_back(obstacle.outline.is_bounded() ? obstacle.outline.half_width() : infinity);
+ObstaclePairs::ObstaclePairs(const Model& model, Supports supports) : model_(model) {
+    if (supports == Supports::meet) supports_ = obstacles_of_ground(model);
+    pairs_ = obstacles_that_may_meet(model.obstacles, supports_);
+    for (const std::vector<Obstacle>* all : {&model.obstacles, &std::as_const(supports_)})
+        for (const Obstacle& obstacle : *all)
+            half_width_.push_back(obstacle.outline.is_bounded() ? obstacle.outline.half_width() : infinity);
 }
 
 void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& rate) {
     contacts_.clear();
     std::vector<Facing> found;
-    const auto surface = [&](Index o) { return ObstacleSurface(model_.obstacles[o].outline, begin.obstacles[o].pose); };
+    const auto n = static_cast<Index>(model_.obstacles.size());
+    const auto surface = [&](Index o) -> ObstacleSurface {
+        if (o >= n) return {supports_[o - n].outline, {}};
+        return {model_.obstacles[o].outline, begin.obstacles[o].pose};
+    };
+    const auto moving = [&](const std::vector<Vec3>& all, Index o) { return o < n ? all[o] : Vec3(Vec3::Zero()); };
+    const auto velocity = [&](Index o) { return o < n ? begin.obstacles[o].velocity : Vec3(Vec3::Zero()); };
     for (const auto& pair : pairs_) {
         const Two of{surface(pair[0]), surface(pair[1])};
-        const std::array<Vec3, 2> v{begin.obstacles[pair[0]].velocity, begin.obstacles[pair[1]].velocity};
+        const std::array<Vec3, 2> v{velocity(pair[0]), velocity(pair[1])};
         const double size = std::min(half_width_[pair[0]], half_width_[pair[1]]);
         double speed = 0;
         for (int k = 0; k < 2; ++k)
-            for (const Vec3& w : {v[k], rate[pair[k]]})
+            for (const Vec3& w : {v[k], moving(rate, pair[k])})
                 speed += w.head<2>().norm() + std::abs(w.z()) * std::min(of[0].radius(), of[1].radius());
-        const double reach = near_pair * size + pair_reach_in_steps * h * speed;
+        const double reach = near_contact * size + contact_reach_in_steps * h * speed;
         const int bounded = !of[0].outline().is_bounded();  // what is not tells its distance to the other
         if (!of[1 - bounded].may_reach(of[bounded].position(), of[bounded].radius() + reach)) continue;
         find_facing(of, reach, same_depth * size, found);
@@ -189,12 +198,13 @@ void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& 
             if (of[one].outline().kind == PairKind::disc)
                 normal = (x_2 - x_1 + 0.5 * h * (v[two] - v[one]).head<2>()).normalized();
             const Vec2 middle = at.point - 0.5 * at.gap * at.normal + 0.5 * h * motion;
-            const double rounding = pair_rounding * (x_1.norm() + x_2.norm());
+            const auto number = [&](int k) { return pair[k] < n ? pair[k] : Index(-1); };
             contacts_.push_back(
-                {.obstacle = {pair[one], pair[two]},
+                {.obstacle = {number(one), number(two)},
                  .arm = {middle - (x_1 + 0.5 * h * v[one].head<2>()), middle - (x_2 + 0.5 * h * v[two].head<2>())},
                  .normal = normal,
-                 .gap = std::abs(at.gap) <= rounding ? 0 : at.gap});
+                 .gap = without_rounding(at.gap, x_1.norm() + x_2.norm()),
+                 .support = pair[1] < n ? nullptr : &supports_[pair[1] - n]});
         }
     }
 }

@@ -105,10 +105,10 @@ void VertexContacts::add_row(const ObstacleContact& contact, const ExplicitStep&
 
 void VertexContacts::add_row(const ObstaclePairContact& contact, const ExplicitStep& step) {
     const auto row = static_cast<Index>(rows_.size());
-    const auto& [one, two] = contact.obstacle;
-    const Vec2 x = step.begin.obstacles[one].pose.position + contact.arm[0];
-    add_obstacle_term(row, one, contact.arm[0], -1, contact.normal);
-    add_obstacle_term(row, two, contact.arm[1], 1, contact.normal);
+    const Vec2 x = contact.place(step.begin);
+    for (const int k : {0, 1})
+        if (contact.obstacle[k] >= 0)
+            add_obstacle_term(row, contact.obstacle[k], contact.arm[k], k == 0 ? -1 : 1, contact.normal);
     add_row({.gap = contact.gap,
              .deep = rebound_depth * obstacles_.pairs.size(contact),
              .rounding = position_rounding * (x.norm() + contact.arm[0].norm() + contact.arm[1].norm()),

@@ -21,10 +21,9 @@ void VertexObstacles::finish(const ExplicitStep& step, const VertexContacts* con
         report.add_approach(contact.gap, step.drift_time, contact.normal.dot(rate),
                             begin.obstacles[contact.obstacle].pose.position + contact.arm);
     }
-    for (const auto& [obstacle, arm, normal, gap] : now_.pairs.all()) {
-        const ObstacleState &one = begin.obstacles[obstacle[0]], &two = begin.obstacles[obstacle[1]];
-        const Vec2 rate = velocity_at(two.velocity, arm[1]) - velocity_at(one.velocity, arm[0]);
-        report.add_approach(gap, step.drift_time, normal.dot(rate), one.pose.position + arm[0]);
+    for (const ObstaclePairContact& at : now_.pairs.all()) {
+        const Vec2 rate = velocity_at(at.velocity(1, begin), at.arm[1]) - velocity_at(at.velocity(0, begin), at.arm[0]);
+        report.add_approach(at.gap, step.drift_time, at.normal.dot(rate), at.place(begin));
     }
     now_.contacts.sum_wrenches([&](std::size_t i) -> const Vec2& { return now_.impulse[i]; }, wrench_);
     if (contacts) contacts->add_wrenches(wrench_);

@@ -22,7 +22,7 @@ namespace knap {
 /// The contacts with obstacles in a step.
 struct ObstacleStep {
     ObstacleStep(const Model& model, std::span<const Dashpot> dashpots)
-        : contacts(model), pairs(model), motion(model), rebounds(model, dashpots) {}
+        : contacts(model), pairs(model, ObstaclePairs::Supports::meet), motion(model), rebounds(model, dashpots) {}
 
     ObstacleContacts contacts;
     ObstaclePairs pairs;

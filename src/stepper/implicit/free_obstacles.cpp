@@ -23,7 +23,7 @@ constexpr int few = 12;  // components that are solved on the stack
 }  // namespace
 
 FreeObstacles::FreeObstacles(const Model& model, ObstacleMotion& motion, const ObstacleContacts& contacts)
-    : model_(model), motion_(motion), contacts_(contacts), pairs_(model) {}
+    : model_(model), motion_(motion), contacts_(contacts), pairs_(model, ObstaclePairs::Supports::meet) {}
 
 bool FreeObstacles::begin(const StepContext& step) {
     step_ = &step;
@@ -36,15 +36,14 @@ bool FreeObstacles::begin(const StepContext& step) {
     const State& begin = *step.begin;
     pairs_.find(begin, step.h, motion_.rate());
     for (const ObstaclePairContact& at : pairs_.all()) {
-        const auto& [one, two] = at.obstacle;
         rows_.push_back({.contact = -1,
                          .obstacle = at.obstacle,
                          .arm = at.arm,
                          .normal = at.normal,
                          .gap = at.gap,
                          .law = law_between(model_, at, begin)});
-        const Vec2 v_1 = velocity_at(begin.obstacles[one].velocity, at.arm[0]),
-                   v_2 = velocity_at(begin.obstacles[two].velocity, at.arm[1]);
+        const Vec2 v_1 = velocity_at(at.velocity(0, begin), at.arm[0]),
+                   v_2 = velocity_at(at.velocity(1, begin), at.arm[1]);
         rows_.back().before = normal_rate(at.normal, v_1, v_2);
     }
     return !rows_.empty() || std::ranges::any_of(contacts_.all(), [&](const ObstacleContact& at) {

@@ -50,8 +50,8 @@ public:
 
 private:
     struct Row {
-        Index contact;                  // with the body: into the contacts; -1: of two obstacles
-        std::array<Index, 2> obstacle;  // -1: the body
+        Index contact;                  // with the body: into the contacts; -1: of two obstacles, or a support
+        std::array<Index, 2> obstacle;  // -1: the body, a support
         std::array<Vec2, 2> arm;        // [m]
         Vec2 normal;                    // out of the first
         double gap;                     // [m]

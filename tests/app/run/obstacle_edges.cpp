@@ -251,4 +251,23 @@ TEST_CASE("obstacle edges: check refuses free obstacles whose friction on a held
     }
 }
 
+TEST_CASE("obstacle edges: a free obstacle falls on the ground of a support and one that starts in it is refused") {
+    const Folder folder("on support");
+    const auto slab = [](const std::string& centre, const std::string& more) {
+        return rectangle("1, 0.1", "0.1", "rotation = \"large\"\n") + rock +
+               "[contact]\n[[support]]\non = \"bottom\"\nbeyond = 1\n" + weight +
+               obstacle("ball", disc(centre, "0.1"), "density = 7800\n") + more;
+    };
+    const std::string time = "[time]\nend = 0.15\n" + tables;
+    const Answer answer = run_to_end(folder, slab("1.5, 0.12", time));
+    CAPTURE(answer.text);
+    REQUIRE(answer.code == 0);
+    CHECK(reaction(folder, "ball_u_y").back() == doctest::Approx(-0.02).epsilon(0.05));
+    CHECK(-reaction(folder, "ball_force_y").back() == doctest::Approx(7800 * 0.01 * 3.14159 * 9.81).epsilon(1e-4));
+    check_refused(folder, slab("1.5, 0.05", time), "obstacles-overlap",
+                  "and the ground of a support overlap by 50 mm at (1.5, -0.05) m");
+    check_refused(folder, slab("1.5, 0.12", "[rigid]\nstep = 1e-3\n" + time), "held-against-obstacle",
+                  "with [rigid] a support meets bodies alone");
+}
+
 }  // namespace obstacle_edges_test

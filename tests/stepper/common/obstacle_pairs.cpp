@@ -46,6 +46,18 @@ Obstacle box(const Vec2& low, const Vec2& high, double friction) {
     return polygon({low, {high.x(), low.y()}, high, {low.x(), high.y()}}, {.friction = friction});
 }
 
+/// A triangle glued to a support from (0, 0) to (2, 0), turned by an angle about (0, 0). The support goes on by 20 m.
+ModelInput on_support(std::vector<Obstacle> obstacles, double angle, double friction) {
+    CohesiveLaw law = CohesiveLaw::unbreakable();
+    law.friction = friction;
+    ModelInput input = point_masses(law, true);
+    for (Vec2& x : input.mesh.vertices) x = Rotation::by(angle).turned(x);
+    input.supports[0].beyond = 20;
+    input.contact_of_pair = {{{}}};
+    input.obstacles = heavy_scene(std::move(obstacles)).obstacles;
+    return input;
+}
+
 double kinetic(const Run& run) {
     double sum = 0;
     for (std::size_t o = 0; o < run.model.obstacles.size(); ++o)
@@ -300,6 +312,65 @@ TEST_CASE("a driven polygon that turns carries a block") {
         for (int i = 0; i < 1000; ++i) run.step(1e-3);
         CHECK(run.now.obstacles[1].moved.z() == doctest::Approx(0.2).epsilon(1e-3));
         CHECK(overlap(run) < 1e-4);
+        check_energy_balance(run);
+    }
+}
+
+TEST_CASE("a free disc rolls or slips on the ground of a support that goes on as on an obstacle") {
+    const double a = 0.3, radius = 0.2, h = 1e-3, steps = 200;
+    const Vec2 down(std::cos(a), -std::sin(a)), normal(std::sin(a), std::cos(a));
+    for (const SchemeOptions& scheme : both_schemes)
+        for (const double part : {1.01, 0.5}) {  // friction over tan(a)/3
+            CAPTURE(is_implicit(scheme));
+            CAPTURE(part);
+            const double mu = part * std::tan(a) / 3;
+            Run run(on_support({boulder(4 * down + radius * normal, radius, {0, 0}, {.friction = mu})}, -a, mu),
+                    scheme);
+            for (int i = 0; i < steps; ++i) run.step(h);
+            const double t = (steps - (is_implicit(scheme) ? 0 : 0.5)) * h;
+            const Vec3& v = run.now.obstacles[0].velocity;
+            CHECK(v.head<2>().dot(down) ==
+                  relative(part > 1 ? 2.0 / 3 * g * std::sin(a) * t : g * (std::sin(a) - mu * std::cos(a)) * t, 1e-3));
+            CHECK(std::abs(v.head<2>().dot(normal)) < 1e-12);
+            CHECK(run.now.obstacles[0].reaction.head<2>().dot(normal) == relative(g * std::cos(a), 1e-9));
+            check_energy_balance(run);
+        }
+}
+
+TEST_CASE("a rigid block stands beside a body beyond the end of its support and starts in equilibrium there") {
+    for (const SchemeOptions& scheme : both_schemes)
+        for (const double overhang : {0.47, 0.53}) {
+            CAPTURE(overhang);
+            CAPTURE(is_implicit(scheme));
+            const double end = 22;
+            Run run(on_support({freed(box({end + overhang - 1, 0}, {end + overhang, 0.3}, 0.9))}, 0, 0.9), scheme);
+            if (overhang < 0.5) {
+                run.stepper.start_in_equilibrium(run.now);
+                CHECK(run.now.obstacles[0].reaction.y() == relative(0.3 * g, 1e-9));
+            }
+            for (int i = 0; i < 300; ++i) run.step(1e-3);
+            const double turned = run.now.obstacles[0].moved.z();
+            if (overhang < 0.5) CHECK(std::abs(turned) < 1e-12);
+            else CHECK(turned < -0.02);
+            check_energy_balance(run);
+        }
+}
+
+TEST_CASE("a free disc rests in a valley whose sides are supports that go on beyond the body in it") {
+    const double radius = 8, height = radius * std::sqrt(2.0);
+    for (const SchemeOptions& scheme : both_schemes) {
+        CAPTURE(is_implicit(scheme));
+        ModelInput input = on_support({boulder({0, height}, radius, {0, 0})}, 0, 0);
+        input.mesh.vertices = {{-2, 2}, {0, 0}, {2, 2}};
+        for (BoundaryEdge& edge : input.mesh.boundary_edges) edge.boundary = edge.side < 2 ? 0 : 1;
+        Run run(std::move(input), scheme);
+        CHECK(obstacles_of_ground(run.model).size() == 1);
+        run.stepper.start_in_equilibrium(run.now);
+        for (int i = 0; i < 50; ++i) run.step(1e-3);
+        const ObstacleState& disc = run.now.obstacles[0];
+        CHECK(disc.reaction.y() == relative(g, 1e-9));
+        CHECK(std::abs(disc.reaction.x()) < 1e-9);
+        CHECK(disc.moved.norm() < 1e-12);
         check_energy_balance(run);
     }
 }
