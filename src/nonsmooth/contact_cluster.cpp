@@ -97,6 +97,7 @@ Vec2 ContactCluster::lawful_impulse(Index i) const {
     const ClusterContact& c = contacts[i];
     const Eigen::Matrix2d& own = own_[i];
     const double p_now = c.impulse.x() + c.cohesive;
+    if (c.other) return own.trace() > 0 ? c.other->impulse(own, c.velocity - own * c.impulse, c.impulse) : c.impulse;
     if (c.unbreakable) return c.impulse - change_to_stop(own, c.velocity);
     double p = 0;
     if (own(0, 0) <= 0) p = p_now;
@@ -301,21 +302,24 @@ bool ContactCluster::settle_states(double speed, double tolerance) {
     for (std::size_t attempt = 0; attempt < attempts; ++attempt) {
         const std::size_t last = (attempt < bold_attempts ? std::min(bold_attempts, attempts) : attempts) - 1;
         if (attempt == bold_attempts) tried_.clear();
-        // the same states lead to the same ones: whole periods are left out
-        if (const std::size_t period = attempts_since_same(); period > 0) attempt += (last - attempt) / period * period;
+        // the same states lead to the same ones, but for curved laws: whole periods are left out
+        if (const std::size_t period = attempts_since_same(); period > 0 && tangents_.empty())
+            attempt += (last - attempt) / period * period;
         if (!solve_states()) return false;
         StateChange worst;
         std::size_t at = 0;
+        bool others_hold = true;
         for (std::size_t i = 0; i < contacts.size(); ++i) {
-            if (contacts[i].unbreakable) continue;
+            if (contacts[i].other) others_hold = others_hold && residual(static_cast<Index>(i)) <= tolerance;
+            if (contacts[i].unbreakable || contacts[i].other) continue;
             const StateChange change =
                 change_of(states_[i], link_in_frame(contacts[i]), contacts[i].velocity, contacts[i].impulse, scales);
             if (change.violation == 0) continue;
             if (change.violation > worst.violation) worst = change, at = i;
             if (attempt < bold_attempts) states_[i].set(change.closed, change.tangential_state);
         }
-        if (worst.violation == 0) return true;
-        if (attempt >= bold_attempts) states_[at].set(worst.closed, worst.tangential_state);
+        if (worst.violation == 0 && others_hold) return true;
+        if (attempt >= bold_attempts && worst.violation > 0) states_[at].set(worst.closed, worst.tangential_state);
     }
     return false;
 }
@@ -332,10 +336,13 @@ std::size_t ContactCluster::attempts_since_same() {
 
 void ContactCluster::fit_states(const FanScales& scales) {
     states_.resize(contacts.size());
+    tangents_.clear();
+    if (std::ranges::any_of(contacts, [](const ClusterContact& c) { return c.other != nullptr; }))
+        tangents_.resize(contacts.size());
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         states_[i] = {};
         states_[i].law = contacts[i].law;
-        if (contacts[i].unbreakable) states_[i].closed = true;
+        if (contacts[i].unbreakable || contacts[i].other) states_[i].closed = true;
         else states_[i].fit(link_in_frame(contacts[i]), contacts[i].velocity, contacts[i].impulse, scales);
     }
 }
@@ -459,12 +466,13 @@ bool ContactCluster::solve_dense() {
 }
 
 /// Impulses and velocities in given states: V_N = b where closed, else P_N = -C; V_T = kink where it sticks, else
-/// P_T = -offset - contact_offset p. Of least norm where contacts are redundant.
+/// P_T = -offset - contact_offset p; of laws of their own the tangents. Of least norm where contacts are redundant.
 bool ContactCluster::solve_states() {
     const std::vector<LinkState>& states = states_;
     unknown_.clear();
     for (std::size_t i = 0; i < states.size(); ++i) {
         ClusterContact& c = contacts[i];
+        if (c.other) tangents_[i] = c.other->tangent(c.velocity, c.impulse, weight(static_cast<Index>(i)));
         const StaircasePiece& tangential = states[i].tangential;
         const bool closed = states[i].closed, sticks = tangential.stick && (closed || c.cohesive > 0);
         const bool finds_N = closed && own_[i](0, 0) > 0, finds_T = sticks && own_[i](1, 1) > 0;
@@ -485,13 +493,17 @@ bool ContactCluster::solve_states() {
         const Eigen::Index row = unknown_[r];
         const ClusterContact& c = contacts[row / 2];
         place_[row] = static_cast<Eigen::Index>(r);
-        rhs_[r] = row % 2 == 0 ? c.law.contact.rate - c.velocity.x() : states[row / 2].tangential.kink - c.velocity.y();
+        if (c.other) rhs_[r] = (tangents_[row / 2].right - tangents_[row / 2].of_rate * c.velocity)[row % 2];
+        else if (row % 2 == 0) rhs_[r] = c.law.contact.rate - c.velocity.x();
+        else rhs_[r] = states[row / 2].tangential.kink - c.velocity.y();
     }
     part_.clear();
     for (const ContactCoupling& c : couplings) {
         const StaircasePiece& tangential = states[c.of].tangential;
         Eigen::Matrix2d& part = part_.emplace_back(c.W);
         if (!tangential.stick) part.col(0) -= tangential.contact_offset * part.col(1);
+        if (contacts[c.on].other) part = tangents_[c.on].of_rate * part;
+        if (contacts[c.on].other && c.on == c.of) part += tangents_[c.on].of_impulse;
         for (int k = 0; k < 2; ++k) {
             if (place_[2 * c.on + k] < 0) part.row(k).setZero();
             if (place_[2 * c.of + k] < 0) part.col(k).setZero();
@@ -505,6 +517,7 @@ bool ContactCluster::solve_states() {
             part.rates << term.along_N.transpose(), term.along_T.transpose();
             part.wrenches << term.along_N, term.along_T;
             if (!tangential.stick) part.wrenches.col(0) -= tangential.contact_offset * part.wrenches.col(1);
+            if (contacts[i].other) part.rates = tangents_[i].of_rate * part.rates;
             for (int k = 0; k < 2; ++k)
                 if (place_[2 * i + k] < 0) part.rates.row(k).setZero(), part.wrenches.col(k).setZero();
         }

@@ -7,6 +7,8 @@
 // Interface points may be among the contacts, with their cohesion: P = (p - C, P_T), and the staircase of
 // nonsmooth/fan_problem.hpp. A component without a mobility of its own keeps its impulse.
 //
+// Or a row has any convex law (law/row_law.hpp).
+//
 // W has a block for every two contacts that share a node. A rigid body may share contacts with everything, so its three
 // velocities are unknowns of their own:
 //
@@ -21,6 +23,7 @@
 // sweeps and Lemke's pivots left unsolved (jams of up to 290 contacts). The impulses of redundant contacts are not
 // unique; the velocities are.
 #include "base/vec.hpp"
+#include "law/row_law.hpp"
 #include "nonsmooth/block_factor.hpp"
 #include "nonsmooth/link_state.hpp"
 
@@ -38,11 +41,12 @@ constexpr double position_rounding = 1e-15;  // [-] of the positions of what tou
 
 struct ClusterContact {
     InterfaceLaw law;
-    double cohesive = 0;           // [N s] C; of an interface point
-    bool unbreakable = false;      // an interface point that sticks for ever
-    Vec2 free = Vec2::Zero();      // [m/s] V_free
-    Vec2 impulse = Vec2::Zero();   // [N s] P: the start of the iteration, and the result
-    Vec2 velocity = Vec2::Zero();  // [m/s] result: V
+    double cohesive = 0;            // [N s] C; of an interface point
+    bool unbreakable = false;       // an interface point that sticks for ever
+    const RowLaw* other = nullptr;  // a law of its own instead of `law` and `cohesive`
+    Vec2 free = Vec2::Zero();       // [m/s] V_free
+    Vec2 impulse = Vec2::Zero();    // [N s] P: the start of the iteration, and the result
+    Vec2 velocity = Vec2::Zero();   // [m/s] result: V
     Index first_coupling = 0, last_coupling = 0;
     Index first_term = 0, last_term = 0;
 };
@@ -155,13 +159,16 @@ private:
     void analyse();
     void find_lack();
 
+    /// [kg] The factor of its rate in its projection.
+    double weight(Index i) const { return 1 / own_[i].trace(); }
     Index size() const { return static_cast<Index>(contacts.size()); }
 
     std::vector<Eigen::Matrix2d> own_, exact_own_;  // [1/kg] per contact: its own block, with and without alpha D
     std::vector<Eigen::Matrix2d> own_coupling_;     // [1/kg] of exact_own_ without rigid bodies
     std::vector<Vec2> free_;                        // [m/s] V_free without alpha D
     std::vector<LinkState> states_;
-    std::vector<std::uint8_t> tried_;  // states of one attempt after the other
+    std::vector<RowLaw::Tangent> tangents_;  // per contact with a law of its own, at its place; empty: there is none
+    std::vector<std::uint8_t> tried_;        // states of one attempt after the other
     std::vector<BodyRow> body_rows_;
     std::vector<Eigen::Index> unknown_, place_;  // rows of W; per row: its place in unknown_, or -1
     std::vector<Eigen::Matrix2d> part_;          // per coupling: its entries between unknowns

@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace contact_cluster_test {
@@ -81,6 +82,64 @@ struct RandomCluster {
     Eigen::MatrixXd W, L;  // with rigid bodies
 };
 
+/// The norm of the opening: K is the half ellipse P_N = -C sqrt(1 - (P_T/(gamma C))^2) and the strip of contact behind it.
+struct HalfEllipse : RowLaw {
+    double C, gamma;
+    HalfEllipse(double cohesive, double shear) : C(cohesive), gamma(shear) {}
+    Projection project(const Vec2& Q, double) const override {
+        const Vec2 axis(C, gamma * C);
+        if (Q.x() >= 0) {
+            const bool inside = std::abs(Q.y()) <= axis.y();
+            return {{Q.x(), std::clamp(Q.y(), -axis.y(), axis.y())}, Vec2(1, inside).asDiagonal()};
+        }
+        if (Q.cwiseQuotient(axis).squaredNorm() <= 1) return {Q, Eigen::Matrix2d::Identity()};
+        // P = a^2 Q/(a^2 + s) with sum (a Q/(a^2 + s))^2 = 1, which falls and is convex
+        const Vec2 a2 = axis.cwiseAbs2();
+        double s = 0;
+        Vec2 part, slope;
+        for (int i = 0; i < 100; ++i) {
+            const Vec2 sum = a2 + Vec2(s, s);
+            part = axis.cwiseProduct(Q).cwiseQuotient(sum);
+            slope = -2 * part.cwiseAbs2().cwiseQuotient(sum);
+            const double change = (1 - part.squaredNorm()) / slope.sum();
+            s += change;
+            if (std::abs(change) <= 1e-15 * s) break;
+        }
+        const Vec2 sum = a2 + Vec2(s, s), ratio = a2.cwiseQuotient(sum),
+                   of_s = -ratio.cwiseProduct(Q).cwiseQuotient(sum);
+        const Vec2 s_of_Q = -2 * part.cwiseProduct(axis).cwiseQuotient(sum) / slope.sum();
+        return {ratio.cwiseProduct(Q), Eigen::Matrix2d(ratio.asDiagonal()) + of_s * s_of_Q.transpose()};
+    }
+};
+
+/// Contact with friction below f(p) = mu p/(1 + p/p_0), concave.
+struct ConcaveFriction : RowLaw {
+    double mu, p_0;
+    ConcaveFriction(double friction, double pressure) : mu(friction), p_0(pressure) {}
+    double most(double p) const { return mu * p / (1 + p / p_0); }
+    Projection project(const Vec2& Q, double) const override {
+        const double p = std::max(Q.x(), 0.0), bound = most(p), one = 1 + p / p_0;
+        Eigen::Matrix2d slope = Eigen::Matrix2d::Zero();
+        slope(0, 0) = Q.x() > 0;
+        if (std::abs(Q.y()) <= bound) slope(1, 1) = 1;
+        else slope(1, 0) = slope(0, 0) * std::copysign(mu / (one * one), Q.y());
+        return {{p, std::clamp(Q.y(), -bound, bound)}, slope};
+    }
+};
+
+/// How far V misses minus the normal cone of the half ellipse at P: V . (Z - P) >= 0 for all Z of K.
+double missed(const HalfEllipse& law, const Vec2& V, const Vec2& P) {
+    double most = std::max(0.0, -V.x());  // Z far behind
+    const auto look = [&](const Vec2& Z) { most = std::max(most, -V.dot(Z - P)); };
+    for (int i = 0; i <= 2000; ++i) {
+        const double angle = 3.14159265358979 * (0.5 + i / 2000.);
+        look({law.C * std::cos(angle), law.gamma * law.C * std::sin(angle)});
+    }
+    for (const double side : {-1, 1})
+        if (P.x() > 0) look({P.x(), side * law.gamma * law.C});
+    return most;
+}
+
 }  // namespace
 
 TEST_CASE("a lawful motion is found for random clusters of contacts and no contact does positive work") {
@@ -147,6 +206,84 @@ TEST_CASE("contacts that rigid bodies couple move as their whole Delassus operat
                               1e-12 * scale);
                     }
                 }
+}
+
+TEST_CASE("rows with a half ellipse obey it in clusters with other contacts and with rigid bodies") {
+    for (const bool redundant : {false, true})
+        for (const int n : {3, 12, 40})
+            for (int seed = 1; seed <= 20; ++seed) {
+                CAPTURE(redundant);
+                CAPTURE(n);
+                CAPTURE(seed);
+                RandomCluster random(seed, n, n / 2 + 3, 0, 0, redundant, redundant ? 0 : 2);
+                ContactCluster& cluster = random.cluster;
+                const HalfEllipse strong(0.3, 2), weak(0.05, 0.5);
+                for (int i = 0; i < n; i += 2) cluster.contacts[i].other = i % 4 == 0 ? &strong : &weak;
+                CHECK(cluster.solve(1, 1e-15) <= 1e-11);
+                Eigen::VectorXd P(2 * n);
+                for (int i = 0; i < n; ++i) P.segment<2>(2 * i) = cluster.contacts[i].impulse;
+                const Eigen::VectorXd V = random.W * P;
+                for (int i = 0; i < n; ++i) {
+                    const ClusterContact& c = cluster.contacts[i];
+                    CHECK((c.velocity - c.free - V.segment<2>(2 * i)).norm() <= 1e-12);
+                    if (c.other) {
+                        const auto& law = static_cast<const HalfEllipse&>(*c.other);
+                        const double from_edge = c.impulse.x() < 0
+                                                     ? c.impulse.cwiseQuotient(Vec2(law.C, law.gamma * law.C)).norm()
+                                                     : std::abs(c.impulse.y()) / (law.gamma * law.C);
+                        CHECK(from_edge <= 1 + 1e-10);
+                        CHECK(missed(law, c.velocity, c.impulse) <= 1e-10);
+                    } else {
+                        CHECK(c.impulse.x() >= 0);
+                        CHECK(c.velocity.x() >= c.law.contact.rate - 1e-10);
+                        CHECK(c.impulse.x() * (c.velocity.x() - c.law.contact.rate) <= 1e-10);
+                    }
+                }
+            }
+}
+
+TEST_CASE("rows with a friction that is concave in the pressure slide at its bound or stick below it") {
+    int unsolved = 0;
+    for (const int n : {3, 12, 40})
+        for (int seed = 1; seed <= 20; ++seed) {
+            CAPTURE(n);
+            CAPTURE(seed);
+            RandomCluster random(seed, n, n / 2 + 3, 0.3, 0, false, 2);
+            ContactCluster& cluster = random.cluster;
+            const ConcaveFriction law(0.8, 0.1);
+            for (int i = 0; i < n; i += 2) cluster.contacts[i].other = &law;
+            if (cluster.solve(1, 1e-15) > 1e-11 && ++unsolved > 0) continue;
+            Eigen::VectorXd P(2 * n);
+            for (int i = 0; i < n; ++i) P.segment<2>(2 * i) = cluster.contacts[i].impulse;
+            const Eigen::VectorXd V = random.W * P;
+            for (int i = 0; i < n; ++i) {
+                const ClusterContact& c = cluster.contacts[i];
+                const double bound = law.most(c.impulse.x());
+                CHECK((c.velocity - c.free - V.segment<2>(2 * i)).norm() <= 1e-12 * (1 + P.norm()));
+                if (!c.other) continue;
+                CHECK(c.impulse.x() >= -1e-15);
+                CHECK(c.velocity.x() >= -1e-10);
+                CHECK(c.impulse.x() * c.velocity.x() <= 1e-10);
+                CHECK(std::abs(c.impulse.y()) <= bound + 1e-12);
+                // P_T V_T = -f(p) |V_T|
+                CHECK(std::abs(c.impulse.y() * c.velocity.y() + bound * std::abs(c.velocity.y())) <= 1e-10);
+            }
+        }
+    CHECK(unsolved <= 1);
+}
+
+TEST_CASE("a body on a floor with concave friction brakes as its bound says") {
+    // m (V - V0) = (N, -f(N)): 2 kg at 3 m/s, whose weight presses with N = 0.4 N s in the step
+    const double m = 2, N = 0.4, v = 3;
+    const ConcaveFriction law(0.6, 0.2);
+    ContactCluster cluster;
+    cluster.contacts.resize(1);
+    cluster.couple(0, 0, Eigen::Matrix2d::Identity() / m);
+    cluster.contacts[0].free = Vec2(-N / m, v);
+    cluster.contacts[0].other = &law;
+    CHECK(cluster.solve(v, 0) <= 1e-13 * v);
+    CHECK(cluster.contacts[0].impulse.x() == doctest::Approx(N).epsilon(1e-14));
+    CHECK(cluster.contacts[0].velocity.y() == doctest::Approx(v - 0.6 * N / (1 + N / 0.2) / m).epsilon(1e-14));
 }
 
 }  // namespace contact_cluster_test
