@@ -177,4 +177,9 @@ double ContactProblem::residual(std::span<const Vec2> V) {
     return largest;
 }
 
+std::size_t ContactProblem::worst() const {
+    const auto found = std::ranges::max_element(rows_, {}, [&](Index row) { return cluster_.residual(row); });
+    return static_cast<std::size_t>(found - rows_.begin());
+}
+
 }  // namespace knap

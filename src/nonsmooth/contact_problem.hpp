@@ -42,6 +42,8 @@ public:
     Vec3 velocity_of_rigid_body(Index body) const { return free_of_rigid_[body] + cluster_.bodies[body].change; }
     /// [m/s] The largest error of the rates of the contacts, if V was the rate of each of them.
     double residual(std::span<const Vec2> V);
+    /// The contact whose law the last of these rates misses most.
+    std::size_t worst() const;
     double largest_impulse() const { return cluster_.largest_impulse(); }  // [N s]
 
 private:

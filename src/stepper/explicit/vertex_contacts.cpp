@@ -364,16 +364,17 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     }
     for (const Index i : cluster.contacts) residual_[i] = residual + error;
     cluster.residual = speed > 0 ? std::max(0.0, residual - error) / speed : 0;
+    cluster.worst = cluster.contacts[cluster.residual > relative_tolerance ? problem.worst() : 0];
     double before = 0, after = 0, energy = 0, lost = 0, injected = 0;
-    for (const Index s : cluster.touched)
-        for (std::size_t c = 0; c < touched_[s].corners.size(); ++c) {
-            const Index corner = touched_[s].corners[c];
+    for (const Index s : cluster.touched) {
+        for (const Index corner : model_.corners(model_.fans[touched_[s].fan])) {  // what pushes may not touch
             const double speed_before = step.begin.velocity[step.begin.node_of_corner[corner]].norm(),
                          mass = model_.corner_mass[corner];
             energy += 0.5 * mass * speed_before * speed_before;
             before = std::max({before, speed_before, step.kick_time / mass * step.corner_force[corner].norm()});
-            after = std::max(after, touched_[s].velocity[c].norm());
         }
+        for (const Vec2& velocity : touched_[s].velocity) after = std::max(after, velocity.norm());
+    }
     for (const Index o : cluster.obstacles)
         energy += kinetic_energy(model_.obstacles[o], step.begin.obstacles[o].velocity);
     before = std::max(before, speed);  // also of what is driven, or falls on what rests
@@ -384,7 +385,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
     if (!(after <= max_speed_ratio * before) ||
         injected > max_injected * (energy + lost) + error * problem.largest_impulse())
-        report.reject(Rejection::contact_residual, rows_[cluster.contacts.front()].place, cluster.residual);
+        report.reject(Rejection::contact_residual, rows_[cluster.worst].place, cluster.residual);
 }
 
 void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits,
@@ -446,8 +447,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
         report.add_depth((c.depth - step.drift_time * after.x()) / c.length, rows_[i].place);
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], lasting * P.x(), lasting * P.y()});
     }
-    for (const Cluster& cluster : clusters_)
-        report.add_contact_residual(cluster.residual, rows_[cluster.contacts.front()].place);
+    for (const Cluster& cluster : clusters_) report.add_contact_residual(cluster.residual, rows_[cluster.worst].place);
     report.face_contacts = n_faces();
     obstacles_.rebounds.finish(step.end);
     if (!model_.contact_of_pair.empty()) retire_points(model_, step.begin.retired, step.end);

@@ -79,6 +79,7 @@ private:
     struct Cluster {
         std::span<const Index> contacts, touched, obstacles;  // obstacles: free ones
         double residual = 0;                                  // [-] of the last solution, over the speeds
+        Index worst = 0;                                      // the contact that has it
     };
 
     Index touched_index_of(Index fan);
