@@ -19,6 +19,11 @@ struct BodyDrawing {
     int n_parts = 1;                // of each side of a triangle, which is drawn as the square of it
     std::vector<Colour> triangles;  // of all these parts
     std::vector<Layer> layers;      // from below to above
+    struct Lines {
+        std::vector<Vec2> ends;  // [m] from ends[2i] to ends[2i + 1]
+        Colour colour;
+    };
+    std::vector<Lines> paths = {};  // below the body
 };
 
 namespace {
@@ -27,7 +32,7 @@ constexpr Colour body_colour{0.90, 0.90, 0.89}, damaged_colour{0.10, 0.38, 0.66}
     obstacle_colour{0.70, 0.72, 0.76}, isoline_colour{0.84, 0.10, 0.11};
 // [unit]
 constexpr double broken_width = 1.3, damaged_width = 1, precrack_width = 1, path_width = 0.6, outline_width = 0.5,
-                 isoline_width = 1.6;
+                 isoline_width = 1.6, collector_width = 1.2, path_line_width = 1;
 constexpr double margin_left = 52, margin_right = 16, panel_margin = 4, max_height = 620, min_size = 60;
 
 Vec2 deformed(const Frame& frame, Index corner, double magnification) {
@@ -62,8 +67,8 @@ Surface surface_of(const std::vector<Vec2>& outline, const Vec2& x) {
     return {outline[0] + along.dot(x - outline[0]) * along, along, (outline[2] - outline[1]).normalized()};
 }
 
-/// The deformed body with the obstacles near it, and a margin of 2 %.
-Box seen_part(const FigureOptions& options, const Frame& frame) {
+/// The deformed body and paths with the obstacles near them, and a margin of 2 %.
+Box seen_part(const FigureOptions& options, const Frame& frame, const std::vector<PiecePath>& paths) {
     if (options.box) return *options.box;
     if (frame.position.empty()) return {{0, 0}, {1, 1}};
     constexpr double far = 1000;  // [-] of the body: what a run that has failed throws further is not looked for
@@ -73,10 +78,12 @@ Box seen_part(const FigureOptions& options, const Frame& frame) {
         const Vec2 x = deformed(frame, c, options.deform);
         if ((x - start.middle()).norm() < far * start.diagonal()) points.push_back(x);  // false if it is no number
     }
+    for (const PiecePath& path : paths) points.insert(points.end(), path.at.begin(), path.at.end());
     if (points.empty()) return start;
     const Box body = bounding_box(points);
     const double size = body.extent().maxCoeff();
-    const Box near{body.low.array() - 0.75 * size, body.high.array() + 0.75 * size};
+    const double beyond = (paths.empty() ? 0.75 : 0.1) * size;  // paths are already much longer than the body
+    const Box near{body.low.array() - beyond, body.high.array() + beyond};
     for (Index o = 0; o < frame.n_obstacles(); ++o) {
         std::vector<Vec2> outline = obstacle_outline(frame, o, options.deform);
         if (frame.is_half_plane(o)) {  // a strip of it below the middle of the body
@@ -118,11 +125,11 @@ void add_damaged(BodyDrawing& drawing, const Frame& frame, const std::vector<Ind
     drawing.layers.insert(drawing.layers.end(), shades.begin(), shades.end());
 }
 
-BodyDrawing cracks_drawing(const FigureOptions& options, const Frame& frame, const History& breaks,
+BodyDrawing cracks_drawing(const FigureOptions& options, const Frame& frame, const Histories& histories,
                            const FigureScale& scale) {
     const CrackColour& colour = crack_colour(options.colour);
     const ColourScale colours = crack_scale(options, scale.values);
-    const std::vector<double> values = crack_values(colour, frame, breaks);
+    const std::vector<double> values = crack_values(colour, frame, histories.breaks);
     std::vector<Index> coloured, others;
     for (Index i = 0; i < frame.n_interfaces(); ++i)
         if (std::isfinite(values[i])) coloured.push_back(i);
@@ -187,7 +194,7 @@ void add_cracks(BodyDrawing& drawing, const Frame& frame, bool border) {
                       {paths, black, path_width}};
 }
 
-BodyDrawing materials_drawing(const FigureOptions&, const Frame& frame, const History&, const FigureScale&) {
+BodyDrawing materials_drawing(const FigureOptions&, const Frame& frame, const Histories&, const FigureScale&) {
     BodyDrawing drawing;
     for (Index t = 0; t < frame.n_triangles(); ++t)
         drawing.triangles.push_back(material_colour(frame.region[t], frame.grain.empty() ? -1 : frame.grain[t]));
@@ -195,7 +202,8 @@ BodyDrawing materials_drawing(const FigureOptions&, const Frame& frame, const Hi
     return drawing;
 }
 
-BodyDrawing field_drawing(const FigureOptions& options, const Frame& frame, const History&, const FigureScale& scale) {
+BodyDrawing field_drawing(const FigureOptions& options, const Frame& frame, const Histories&,
+                          const FigureScale& scale) {
     const BodyField& field = *body_field(options.show);
     const ColourScale colours = field_scale(options, frame, scale.values);
     BodyDrawing drawing;
@@ -212,6 +220,25 @@ BodyDrawing field_drawing(const FigureOptions& options, const Frame& frame, cons
         });
     }
     add_cracks(drawing, frame, true);
+    return drawing;
+}
+
+BodyDrawing paths_drawing(const FigureOptions& options, const Frame& frame, const Histories& histories,
+                          const FigureScale& scale) {
+    constexpr int n_shades = 24;
+    const ColourScale colours = path_scale(options, scale.values);
+    BodyDrawing drawing{.triangles = std::vector<Colour>(frame.n_triangles(), body_colour)};
+    for (int k = 0; k < n_shades; ++k)
+        drawing.paths.push_back({{}, colours(colours.low + (k + 0.5) / n_shades * (colours.high - colours.low))});
+    for (const PiecePath& path : piece_paths(histories, frame.time))
+        for (std::size_t i = 1; i < path.at.size(); ++i) {
+            const double part =
+                (0.5 * (path.speed[i - 1] + path.speed[i]) - colours.low) / (colours.high - colours.low);
+            std::vector<Vec2>& ends =
+                drawing.paths[std::clamp(static_cast<int>(part * n_shades), 0, n_shades - 1)].ends;
+            ends.insert(ends.end(), {path.at[i - 1], path.at[i]});
+        }
+    add_cracks(drawing, frame, false);
     return drawing;
 }
 
@@ -263,9 +290,9 @@ void draw_layer(Canvas& canvas, const Frame& frame, const std::vector<Vec2>& cor
 }
 
 /// Openings and slips have the range of faces less than an edge apart, if there are any: pieces fly off.
-void add_crack_scale(const FigureOptions& options, const Frame& frame, const History& breaks, FigureScale& scale) {
+void add_crack_scale(const FigureOptions& options, const Frame& frame, const Histories& histories, FigureScale& scale) {
     const CrackColour& colour = crack_colour(options.colour);
-    std::vector<double> values = crack_values(colour, frame, breaks);
+    std::vector<double> values = crack_values(colour, frame, histories.breaks);
     const auto seen = [&] {
         return seen_span(options, frame, values, 0.02, [&](Index i) {
             return std::array{frame.side_a[i][0], frame.side_a[i][1], frame.side_b[i][0], frame.side_b[i][1]};
@@ -302,7 +329,7 @@ void add_materials(const FigureOptions&, const Frame& frame, const FigureContext
     }
 }
 
-void add_field_scale(const FigureOptions& options, const Frame& frame, const History&, FigureScale& scale) {
+void add_field_scale(const FigureOptions& options, const Frame& frame, const Histories&, FigureScale& scale) {
     std::vector<double> values;
     for (Index t = 0; t < frame.n_triangles(); ++t) values.push_back(body_field(options.show)->value(frame, t));
     scale.values = seen_span(options, frame, std::move(values), 0.005, [](Index t) {
@@ -315,10 +342,24 @@ void add_field_legend(const FigureOptions& options, const Frame& frame, const Fi
     legend.bar = field_scale(options, frame, scale.values);
 }
 
+void add_path_scale(const FigureOptions&, const Frame& frame, const Histories& histories, FigureScale& scale) {
+    std::vector<double> speeds;
+    for (const PiecePath& path : piece_paths(histories, frame.time))
+        speeds.insert(speeds.end(), path.speed.begin(), path.speed.end());
+    scale.values = span_of(std::move(speeds), 0);
+}
+
+void add_path_legend(const FigureOptions& options, const Frame&, const FigureContext&, const FigureScale& scale,
+                     Legend& legend) {
+    legend.bar = path_scale(options, scale.values);
+}
+
 const BodyKind body_kinds[] = {
     {"cracks", "broken and damaged interfaces", true, true, cracks_drawing, add_crack_scale, add_crack_legend},
     {"materials", "materials and grains, with the cracks", false, true, materials_drawing,
-     [](const FigureOptions&, const Frame&, const History&, FigureScale&) {}, add_materials},
+     [](const FigureOptions&, const Frame&, const Histories&, FigureScale&) {}, add_materials},
+    {"paths", "ways of the centres of the pieces until then, by their speed, over the obstacles", false, false,
+     paths_drawing, add_path_scale, add_path_legend, "m/s"},
     {"", "", false, false, field_drawing, add_field_scale, add_field_legend},
 };
 
@@ -372,10 +413,18 @@ Plot body_plot(Box seen, const FigureOptions& options, double below) {
     return plot;
 }
 
-FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History& breaks) {
-    FigureScale scale{.seen = seen_part(options, frame)};
-    body_kind(options.show)->add_scale(options, frame, breaks, scale);
+FigureScale body_scale(const FigureOptions& options, const Frame& frame, const Histories& histories) {
+    const bool with_paths = body_kind(options.show)->drawing == paths_drawing;
+    FigureScale scale{
+        .seen = seen_part(options, frame, with_paths ? piece_paths(histories, frame.time) : std::vector<PiecePath>())};
+    body_kind(options.show)->add_scale(options, frame, histories, scale);
     return scale;
+}
+
+/// Whether the line may cross what is seen.
+bool is_seen(const FigureContext::Line& line, const Box& seen) {
+    const Vec2 low = line.from.cwiseMin(line.to), high = line.from.cwiseMax(line.to);
+    return (low.array() <= seen.high.array()).all() && (high.array() >= seen.low.array()).all();
 }
 
 Legend body_legend(const FigureOptions& options, const Frame& frame, const FigureContext& context,
@@ -386,10 +435,13 @@ Legend body_legend(const FigureOptions& options, const Frame& frame, const Figur
         legend.entries.push_back({short_number(value) + " " + legend.bar->unit, isoline_colour, isoline_width});
     if (!options.measured.empty())
         legend.entries.push_back({options.measured_by, measured_colour, 0, 0, measured_marker});
+    for (std::size_t k = 0; k < context.collectors.size(); ++k)
+        if (is_seen(context.collectors[k], scale.seen))
+            legend.entries.push_back({context.collectors[k].name, curve_colour(k + 1), collector_width, 1});
     return legend;
 }
 
-DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const History& breaks,
+DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Histories& histories,
                       const FigureContext& context, const std::filesystem::path& file, const FigureScale& scale) {
     const double full_width = page_width - margin_left - margin_right;
     const Legend legend = body_legend(options, frame, context, scale);
@@ -403,7 +455,7 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
                                          (frame.time >= context.early_end * (1 - 1e-6) ? ", run ended" : "") +
                                          (magnified.empty() ? "" : ", ") + magnified,
                                      narrow ? full_width : area.width);
-    const BodyDrawing drawing = body_kind(options.show)->drawing(options, frame, breaks, scale);
+    const BodyDrawing drawing = body_kind(options.show)->drawing(options, frame, histories, scale);
     std::vector<Vec2> corners;  // on the page
     for (Index c = 0; c < 3 * frame.n_triangles(); ++c)
         corners.push_back(plot.on_page(deformed(frame, c, options.deform)));
@@ -411,6 +463,11 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     Canvas canvas(file, area.top() + (options.panel ? panel_margin : title.height()), options.width);
     canvas.clip(area);
     draw_obstacles(canvas, plot, frame, options.deform);
+    for (const auto& [ends, colour] : drawing.paths) {
+        std::vector<Vec2> on_page;
+        for (const Vec2& x : ends) on_page.push_back(plot.on_page(x));
+        canvas.segments(on_page, colour, path_line_width);
+    }
     if (drawing.n_parts == 1) canvas.triangles(corners, drawing.triangles, area);
     else canvas.triangles(parts_of(corners, drawing.n_parts), drawing.triangles, area);
     std::vector<Vec2> outline;
@@ -421,6 +478,15 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     for (const double value : options.mark)
         canvas.segments(isoline(frame, body_field(options.show)->at_corner, value, corners), isoline_colour,
                         isoline_width);
+    for (std::size_t k = 0; k < context.collectors.size(); ++k) {
+        const FigureContext::Line& line = context.collectors[k];
+        if (!is_seen(line, scale.seen)) continue;
+        const auto ends_at = [&](const Vec2& x) -> Vec2 {
+            return plot.on_page({x.x(), std::clamp(x.y(), scale.seen.low.y(), scale.seen.high.y())});
+        };
+        canvas.line({ends_at(line.from), ends_at(line.to)}, curve_colour(k + 1), collector_width,
+                    line_pattern(1, collector_width));
+    }
     for (const Vec2& x : options.measured) canvas.marker(measured_marker, plot.on_page(x), measured_colour);
     canvas.unclip();
     if (!options.panel) {

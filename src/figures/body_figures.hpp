@@ -27,9 +27,10 @@ struct BodyKind {
     std::string show;  // "": each of body_fields()
     std::string doc;
     bool by_colour = false, few_colours = false;  // FigureOptions::colour has a meaning; has_few_colours()
-    BodyDrawing (*drawing)(const FigureOptions&, const Frame&, const History& breaks, const FigureScale&);
-    void (*add_scale)(const FigureOptions&, const Frame&, const History& breaks, FigureScale&);
+    BodyDrawing (*drawing)(const FigureOptions&, const Frame&, const Histories&, const FigureScale&);
+    void (*add_scale)(const FigureOptions&, const Frame&, const Histories&, FigureScale&);
     void (*add_legend)(const FigureOptions&, const Frame&, const FigureContext&, const FigureScale&, Legend&);
+    std::string_view unit = "";  // of its values, but of cracks and fields
 };
 /// Null for a figure that is drawn from histories.
 const BodyKind* body_kind(const std::string& show);
@@ -59,20 +60,29 @@ const CrackColour& crack_colour(const std::string& name);
 /// Value per interface; NaN without one. An interface that is not in `breaks` (breaks.csv) has no value of it.
 std::vector<double> crack_values(const CrackColour& colour, const Frame& frame, const History& breaks);
 
-/// Scales of colours for values of a field and of cracks; the colour of a grain (-1: none) of a material, light enough
-/// for black cracks, in one of four shades.
+/// The way of the centre of a piece or of a free obstacle.
+struct PiecePath {
+    std::vector<Vec2> at;       // [m]
+    std::vector<double> speed;  // [m/s]
+};
+/// Up to a time [s].
+std::vector<PiecePath> piece_paths(const Histories& histories, double until);
+
+/// Scales of colours for values of a field, of cracks and of paths; the colour of a grain (-1: none) of a material,
+/// light enough for black cracks, in one of four shades.
 ColourScale field_scale(const FigureOptions& options, const Frame& frame, const ValueSpan& values);
 ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values);
+ColourScale path_scale(const FigureOptions& options, const ValueSpan& values);
 Colour material_colour(std::int32_t region, std::int32_t grain);
 
 /// The axes of a figure of the part `seen` of the plane with `below` [unit] for a legend: equal scales in x and y, but
 /// for FigureOptions::aspect. A slender part is widened so that its axis has room for labels.
 Plot body_plot(Box seen, const FigureOptions& options, double below);
 
-FigureScale body_scale(const FigureOptions& options, const Frame& frame, const History& breaks);
+FigureScale body_scale(const FigureOptions& options, const Frame& frame, const Histories& histories);
 Legend body_legend(const FigureOptions& options, const Frame& frame, const FigureContext& context,
                    const FigureScale& scale);
-DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const History& breaks,
+DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Histories& histories,
                       const FigureContext& context, const std::filesystem::path& file, const FigureScale& scale);
 
 }  // namespace knap

@@ -157,6 +157,31 @@ ColourScale crack_scale(const FigureOptions& options, const ValueSpan& values) {
                       colour.range.value_or(range));
 }
 
+ColourScale path_scale(const FigureOptions& options, const ValueSpan& values) {
+    return with_range({.map = ColourMap::plasma, .quantity = "speed of the centre", .unit = "m/s"}, options, values,
+                      {0, values.high > 0 ? round_limits(0, values.high, false).high : 1});
+}
+
+std::vector<PiecePath> piece_paths(const Histories& histories, double until) {
+    const bool of_sweep = histories.fragment_paths.columns.empty();  // output.trajectories
+    const History& table = of_sweep ? histories.trajectories : histories.fragment_paths;
+    std::map<double, PiecePath> paths;  // by label; of an obstacle -1 - its number
+    if (table.columns.empty()) return {};
+    const std::size_t time = table.place_of("time"), label = table.place_of("label"),
+                      x = table.place_of(of_sweep ? "x" : "centre_x"), y = table.place_of(of_sweep ? "y" : "centre_y"),
+                      first = table.place_of(of_sweep ? "speed" : "velocity_x");
+    for (const std::vector<double>& row : table.rows) {
+        if (row[time] > until * (1 + 1e-9)) continue;
+        const bool of_obstacle = std::isnan(row[label]);
+        PiecePath& path = paths[of_obstacle ? -1 - row[table.place_of("obstacle")] : row[label]];
+        path.at.emplace_back(row[x], row[y]);
+        path.speed.push_back(of_sweep ? row[first] : std::hypot(row[first], row[table.place_of("velocity_y")]));
+    }
+    std::vector<PiecePath> all;
+    for (auto& [key, path] : paths) all.push_back(std::move(path));
+    return all;
+}
+
 Colour material_colour(std::int32_t region, std::int32_t grain) {
     static constexpr double palette[][3]{{0.80, 0.80, 0.78}, {0.94, 0.72, 0.62}, {0.62, 0.78, 0.90},
                                          {0.80, 0.86, 0.60}, {0.93, 0.84, 0.55}, {0.80, 0.70, 0.88},

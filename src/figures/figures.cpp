@@ -252,6 +252,7 @@ std::string_view unit_of_figure(const std::string& show, const std::string& colo
     if (const BodyField* field = body_field(show)) return field->unit;
     for (const CrackColour& known : crack_colours())
         if (by_colour(show) && known.name == colour) return known.unit;
+    if (const BodyKind* kind = body_kind(show)) return kind->unit;
     return "";
 }
 
@@ -297,7 +298,7 @@ FigureScale joined(const FigureScale& a, const FigureScale& b) {
 FigureScale scale_of(const FigureOptions& options, const Frame& frame, const Histories& histories,
                      const FigureContext& context) {
     check_figure(options, histories);
-    if (shows_body(options.show)) return body_scale(options, frame, histories.breaks);
+    if (shows_body(options.show)) return body_scale(options, frame, histories);
     const CurveKind& kind = *curve_kind(options.show);
     return kind.chart ? FigureScale{.seen = axis_ranges(chart_of(kind, {histories, options, context}))} : FigureScale{};
 }
@@ -314,8 +315,8 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
                         const FigureScale* common) try {
     check_figure(options, histories);
     if (shows_body(options.show))
-        return draw_body(options, frame, histories.breaks, context, directory / file_name(options, frame.time),
-                         common ? *common : body_scale(options, frame, histories.breaks));
+        return draw_body(options, frame, histories, context, directory / file_name(options, frame.time),
+                         common ? *common : body_scale(options, frame, histories));
     const std::string title = options.title.empty() ? context.title : options.title;
     const CurveKind& kind = *curve_kind(options.show);
     if (!kind.chart) return draw_rose(histories.breaks, title, directory / options.file, options.width);
@@ -332,7 +333,7 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
 DrawnFigure draw_picture(const FigureOptions& options, const Frame& frame, const Histories& histories,
                          const FigureContext& context, const FigureScale& common) try {
     check_figure(options, histories);
-    DrawnFigure drawn = draw_body(options, frame, histories.breaks, context, "", common);
+    DrawnFigure drawn = draw_body(options, frame, histories, context, "", common);
     if (options.curves.empty()) return drawn;
     const CurveKind& kind = *curve_kind(options.curves);
     const std::vector<double> times = (histories.*kind.table).column("time");

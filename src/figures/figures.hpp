@@ -48,6 +48,11 @@ struct FigureContext {
     std::vector<std::string> materials;  // names, by region
     bool celsius = false;                // temperatures are in degrees Celsius
     double early_end = infinity;         // [s] of a run that did not reach time.end
+    struct Line {
+        std::string name;
+        Vec2 from, to;  // [m] a vertical without ends: y infinite
+    };
+    std::vector<Line> collectors = {};  // dashed on the body
 };
 
 /// What a figure needs of a scenario, or of the histories of a run.

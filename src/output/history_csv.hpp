@@ -45,9 +45,9 @@ inline constexpr HistoryFile history_files[]{{"energy.csv", &Histories::energy, 
                                              {"stress_strain.csv", &Histories::stress_strain, true},
                                              {"fragments.csv", &Histories::fragments},
                                              {"fragment_history.csv", &Histories::fragment_history, false, false},
-                                             {"fragment_paths.csv", &Histories::fragment_paths, false, false},
+                                             {"fragment_paths.csv", &Histories::fragment_paths},
                                              {"passages.csv", &Histories::passages, false, false},
-                                             {"trajectories.csv", &Histories::trajectories, false, false}};
+                                             {"trajectories.csv", &Histories::trajectories}};
 
 void Histories::serialize(auto& archive) {
     for (const HistoryFile& file : history_files) archive(this->*file.table);

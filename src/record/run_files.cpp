@@ -47,10 +47,19 @@ FinishedRun read_finished_run(const std::filesystem::path& run) {
     std::vector<double> times;
     if (std::filesystem::exists(run / "run.pvd")) times = frame_times(run);
     const std::string title = record["title"];
+    std::vector<FigureContext::Line> collectors;
+    for (const nlohmann::ordered_json& line : record.value("collectors", nlohmann::ordered_json::array())) {
+        const auto end = [&](const char* key, double beyond) {
+            return line.value("x_m", nlohmann::ordered_json()).is_number() ? Vec2(line["x_m"], beyond)
+                                                                           : Vec2(line[key][0], line[key][1]);
+        };
+        collectors.push_back({line["name"], end("from_m", -infinity), end("to_m", infinity)});
+    }
     FigureContext context{.title = title.empty() ? record["name"].get<std::string>() : title,
                           .rayleigh_speed = record["rayleigh_speed_m_per_s"],
                           .materials = record["materials"],
-                          .celsius = record.value("temperature_unit", "") == "C"};
+                          .celsius = record.value("temperature_unit", "") == "C",
+                          .collectors = std::move(collectors)};
     return {.directory = run,
             .histories = std::move(histories),
             .context = std::move(context),

@@ -62,6 +62,11 @@ Json probe_json(const ProbeSubject& probe) {
     return json;
 }
 
+Json collector_json(const FigureContext::Line& line) {
+    if (!std::isfinite(line.from.y())) return {{"name", line.name}, {"x_m", line.from.x()}};
+    return {{"name", line.name}, {"from_m", {line.from.x(), line.from.y()}}, {"to_m", {line.to.x(), line.to.y()}}};
+}
+
 template <class List, class Function>
 Json list_of(const List& list, Function&& item) {
     Json all = Json::array();
@@ -89,6 +94,16 @@ bool are_judged(const Json& value) {
 bool is_scheme(const Json& value) {
     return value.is_object() && is_text(value.value("bulk", Json())) && is_text(value.value("cohesion", Json()));
 }
+bool are_collectors(const Json& value) {
+    const auto is_place = [](const Json& place) {
+        return place.size() == 2 && is_number(place[0]) && is_number(place[1]);
+    };
+    return value.is_array() && std::ranges::all_of(value, [&](const Json& line) {
+               return line.is_object() && is_text(line.value("name", Json())) &&
+                      (is_number(line.value("x_m", Json())) ||
+                       (is_place(line.value("from_m", Json::array())) && is_place(line.value("to_m", Json::array()))));
+           });
+}
 bool are_parts(const Json& value) { return value.is_object() && is_number(value.value("output", Json())); }
 
 /// A member of run.json: how it is written, and what the commands require of it when they read it.
@@ -96,6 +111,7 @@ struct Member {
     const char *name, *unit, *doc;
     std::function<Json(R)> write;
     bool (*test)(const Json&) = nullptr;  // null: no command reads it
+    bool may_lack = false;                // not every run has it
 };
 
 const std::vector<Member>& members() {
@@ -252,6 +268,9 @@ const std::vector<Member>& members() {
          "ends "
          "of the interface), distance_m from its `at`",
          [](R r) { return r.probes.empty() ? absent : list_of(r.probes, probe_json); }},
+        {"collectors", "", "with collectors, list of their lines: name, and from_m and to_m, or x_m of a vertical",
+         [](R r) { return r.collectors.empty() ? absent : list_of(r.collectors, collector_json); }, are_collectors,
+         true},
         {"figures", "", "files",
          [](R r) {
              return list_of(r.figures, [](const auto& figure) { return "figures/" + figure.filename().string(); });
@@ -299,7 +318,8 @@ Json read_run_json(const std::filesystem::path& run) {
         throw damaged(std::string("cannot be read: ") + error.what());
     }
     for (const Member& member : members()) {
-        if (member.test == nullptr) continue;
+        if (member.test == nullptr || (member.may_lack && record.is_object() && !record.contains(member.name)))
+            continue;
         if (!record.is_object() || !record.contains(member.name))
             throw damaged(std::string("is not the record of a run: it has no ") + member.name);
         if (!member.test(record[member.name]))

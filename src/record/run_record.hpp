@@ -58,8 +58,9 @@ struct RunRecord {
     double rayleigh_speed = 0;           // [m/s]
     std::vector<std::string> materials;  // names, by region
     std::string temperature_unit;        // "K" or "C", with heat
-    StepReport counts;                   // of vertex problems and linear solves
-    FactorSize factor;                   // of the implicit bulk, at the end
+    std::vector<FigureContext::Line> collectors;
+    StepReport counts;  // of vertex problems and linear solves
+    FactorSize factor;  // of the implicit bulk, at the end
     std::int64_t triangle_steps = 0;
     AdaptationCounts adaptation;
     double adaptation_gain = 0;  // [-] 0: no [adapt]; NaN: the mesh stayed coarse

@@ -48,6 +48,39 @@ Frame scaled(double factor, double time) {
 
 }  // namespace
 
+TEST_CASE("paths: the picture shows the way so far and the collectors that cross it") {
+    Frame frame = synthetic::frame(20);
+    frame.time = 2;
+    Histories histories = synthetic::histories();
+    histories.fragment_paths = {{"time", "label", "centre_x", "centre_y", "velocity_x", "velocity_y"},
+                                {{0, 0, 0.05, 0.02, 3, 4}, {1, 0, 0.3, 0.1, 6, 8}, {3, 0, 9, 9, 60, 80}}};
+    const std::vector<PiecePath> paths = piece_paths(histories, frame.time);
+    REQUIRE(paths.size() == 1);
+    CHECK(paths[0].at == std::vector<Vec2>{{0.05, 0.02}, {0.3, 0.1}});
+    CHECK(paths[0].speed == std::vector<double>{5, 10});
+    FigureOptions options{.file = "paths.png", .show = "paths", .width = 600};
+    const FigureScale scale = body_scale(options, frame, histories);
+    CHECK(scale.seen.contains({0.3, 0.1}));
+    CHECK_FALSE(scale.seen.contains({1, 1}));
+    CHECK(scale.values.max == 10);
+    const FigureContext context{.title = "Paths",
+                                .collectors = {{"net", {0.2, -infinity}, {0.2, infinity}}, {"far", {9, 0}, {9, 1}}}};
+    const auto texts = draw_figure(options, frame, histories, context, pictures()).texts;
+    const auto has = [&](const std::string& text) {
+        return std::ranges::any_of(texts, [&](const DrawnText& drawn) { return drawn.text == text; });
+    };
+    CHECK(has("net"));
+    CHECK_FALSE(has("far"));
+    CHECK(has("speed of the centre [m/s]"));
+    CHECK_FALSE(body_scale({.show = "cracks"}, frame, histories).seen.contains({0.3, 0.1}));
+    // of a member of a sweep
+    histories.fragment_paths = {};
+    histories.trajectories = {{"time", "label", "obstacle", "x", "y", "speed"},
+                              {{0, 0, NAN, 0, 0, 1}, {0, NAN, 0, 1, 0, 2}, {1, 0, NAN, 2, 0, 3}, {1, NAN, 0, 3, 0, 4}}};
+    CHECK(piece_paths(histories, 1).size() == 2);
+    CHECK(piece_paths(histories, 1)[1].speed == std::vector<double>{1, 3});
+}
+
 TEST_CASE("figures: the pictures of a sequence share colours and view") {
     const Frame early = scaled(0.1, 20e-6), late = scaled(1, 40e-6);
     for (const char* show : {"cracks", "stress_yy", "principal_stress"}) {

@@ -107,6 +107,18 @@ LawStrength law_strength(const Scenario& scenario) {
     return {};
 }
 
+namespace {
+
+std::vector<FigureContext::Line> lines_of(const std::vector<CollectorOptions>& collectors) {
+    std::vector<FigureContext::Line> lines;
+    for (const CollectorOptions& one : collectors)
+        lines.push_back(
+            {one.name, one.x ? Vec2(*one.x, -infinity) : one.from, one.x ? Vec2(*one.x, infinity) : one.to});
+    return lines;
+}
+
+}  // namespace
+
 RecorderOptions recorder_options(const Scenario& scenario, const Model& model, const RareWorks& works,
                                  const std::filesystem::path& directory, bool resumes, bool continues_other_run) {
     double process_zone = 0, fastest = 0, critical_opening = 0;
@@ -134,7 +146,8 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .context = {.title = scenario.title.empty() ? scenario.name : scenario.title,
                         .rayleigh_speed = rayleigh_speed(scenario),
                         .materials = scenario.material_names(),
-                        .celsius = scenario.heat && scenario.heat->celsius},
+                        .celsius = scenario.heat && scenario.heat->celsius,
+                        .collectors = lines_of(scenario.collectors)},
             .probes = scenario.probes,
             .collectors = scenario.collectors,
             .trajectories = scenario.output.trajectories,
@@ -163,7 +176,8 @@ RunRecord record_of(const Scenario& scenario, const Model& model, const StepPlan
             .materials = scenario.material_names(),
             .temperature_unit = !scenario.heat           ? ""
                                 : scenario.heat->celsius ? "C"
-                                                         : "K"};
+                                                         : "K",
+            .collectors = lines_of(scenario.collectors)};
 }
 
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh) {

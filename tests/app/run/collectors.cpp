@@ -66,7 +66,9 @@ TEST_CASE("collectors: the passage of a stone in free flight is exact in both sc
             if (i == 0) CHECK(std::isnan(value("height")));  // there is no ground
             else CHECK(value("height") == relative(exact.height(x) - 5, 1e-9));
         }
-        const nlohmann::json summary = nlohmann::json::parse(text_of(run / "run.json"))["summary"];
+        const nlohmann::json record = nlohmann::json::parse(text_of(run / "run.json")), &summary = record["summary"];
+        CHECK(record["collectors"][0] == nlohmann::json{{"name", "gate"}, {"x_m", 3}});
+        CHECK(record["collectors"][1] == nlohmann::json{{"name", "net"}, {"from_m", {5, 5}}, {"to_m", {5, 12}}});
         CHECK(summary["net_passages"] == 1);
         CHECK(summary["net_mass"].get<double>() == relative(2600 * 0.56, 1e-12));
         CHECK(summary["net_largest_height"].get<double>() == relative(exact.height(5) - 5, 1e-9));
