@@ -134,6 +134,19 @@ TEST_CASE("rigid pieces: equal blocks swap their speeds and a drop returns by e 
     }
 }
 
+TEST_CASE("rigid pieces: a corner that a turn lifts before it is struck does no positive work") {
+    const Folder folder("rigid graze");
+    const std::string text = scene(
+        "[[body]]\nshape = \"polygon\"\npoints = [[0, 1e-6], [0.5, 0.500001], [0, 1.000001], "
+        "[-0.5, 0.500001]]\nvelocity = [1, -0.003]\nspin = -1700\n" +
+            ground("friction = 0.5\nR_N = 0.5\n") + weight,
+        "step = 5e-4\n", "0.002", whole, "0.7");
+    const Answer answer = run_to_end(folder, text);
+    CAPTURE(answer.text);
+    CHECK(answer.code == 0);
+    CHECK(last(table(folder, "energy.csv"), "impact_work") <= 0);
+}
+
 TEST_CASE("rigid pieces: momenta of a free cluster are exact and its balance closes") {
     const Folder folder("rigid cluster");
     std::string bodies;
