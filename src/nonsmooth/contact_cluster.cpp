@@ -11,11 +11,12 @@ namespace knap {
 namespace {
 
 constexpr int first_sweeps = 12, last_sweeps = 100;
-constexpr int many_sweeps = 50, few_points = 4;  // ClusterEffort::sweeps
-constexpr double rough = 1e-3;                   // [-] of the speeds: a residual of sweeps that is not left
-constexpr double exact = 1e-13;                  // [-] of the speeds: a residual at rounding
-constexpr double accepted_error = 1e-11;         // [-] of the speeds: not worth proximal points
-constexpr double too_strong = 20;                // impulses of the last step that would cause larger rates are dropped
+constexpr int first_body_sweeps = 24, more_body_sweeps = 60, few_points = 4;  // of contacts of rigid bodies
+constexpr double rough = 1e-3;            // [-] of the speeds: a residual of sweeps that is not left
+constexpr double exact = 1e-13;           // [-] of the speeds: a residual at rounding
+constexpr double accepted_error = 1e-11;  // [-] of the speeds: not worth proximal points
+constexpr double body_error = 1e-9;       // [-] likewise of rigid bodies: sweeps go on in the next steps
+constexpr double too_strong = 20;         // impulses of the last step that would cause larger rates are dropped
 constexpr std::size_t bold_attempts = 6, max_attempts = 20;  // of the active set
 constexpr Eigen::Index max_dense = 60;                       // rows of W: more are solved by blocks
 constexpr double surely_regular = 1e-6;  // smallest over largest pivot: no estimate of the condition is needed
@@ -205,6 +206,7 @@ double ContactCluster::solve(double speed, double rounding, ClusterEffort effort
     for (Index i = 0; i < size(); ++i) strongest = std::max(strongest, error(i, contacts[i].impulse));
     if (strongest > too_strong * speed)
         for (ClusterContact& c : contacts) c.impulse.setZero();
+    if (effort == ClusterEffort::sweeps) return solve_bodies(speed, rounding);
     // beyond the rounding of gaps, so that what rests does not creep
     double best = sweep_to(exact * speed, first_sweeps);
     if (best <= tolerance) return best;
@@ -213,12 +215,6 @@ double ContactCluster::solve(double speed, double rounding, ClusterEffort effort
     if (2 * size() <= max_dense && settle_states(speed, tolerance))
         if (const double now = largest_error(); now < best) best = now, best_ = contacts;
     contacts = best_;
-    if (effort == ClusterEffort::sweeps && best > accepted_error * speed + rounding) {
-        best = sweep_to(exact * speed, many_sweeps);
-        best_ = contacts;
-        if (best <= rough * speed + rounding) return best;
-        return approach(best, speed, rounding, {1e-3, 0.2, few_points});
-    }
     const auto approach_with = [&](const Weights& weights) {
         if (best > accepted_error * speed + rounding) best = approach(best, speed, rounding, weights);
     };
@@ -227,6 +223,27 @@ double ContactCluster::solve(double speed, double rounding, ClusterEffort effort
         approach_with(bodies.empty() ? Weights{1e-4, 0.01, 15} : Weights{1e-3, 0.2, 15});
     if (effort == ClusterEffort::careful) approach_with({1e-2, 0.3, 40});
     return best;
+}
+
+/// Of contacts of rigid bodies alone. Few of them are solved to rounding, so that what rests does not creep.
+double ContactCluster::solve_bodies(double speed, double rounding) {
+    const double tolerance = exact * speed + rounding, enough = body_error * speed + rounding;
+    double best = sweep_bodies(speed, first_body_sweeps);
+    if (best > enough && 2 * size() <= max_dense) best = sweep_bodies(speed, more_body_sweeps);
+    if (best <= enough) return best;
+    best_ = contacts;
+    if (2 * size() <= max_dense && settle_states(speed, tolerance))
+        if (const double now = largest_error(); now < best) best = now, best_ = contacts;
+    contacts = best_;
+    if (best > rough * speed + rounding) best = sweep_bodies(speed, more_body_sweeps), best_ = contacts;
+    return best <= rough * speed + rounding ? best : approach(best, speed, rounding, {1e-3, 0.2, few_points});
+}
+
+double ContactCluster::sweep_bodies(double speed, int max_sweeps) {
+    body_sweeps_.read(contacts, bodies, terms, own_);
+    body_sweeps_.run(exact * speed, max_sweeps, contacts);
+    find_velocities();
+    return largest_error();
 }
 
 /// Sweeps until no rate changes by more than `change` [m/s]; returns the residual.

@@ -25,6 +25,7 @@
 #include "base/vec.hpp"
 #include "law/row_law.hpp"
 #include "nonsmooth/block_factor.hpp"
+#include "nonsmooth/body_sweeps.hpp"
 #include "nonsmooth/link_state.hpp"
 
 #include <Eigen/Core>
@@ -52,7 +53,7 @@ struct ClusterContact {
 };
 
 /// How much is spent on a problem that sweeps and the active set leave unsolved: nothing, fast proximal points, careful
-/// ones where these fail. Sweeps: more of these, and proximal points only where they leave much.
+/// ones where these fail. Sweeps: of contacts of rigid bodies alone; proximal points only where they leave much.
 enum class ClusterEffort { sweeps, active_set, proximal_points, careful };
 
 struct ClusterBody {
@@ -103,6 +104,8 @@ public:
     /// Solves the problem and returns its residual [m/s], the largest error of a rate. `speed` [m/s] is the scale of
     /// the rates, `rounding` [m/s] their absolute error.
     double solve(double speed, double rounding, ClusterEffort effort = ClusterEffort::careful);
+    /// More sweeps over contacts of rigid bodies alone, from what was found; returns the residual [m/s].
+    double sweep_bodies(double speed, int max_sweeps);
     double largest_impulse() const {  // [N s]
         double largest = 0;
         for (const ClusterContact& c : contacts) largest = std::max(largest, c.impulse.norm());
@@ -148,6 +151,7 @@ private:
     double sweep();
     void find_velocities();
     double sweep_to(double change, int max_sweeps);
+    double solve_bodies(double speed, double rounding);
     bool settle_states(double speed, double tolerance);
     double approach(double best, double speed, double rounding, const Weights& weights);
     void bring_near(double alpha);
@@ -179,6 +183,7 @@ private:
     std::vector<double> rhs_, p_;                // of the unknowns
     std::vector<double> by_rows_, lack_;         // of the rows of factor_
     std::vector<ClusterContact> best_, start_;
+    BodySweeps body_sweeps_;
 };
 
 }  // namespace knap

@@ -286,4 +286,62 @@ TEST_CASE("a body on a floor with concave friction brakes as its bound says") {
     CHECK(cluster.contacts[0].velocity.y() == doctest::Approx(v - 0.6 * N / (1 + N / 0.2) / m).epsilon(1e-14));
 }
 
+TEST_CASE("sweeps over stacked rigid bodies find the motion of the whole method") {
+    for (int seed = 1; seed <= 20; ++seed)
+        for (const int n : {3, 10, 40}) {  // blocks between two walls, two contacts below and one at each side
+            const double friction = seed % 2 == 0 ? 0 : 0.4;
+            Random random(seed, "stack");
+            ContactCluster cluster;
+            std::vector<Vec3> before, free;
+            for (int b = 0; b < n; ++b) {
+                const double mass = std::exp(random.uniform(-2, 2));
+                cluster.bodies.push_back({{1 / mass, 1 / mass, 6 / mass}});
+                before.push_back({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+                free.push_back(before.back() + Vec3(0, -0.2, 0));
+            }
+            std::vector<Vec2> V_before;
+            const auto add = [&](int one, int other, const Vec2& normal, const Vec2& arm, const Vec2& other_arm) {
+                const Vec2 t = turned_left(normal);
+                const auto i = static_cast<Index>(cluster.contacts.size());
+                Vec2 V = Vec2::Zero(), V_free = V;
+                cluster.contacts.emplace_back();
+                for (const auto& [body, sign, at] : {std::tuple(one, 1., arm), std::tuple(other, -1., other_arm)}) {
+                    if (body < 0) continue;
+                    const Vec3 N = sign * Vec3(normal.x(), normal.y(), cross(at, normal)),
+                               T = sign * Vec3(t.x(), t.y(), cross(at, t));
+                    cluster.add_term(i, {body, N, T});
+                    V += Vec2(N.dot(before[body]), T.dot(before[body]));
+                    V_free += Vec2(N.dot(free[body]), T.dot(free[body]));
+                }
+                cluster.couple(i, i, Eigen::Matrix2d::Zero());
+                cluster.contacts[i].free = V_free;
+                cluster.contacts[i].law = contact_law(0, V, friction, 0, 1e-3, infinity, 1e-12);
+                V_before.push_back(V);
+            };
+            for (int b = 0; b < n; ++b) {
+                for (const double x : {-0.5, 0.5}) add(b, b - 1, {0, 1}, {x, -0.5}, {x, 0.5});
+                add(b, -1, {1, 0}, {-0.5, 0.1}, {}), add(b, -1, {-1, 0}, {0.5, -0.1}, {});
+            }
+            ContactCluster whole = cluster;
+            const double residual = cluster.solve(1, 1e-15, ClusterEffort::sweeps);
+            CAPTURE(n);
+            CAPTURE(seed);
+            CHECK(whole.solve(1, 1e-15) <= 1e-11);
+            CHECK(residual <= (4 * n <= 30 ? 1e-9 : 1e-3));
+            double positive = 0, losses = 0;
+            for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
+                const ClusterContact& c = cluster.contacts[i];
+                CHECK(c.impulse.x() >= 0);
+                CHECK(std::abs(c.impulse.y()) <= (friction + 1e-12) * c.impulse.x());
+                if (friction == 0)  // with friction there may be several solutions
+                    CHECK(std::abs(c.velocity.x() - whole.contacts[i].velocity.x()) <= 100 * residual + 1e-6);
+                for (int k = 0; k < 2; ++k) {
+                    const double work = 0.5 * c.impulse[k] * (c.velocity[k] + V_before[i][k]);
+                    positive += std::max(0., work), losses -= std::min(0., work);
+                }
+            }
+            CHECK(positive <= 1e-3 * losses);
+        }
+}
+
 }  // namespace contact_cluster_test
