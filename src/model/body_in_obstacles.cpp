@@ -121,11 +121,20 @@ void for_edges_in_obstacles(const Model& model, const State* state,
         }
         return false;
     };
+    std::vector<std::uint8_t> near;  // of rigid pieces: each by all obstacles
+    for (std::size_t p = 0; state && p < state->rigid_pieces.size(); ++p)
+        for (const ObstacleSurface& surface : surfaces)  // an edge and its length beyond it
+            near.push_back(surface.may_reach(state->rigid_pieces[p].centre, 3 * state->frozen->pieces[p].radius));
     const auto look = [&](Index a, Index b) {
+        const std::uint8_t* of_piece =
+            near.empty() ? nullptr
+                         : near.data() + surfaces.size() * state->frozen->piece_of_triangle[model.mesh.triangle_of(a)];
+        if (of_piece && std::none_of(of_piece, of_piece + surfaces.size(), [](auto is_near) { return is_near; }))
+            return;
         const Vec2 x_a = place(a), x_b = place(b);
         const double length = (x_b - x_a).norm();
         for (std::size_t o = 0; o < surfaces.size() && length > 0; ++o) {
-            if (!surfaces[o].may_reach(x_a, length)) continue;
+            if ((of_piece && !of_piece[o]) || !surfaces[o].may_reach(x_a, length)) continue;
             const auto [gap, where] = gap_to_edge(surfaces[o], x_a, x_b, is_in_body);
             if (gap < 0) visit({static_cast<Index>(o), {a, b}, length, -gap, where});
         }

@@ -190,7 +190,8 @@ void Recorder::watch_deformation(const State& now, double speed) {
     bool into_obstacles = false;
     if (deformation_.has_obstacles()) {
         obstacle_look_.path += now.last_step * deformation_.obstacle_speed(now);
-        into_obstacles = is_due(obstacle_look_, deformation_.obstacle_path(), 1);
+        // contacts of rigid pieces tell their depths in every step
+        into_obstacles = is_due(obstacle_look_, deformation_.obstacle_path(), now.frozen ? steps_between_looks : 1);
     }
     if (!look && !search && !into_obstacles) return;
     const Timed timed(time_);

@@ -2,6 +2,8 @@
 
 #include "stepper/common/contact_search.hpp"
 
+#include <numbers>
+
 namespace knap {
 namespace {
 
@@ -9,6 +11,7 @@ constexpr double end_of_edge = 1e-3;     // [-] of an edge: there its end is in 
 constexpr double almost_as_near = 0.05;  // [-] of an edge: both ends touch as near as a corner between them
 constexpr double flat_arc = 0.008;  // [-] edge over radius: an arc rises by less than 1e-3 of the edge between its ends
 constexpr double corner_cone = 0.26;      // [-] sine of 15 degrees, by which directions out of a corner may differ
+constexpr double flat_corner = 1e-4;      // [rad] by which a corner protrudes that is none
 constexpr double largest_depth = 0.35;    // [-] of the altitude of a triangle
 constexpr double at_the_corner = 1e-9;    // [-] of the distance from the origin of an obstacle
 constexpr double rounded_up = 1 + 1e-12;  // more than the rounding of a bound
@@ -112,11 +115,14 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
         for (int k = 0; k < 3; ++k)
             if (model_.obstacles[o].is_free(k)) predicted_[o][k] = start[k];
     }
+    if (body_) return find_of_pieces(begin, h, end_velocity);
     candidates_ = boundary_;
     for (const Index f : begin.split_fans) add_pieces(f, begin);
     if (candidates_.size() > boundary_.size())
         std::ranges::sort(candidates_, {}, [](const Candidate& c) { return (std::int64_t(c.fan) << 32) + c.place; });
-    for (const Candidate& candidate : candidates_) find_at_corner(candidate, begin, h, end_velocity, corner_force);
+    for (const Candidate& candidate : candidates_)
+        for (Index o = 0; o < static_cast<Index>(surfaces_.size()); ++o)
+            find_at_corner(candidate, o, begin, h, end_velocity, corner_force);
     n_at_corners_ = contacts_.size();
     open_faces_.clear();
     for (const Index f : begin.split_fans) add_open_faces(f, begin);
@@ -158,7 +164,7 @@ bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x,
     return n.dot(t_in) > corner_cone || n.dot(t_out) < -corner_cone || n.dot(outside) > corner_cone * outside.norm();
 }
 
-void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, double h,
+void ObstacleContacts::find_at_corner(const Candidate& at, Index o, const State& begin, double h,
                                       const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force) {
     const Index c = at.corner, node = begin.node_of_corner[c];
     const Vec2 x = model_.mesh.corner(c) + begin.displacement[node];
@@ -167,36 +173,126 @@ void ObstacleContacts::find_at_corner(const Candidate& at, const State& begin, d
     const Vec2 force = corner_force.empty() ? Vec2::Zero() : corner_force[c];
     const double nearest = near_contact * corner_size_[c], in_steps = contact_reach_in_steps * h,
                  most = v.lpNorm<1>() + kick * force.lpNorm<1>();  // [m/s] at least its speed
-    for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
-        const ObstacleSurface& surface = surfaces_[o];
-        const Vec2 arm = x - surface.position();
-        // in front of a polyline as deep as an edge
-        const double depth = surface.outline().kind == Outline::Kind::polyline ? corner_size_[c] : 0;
-        // nearly all corners are far, so at first without roots
-        const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>();
-        if (!surface.may_reach(x, rounded_up * (nearest + in_steps * (most + most_of_obstacle)) + depth)) continue;
-        const double speed = v.norm() + kick * force.norm();
-        const double obstacle_speed =
-            velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
-        const double reach = near_contact * corner_size_[c] + contact_reach_in_steps * h * (speed + obstacle_speed);
-        if (!surface.may_reach(x, reach + depth)) continue;
-        const Vec2 motion = h * (begin.velocity[node] - velocity_at(predicted_[o], arm));
-        const auto add = [&](const SurfaceDistance& distance) {
-            if (distance.gap > reach || meets_beside(at, o, x, distance, begin)) return;
-            contacts_.push_back({.corner = c,
-                                 .fan = at.fan,
-                                 .obstacle = o,
-                                 .arm = arm,
-                                 .normal = distance.normal,
-                                 .gap = cleared(distance.gap, x, surface)});
-            if (surface.outline().kind == Outline::Kind::disc) return;
-            // a surface that turns is taken at the middle of the step: of second order, so that a corner that rides or
-            // slides on it does not sink in
-            contacts_.back().normal = Rotation::by(0.5 * h * predicted_[o].z()).turned(distance.normal);
-            contacts_.back().arm += 0.5 * h * (begin.velocity[node] - predicted_[o].head<2>());
-        };
-        surface.visit_planes(x, motion, touching_part * corner_size_[c], reach, depth, add);
+    const ObstacleSurface& surface = surfaces_[o];
+    const Vec2 arm = x - surface.position();
+    // in front of a polyline as deep as an edge
+    const double depth = surface.outline().kind == Outline::Kind::polyline ? corner_size_[c] : 0;
+    // nearly all corners are far, so at first without roots
+    const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>();
+    if (!surface.may_reach(x, rounded_up * (nearest + in_steps * (most + most_of_obstacle)) + depth)) return;
+    const double speed = v.norm() + kick * force.norm();
+    const double obstacle_speed =
+        velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
+    const double reach = near_contact * corner_size_[c] + contact_reach_in_steps * h * (speed + obstacle_speed);
+    if (!surface.may_reach(x, reach + depth)) return;
+    const Vec2 motion = h * (begin.velocity[node] - velocity_at(predicted_[o], arm));
+    const auto add = [&](const SurfaceDistance& distance) {
+        if (distance.gap > reach || meets_beside(at, o, x, distance, begin)) return;
+        contacts_.push_back({.corner = c,
+                             .fan = at.fan,
+                             .obstacle = o,
+                             .arm = arm,
+                             .normal = distance.normal,
+                             .gap = cleared(distance.gap, x, surface)});
+        if (surface.outline().kind == Outline::Kind::disc) return;
+        // a surface that turns is taken at the middle of the step: of second order, so that a corner that rides or
+        // slides on it does not sink in
+        contacts_.back().normal = Rotation::by(0.5 * h * predicted_[o].z()).turned(distance.normal);
+        contacts_.back().arm += 0.5 * h * (begin.velocity[node] - predicted_[o].head<2>());
+    };
+    surface.visit_planes(x, motion, touching_part * corner_size_[c], reach, depth, add);
+}
+
+/// Corners of rigid pieces where they protrude, and their edges.
+void ObstacleContacts::read_pieces(const State& begin) {
+    const Mesh& mesh = model_.mesh;
+    const auto piece_of = [&](Index triangle) { return body_->piece_of_triangle[triangle]; };
+    const auto angle_at = [&](Index c) {
+        const Index first = mesh.corners_per_triangle() * mesh.triangle_of(c), k = c - first;
+        const Vec2 to_next = place(first + (k + 1) % 3, begin) - place(c, begin),
+                   to_last = place(first + (k + 2) % 3, begin) - place(c, begin);
+        return std::atan2(cross(to_next, to_last), to_next.dot(to_last));
+    };
+    candidates_.clear(), piece_edges_.clear();
+    pieces_.assign(body_->pieces.size(), {});
+    for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {
+        const auto corners = model_.corners(model_.fans[f]);
+        if (model_.has_vanished(mesh.triangle_of(corners[0]))) continue;
+        const auto n = static_cast<Index>(corners.size());
+        const auto piece = [&](Index i) { return piece_of(mesh.triangle_of(corners[(i + n) % n])); };
+        Index start = 0;  // of a wedge
+        if (model_.fans[f].closed)
+            while (start < n && piece(start) == piece(start - 1)) ++start;
+        for (Index i = start; i < n + (model_.fans[f].closed ? start : 0) && start < n;) {
+            const Index first = i;
+            double angle = 0;
+            for (; i < n + (model_.fans[f].closed ? start : 0) && piece(i) == piece(first); ++i)
+                angle += angle_at(corners[i % n]);
+            if (angle > std::numbers::pi - flat_corner) continue;
+            const Index one = corners[first % n], other = corners[(i - 1) % n];
+            candidates_.push_back({f, one, first});
+            if (begin.displacement_of(one) != begin.displacement_of(other)) candidates_.push_back({f, other, i - 1});
+        }
     }
+    std::ranges::stable_sort(candidates_, {},
+                             [&](const Candidate& at) { return piece_of(mesh.triangle_of(at.corner)); });
+    for (const auto& [triangle, side, boundary] : mesh.boundary_edges)
+        if (!model_.has_vanished(triangle)) add_edges(triangle, side, piece_edges_);
+    for (const Interface& interface : model_.interfaces) {
+        const auto [a, b] = interface.triangle;
+        if (a == rigid_support || b == rigid_support || piece_of(a) == piece_of(b)) continue;
+        for (const Index t : {a, b})
+            for (Index k = 0; k < 3; ++k)
+                if (edge_key(mesh.side_vertices(t, k)) == edge_key(interface.vertex)) add_edges(t, k, piece_edges_);
+    }
+    std::ranges::stable_sort(piece_edges_, {}, [&](const Edge& edge) { return piece_of(mesh.triangle_of(edge.a)); });
+    for (std::size_t k = 0; k < candidates_.size(); ++k) {
+        Piece& piece = pieces_[piece_of(mesh.triangle_of(candidates_[k].corner))];
+        if (piece.last_corner == 0) piece.first_corner = k;
+        piece.last_corner = k + 1;
+    }
+    for (std::size_t k = 0; k < piece_edges_.size(); ++k) {
+        const Edge& edge = piece_edges_[k];
+        Piece& piece = pieces_[piece_of(mesh.triangle_of(edge.a))];
+        if (piece.last_edge == 0) piece.first_edge = k;
+        piece.last_edge = k + 1;
+        piece.longest_edge = std::max(piece.longest_edge, (place(edge.b, begin) - place(edge.a, begin)).norm());
+    }
+}
+
+/// [m] From the centre of a piece: what is further away has no contact with it.
+double ObstacleContacts::reach_of(Index p, Index o, const State& begin, double h) const {
+    const FrozenBody::Piece& piece = body_->pieces[p];
+    const RigidPiece& at = begin.rigid_pieces[p];
+    const double speed = at.velocity.norm() + std::abs(at.spin) * piece.radius,
+                 distance = (at.centre - surfaces_[o].position()).norm() + piece.radius,
+                 of_obstacle = at_most_[o].speed + at_most_[o].spin * distance;
+    return piece.radius + (1 + near) * pieces_[p].longest_edge + 2 * contact_reach_in_steps * h * (speed + of_obstacle);
+}
+
+void ObstacleContacts::find_of_pieces(const State& begin, double h, const std::vector<Vec3>& end_velocity) {
+    if (pieces_.empty()) read_pieces(begin);
+    const auto n_obstacles = static_cast<Index>(surfaces_.size()), n_pieces = static_cast<Index>(pieces_.size());
+    std::vector<std::array<Index, 2>> meets_edges;  // obstacle, piece
+    for (Index o = 0; o < n_obstacles; ++o)
+        for (Index p = 0; p < n_pieces; ++p) {
+            const double reach = reach_of(p, o, begin, h);
+            if (!surfaces_[o].may_reach(begin.rigid_pieces[p].centre, reach)) continue;
+            for (std::size_t k = pieces_[p].first_corner; k < pieces_[p].last_corner; ++k)
+                find_at_corner(candidates_[k], o, begin, h, end_velocity, {});
+            const Outline::Kind kind = surfaces_[o].outline().kind;
+            bool any = kind == Outline::Kind::disc;
+            if (kind == Outline::Kind::polygon || kind == Outline::Kind::polyline)
+                surfaces_[o].visit_corners(begin.rigid_pieces[p].centre, reach, [&](std::size_t corner) {
+                    any = any || (surfaces_[o].place(corner) - begin.rigid_pieces[p].centre).norm() <= reach;
+                });
+            if (any) meets_edges.push_back({o, p});
+        }
+    std::ranges::stable_sort(contacts_, {}, &ObstacleContact::fan);
+    n_at_corners_ = contacts_.size();
+    for (const auto& [o, p] : meets_edges)
+        for (std::size_t k = pieces_[p].first_edge; k < pieces_[p].last_edge; ++k)
+            find_on_edge(piece_edges_[k], o, begin, h);
 }
 
 /// A contact at a corner of the body is as near as `gap`.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace knap {
@@ -73,6 +74,10 @@ class ObstacleContacts {
 public:
     explicit ObstacleContacts(const Model& model);
 
+    /// From the next search on contacts of the rigid pieces of the state: of corners where they protrude. Null: of a
+    /// deformable body.
+    void set_pieces(SharedFrozenBody body) { body_ = std::move(body), pieces_.clear(); }
+
     /// All contacts that may close in a step of h [s]: first those at corners in the order of the fans, then those on
     /// edges. `end_velocity`: of the obstacles, without the contacts; `corner_force` [N]: that accelerates the corners,
     /// may be empty.
@@ -120,9 +125,17 @@ private:
     struct AtMost {
         double speed, spin;  // [m/s], [rad/s]
     };
+    /// A rigid piece: its corners and edges, in candidates_ and piece_edges_.
+    struct Piece {
+        std::size_t first_corner = 0, last_corner = 0, first_edge = 0, last_edge = 0;
+        double longest_edge = 0;  // [m]
+    };
     void add_pieces(Index fan, const State& begin);
-    void find_at_corner(const Candidate& at, const State& begin, double h, const std::vector<Vec3>& end_velocity,
-                        const std::vector<Vec2>& corner_force);
+    void read_pieces(const State& begin);
+    void find_of_pieces(const State& begin, double h, const std::vector<Vec3>& end_velocity);
+    double reach_of(Index piece, Index obstacle, const State& begin, double h) const;
+    void find_at_corner(const Candidate& at, Index obstacle, const State& begin, double h,
+                        const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force);
     void add_edges(Index triangle, Index side, std::vector<Edge>& edges) const;
     void add_open_faces(Index fan, const State& begin);
     void find_on_edge(const Edge& edge, Index obstacle, const State& begin, double h);
@@ -147,6 +160,9 @@ private:
     double longest_edge_ = 0;               // [m]
     std::vector<double> corner_size_;       // [m] per corner: distance to the nearest other corner of its triangle
     std::vector<Candidate> candidates_;
+    SharedFrozenBody body_;                  // null: a deformable one
+    std::vector<Piece> pieces_;              // of rigid ones, once they are read
+    std::vector<Edge> piece_edges_;          // piece by piece
     std::vector<ObstacleSurface> surfaces_;  // in their places at the start of the step
     std::vector<AtMost> at_most_;            // likewise
     std::vector<Vec3> predicted_;  // [m/s, m/s, rad/s] of the obstacles over the step: of free components that

@@ -12,20 +12,18 @@ namespace {
 
 // [-] of an edge. Gaps that differ by less do not decide which of two contacts stays: their rounding would do it anew
 // in every step, and what rests would never have the same forces twice.
-constexpr double even_planes = 1e-9;        // of two planes
-constexpr double even_pairs = 1e-5;         // of duplicate pairs, whose edges turn a little
-constexpr double rigid_reach_in_steps = 1;  // of rigid pieces, which move by a twentieth of an edge
-constexpr double deep_in_steps = 2;         // distances covered in a step, for a penetration without a history
-constexpr double beyond_end = 0.25;         // [-] of an edge
-constexpr double reflex_turn = -0.02;       // sine of a turn to the right that still counts as flat
-constexpr double flat_turn = 0.2;           // sine of a turn of a flat vertex
+constexpr double even_planes = 1e-9;   // of two planes
+constexpr double even_pairs = 1e-5;    // of duplicate pairs, whose edges turn a little
+constexpr double deep_in_steps = 2;    // distances covered in a step, for a penetration without a history
+constexpr double beyond_end = 0.25;    // [-] of an edge
+constexpr double reflex_turn = -0.02;  // sine of a turn to the right that still counts as flat
+constexpr double flat_turn = 0.2;      // sine of a turn of a flat vertex
 constexpr double cone = NearbyEdges::cone;
 constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
 constexpr double parallel = 0.97;        // likewise for two edges that are one face
 constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are a duplicate pair
 constexpr double largest_motion = 0.05;  // [-] of an edge, in a step
-constexpr double rigid_margin_share = 0.5;  // likewise, of rigid pieces
-constexpr double margin_share = 0.2;  // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
+constexpr double margin_share = 0.2;     // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
 constexpr double reach_margin = 1.5, motion_margin = 2.5;  // NearbyEdges
 constexpr double extrapolated = 2.5;  // relative speed of a vertex and a point of the prolonged edge, per largest speed
 
@@ -77,13 +75,18 @@ void FaceContacts::read_boundary() {
     }
 }
 
-void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* corner_velocity,
-                        const RigidFrame* frame) {
-    frame_ = frame;
+void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* corner_velocity) {
     contacts_.clear(), found_.clear(), refusal_.reset();
     const bool boundary_changed = boundary_.update(begin.retired);
     if (boundary_changed && boundary_.changed().empty()) complete_ = false;
-    if (boundary_.edges().empty() || !place_corners(begin, h, corner_velocity, boundary_changed)) return;
+    if (boundary_.edges().empty()) return;
+    if (pieces_) find_rigid(begin, h, boundary_changed);
+    else if (place_corners(begin, h, corner_velocity, boundary_changed)) find_deformable(begin, h);
+    else return;
+    prune();
+}
+
+void FaceContacts::find_deformable(const State& begin, double h) {
     if (blocks_.size() < nearby_.n_blocks()) blocks_.resize(nearby_.n_blocks());
     for_blocks(static_cast<std::ptrdiff_t>(nearby_.n_blocks()), [&](std::ptrdiff_t b) {
         Block& block = blocks_[b];
@@ -91,10 +94,10 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
         const auto pairs = nearby_.of_block(b);
         for (std::size_t k = 0; k < pairs.size();) {
             const Index i = pairs[k].vertex;
-            const Vec2 x = 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x);
+            const Vec2 x = place_of_vertex(i);
             std::optional<Vertex> at;
             for (; k < pairs.size() && pairs[k].vertex == i; ++k) {
-                if (!may_touch(x, pairs[k].edge)) continue;
+                if (!may_touch(x, pairs[k].edge, reach_)) continue;
                 if (!at) at = vertex(i, begin);
                 if (!at->reflex) examine(pairs[k], *at, begin, h, block);
             }
@@ -111,7 +114,42 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
         std::ranges::sort(found_.end() - n_added, found_.end(), {}, number);
         std::ranges::inplace_merge(found_, found_.end() - n_added, {}, number);
     }
-    prune();
+}
+
+void FaceContacts::find_rigid(const State& begin, double h, bool boundary_changed) {
+    const bool reads = !complete_ || boundary_changed;
+    if (reads) reference_.clear(), corners_.clear(), n_read_ = 0, longest_ = 0, total_ = 0, boundary_.sort();
+    read_boundary();
+    for (std::size_t c = 0; c < corners_.size(); ++c) {
+        const Index number = boundary_.corners()[c];
+        if (model_.ground_at(number)) continue;
+        const Index node = begin.node_of_corner[number];
+        corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = begin.velocity[node]};
+    }
+    const auto edges = boundary_.edges();
+    sides_.resize(edges.size());
+    for (Index e = 0; e < std::ssize(edges); ++e) {
+        const Vec2 along = end_of(e).x - start_of(e).x;
+        const double length = along.norm();
+        sides_[e] = {.tangent = along / length, .length = length};
+    }
+    if (reads) nearby_pieces_.read(edges, corners_, *pieces_);
+    complete_ = true;
+    nearby_pieces_.find(edges, corners_, begin.rigid_pieces, h);
+    near_.clear();
+    nearby_pieces_.for_near([&](Index i, Index e, double reach) {
+        if (may_touch(place_of_vertex(i), e, reach)) near_.push_back({i, e});
+    });
+    std::ranges::sort(near_, {}, [](const NearbyEdge& at) { return std::pair(at.vertex, at.edge); });
+    blocks_.resize(std::max<std::size_t>(blocks_.size(), 1));
+    Block& block = blocks_[0];
+    block.found.clear(), block.refusal.reset();
+    for (std::size_t k = 0; k < near_.size();) {
+        const Vertex at = vertex(near_[k].vertex, begin);
+        for (const Index i = near_[k].vertex; k < near_.size() && near_[k].vertex == i; ++k)
+            if (!at.reflex) examine(near_[k], at, begin, h, block);
+    }
+    found_.swap(block.found), refusal_ = block.refusal;
 }
 
 /// Positions and velocities of the ends of all free edges, and the search for nearby ones where they have moved too
@@ -123,9 +161,6 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
     const auto numbers = boundary_.corners();
     const std::size_t ground = boundary_.ground_corners()[0], ground_end = boundary_.ground_corners()[1];
     const std::size_t n_ground = ground_end - ground, n_known = complete_ ? nearby_.n_corners() : 0;
-    const bool is_carried = frame_ != nullptr && n_ground == 0;
-    const Vec2 carried = is_carried ? frame_->velocity : Vec2(Vec2::Zero()),
-               shift = is_carried ? Vec2(frame_->origin - searched_origin_) : Vec2(Vec2::Zero());
     const Motion motion = sum_over_blocks(
         numbers.size() - n_ground, block, partial_, [&](std::size_t first, std::size_t last, Motion& own) {
             for (std::size_t k = first; k < last; ++k) {
@@ -133,22 +168,21 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
                 const Index node = begin.node_of_corner[numbers[c]];
                 const Vec2 v = rates ? (*rates)[numbers[c]] : begin.velocity[node];
                 CornerMotion& at = corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = v};
-                own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x - shift) : 0,
-                        .squared_speed = (at.v - carried).squaredNorm()};
+                own += {.squared_move = c < n_known ? nearby_.squared_move(c, at.x) : 0,
+                        .squared_speed = at.v.squaredNorm()};
             }
         });
     const double speed = std::sqrt(motion.squared_speed);
-    reach_ =
-        touching_part * longest_ + (frame_ ? rigid_reach_in_steps : contact_reach_in_steps) * h * extrapolated * speed;
+    reach_ = touching_part * longest_ + contact_reach_in_steps * h * extrapolated * speed;
     if (!(reach_ <= longest_)) {
         for (const CornerMotion& corner : corners_)
-            if ((corner.v - carried).squaredNorm() == motion.squared_speed)
+            if (corner.v.squaredNorm() == motion.squared_speed)
                 refuse({ContactRefusal::Reason::speed, h * speed / longest_, corner.x}, refusal_);
         complete_ = complete_ && !boundary_changed;
         return false;
     }
     const bool moved = reach_margin * reach_ + motion_margin * std::sqrt(motion.squared_move) > nearby_.margin();
-    bool search = !complete_ || moved || (boundary_changed && !shift.isZero(0));
+    bool search = !complete_ || moved;
     if (!search && boundary_changed) {
         is_used_.resize(boundary_.edges().size(), 0);
         search = !nearby_.add(boundary_.edges(), corners_, boundary_.changed());
@@ -160,12 +194,10 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
     }
     if (search) {
         const double mean = total_ / static_cast<double>(boundary_.edges().size());
-        nearby_.find(boundary_.edges(), corners_,
-                     (frame_ ? rigid_margin_share : margin_share) * mean + reach_margin * reach_);
+        nearby_.find(boundary_.edges(), corners_, margin_share * mean + reach_margin * reach_);
         is_used_.assign(boundary_.edges().size(), 0), used_.clear();
         for (std::size_t b = 0; b < nearby_.n_blocks(); ++b) use_edges_of(b);
         complete_ = true;
-        if (is_carried) searched_origin_ = frame_->origin;
     }
     sides_.resize(boundary_.edges().size());
     for (const Index e : used_) {
@@ -191,13 +223,13 @@ void FaceContacts::use_edges_of(std::size_t block) {
     }
 }
 
-/// Rule 1 with the reach of the fastest corner, of a vertex at x. Nearly all pairs end at their gap.
-bool FaceContacts::may_touch(const Vec2& x, Index e) const {
+/// Rule 1 with a reach [m] that no contact exceeds, of a vertex at x. Nearly all pairs end at their gap.
+bool FaceContacts::may_touch(const Vec2& x, Index e, double reach) const {
     const FreeEdge& edge = boundary_.edges()[e];
     const auto& [t, length] = sides_[e];
     const double gap = cross(x - start_of(e).x, t), along = t.dot(x - start_of(e).x);
-    if (!(gap <= reach_ && gap >= -edge.depth)) return false;
-    const double beyond = largest_overrun(gap, reach_, overrun(e, x, gap, along / length), length, edge.depth);
+    if (!(gap <= reach && gap >= -edge.depth)) return false;
+    const double beyond = largest_overrun(gap, reach, overrun(e, x, gap, along / length), length, edge.depth);
     return along >= -beyond && along <= length + beyond;
 }
 

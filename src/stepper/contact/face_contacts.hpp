@@ -9,6 +9,7 @@
 //
 // These are the rates of invariants of position, so every pair of impulses has zero resultant and zero moment.
 #include "stepper/contact/nearby_edges.hpp"
+#include "stepper/contact/nearby_pieces.hpp"
 
 #include <optional>
 
@@ -87,20 +88,13 @@ class FaceContacts {
 public:
     explicit FaceContacts(const Model& model);
 
-    /// Pieces that move as rigid ones, in a frame that moves with all of them: what they have in common brings none
-    /// nearer to another one.
-    struct RigidFrame {
-        Vec2 origin = Vec2::Zero(), velocity = Vec2::Zero();  // [m], [m/s]
-    };
-    void set_pieces(std::span<const Index> piece_of_triangle) {
-        nearby_.set_pieces(piece_of_triangle);
-        complete_ = false;
-    }
+    /// From the next search on contacts of the rigid pieces of the state, which do not meet themselves; null: of a
+    /// deformable body.
+    void set_pieces(SharedFrozenBody body) { pieces_ = std::move(body), complete_ = false; }
 
     /// Reads positions and velocities, State::retired and State::face_contacts. `corner_velocity` [m/s, per corner]: in
     /// place of those of the state.
-    void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr,
-              const RigidFrame* frame = nullptr);
+    void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr);
     /// In the order of (vertex, edge).
     std::span<const FaceContact> all() const { return contacts_; }
     /// Where the step moves a contact by more than 0.05 L, or else where one is deeper than 0.1 L: the worst place.
@@ -158,10 +152,13 @@ private:
 
     void read_boundary();
     bool place_corners(const State& begin, double h, const std::vector<Vec2>* corner_velocity, bool boundary_changed);
+    void find_deformable(const State& begin, double h);
+    void find_rigid(const State& begin, double h, bool boundary_changed);
     void use_edges_of(std::size_t block);
     const CornerMotion& start_of(Index edge) const { return corners_[boundary_.edges()[edge].start_place]; }
     const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }
-    bool may_touch(const Vec2& x, Index edge) const;
+    bool may_touch(const Vec2& x, Index edge, double reach) const;
+    Vec2 place_of_vertex(Index i) const { return 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x); }
     Vertex vertex(Index i, const State& begin) const;
     void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
     struct Corner {
@@ -191,11 +188,12 @@ private:
     double longest_ = 0, total_ = 0;     // [m] lengths of free edges, undeformed
     std::size_t n_read_ = 0;             // edges in them
     std::vector<CornerMotion> corners_;  // as they are now
-    const RigidFrame* frame_ = nullptr;
-    Vec2 searched_origin_ = Vec2::Zero();  // [m] of the frame, when nearby_ was found
-    double reach_ = 0;                     // [m] no contact has a larger gap
-    NearbyEdges nearby_;
-    bool complete_ = false;              // nearby_ knows all edges
+    double reach_ = 0;                   // [m] no contact has a larger gap
+    NearbyEdges nearby_;                 // of a deformable body
+    SharedFrozenBody pieces_;            // null: it is deformable
+    NearbyPieces nearby_pieces_;         // of rigid ones
+    std::vector<NearbyEdge> near_;       // likewise, in this step
+    bool complete_ = false;              // what is nearby knows all edges
     std::vector<std::uint8_t> is_used_;  // per edge: in used_
     std::vector<Index> used_;            // edges near others
     std::vector<Side> sides_;            // per edge; of those in used_

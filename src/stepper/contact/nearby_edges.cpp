@@ -19,12 +19,20 @@ void for_cells(const std::array<std::int32_t, 2>& low, const std::array<std::int
         for (std::int32_t x = low[0]; x <= high[0]; ++x) visit(x, y);
 }
 
+}  // namespace
+
 /// It leaves a contact piece, and not from support to support.
-bool is_vertex(std::span<const FreeEdge> edges, Index i) {
+bool NearbyEdges::is_vertex(std::span<const FreeEdge> edges, Index i) {
     return edges[i].touches && !(edges[i].passive && edges[edges[i].entering].passive);
 }
 
-}  // namespace
+bool NearbyEdges::may_meet(std::span<const FreeEdge> edges, Index i, Index e) {
+    const FreeEdge& edge = edges[e];
+    const auto is_beside = [&](Index group) { return group == edge.group_start || group == edge.group_end; };
+    if (is_beside(edges[i].group_start) || std::ranges::any_of(edges[i].joined, is_beside) || edge.passive)
+        return false;
+    return !(edge.ground && (edges[i].ground || edges[i].stands));
+}
 
 std::array<std::int32_t, 2> NearbyEdges::cell(const Vec2& x) const {
     constexpr double limit = 1e9;  // of an int
@@ -130,14 +138,8 @@ NearbyEdges::Corner NearbyEdges::corner(std::span<const FreeEdge> edges, Index i
 }
 
 bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner& at, Index e) const {
+    if (!may_meet(edges, i, e)) return false;
     const FreeEdge& edge = edges[e];
-    if (!piece_of_.empty() && !edge.ground && !edges[i].ground &&
-        piece_of_[edge.start / 3] == piece_of_[edges[i].start / 3])
-        return false;
-    const auto is_beside = [&](Index group) { return group == edge.group_start || group == edge.group_end; };
-    if (is_beside(edges[i].group_start) || std::ranges::any_of(edges[i].joined, is_beside) || edge.passive)
-        return false;
-    if (edge.ground && (edges[i].ground || edges[i].stands)) return false;
     const Vec2& a = x_[edge.start_place];
     const Vec2 along = x_[edge.end_place] - a, from_a = at.x - a;
     const double length = along.norm();

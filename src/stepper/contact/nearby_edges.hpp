@@ -27,8 +27,10 @@ public:
     static constexpr double cone = 0.26;       // sine of 15 degrees, by which the cone of a vertex is widened
     static constexpr std::size_t block = 256;  // vertices
 
-    /// From the next search on without pairs of one piece, which does not meet itself; per triangle.
-    void set_pieces(std::span<const Index> piece_of_triangle) { piece_of_ = piece_of_triangle; }
+    /// The edge leaves a vertex that may touch something.
+    static bool is_vertex(std::span<const FreeEdge> edges, Index edge);
+    /// The vertex that edge i leaves and edge e belong to different groups, which may touch.
+    static bool may_meet(std::span<const FreeEdge> edges, Index i, Index e);
     void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, double margin);
     /// Adds edges that appeared since and repeats the search for all `changed` ones, which include them. False where a
     /// search for all edges is cheaper by now.
@@ -72,7 +74,6 @@ private:
     double largest_turn(double length) const;
     bool is_near(std::span<const FreeEdge> edges, Index i, const Corner& corner, Index e) const;
 
-    std::span<const Index> piece_of_;
     double margin_ = -1, cell_size_ = 1;
     std::size_t n_blocks_ = 0;
     std::vector<Vec2> x_;                             // [m] per corner, when the search met it for the first time

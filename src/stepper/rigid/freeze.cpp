@@ -133,7 +133,8 @@ void place_nodes(const Model& model, State& state) {
     };
     for (std::size_t f = 0; f < model.fans.size(); ++f) {
         const auto corners = model.corners(model.fans[f]);
-        const Vec2& reference = model.mesh.corner(corners[0]);
+        const Index vertex = model.fans[f].vertex;  // none: of second order
+        const Vec2& reference = vertex >= 0 ? model.mesh.vertices[vertex] : model.mesh.corner(corners[0]);
         if (state.split_rank[f] < 0) place(static_cast<Index>(f), reference);
         else
             for (const Index corner : corners) place(state.node_of_corner[corner], reference);

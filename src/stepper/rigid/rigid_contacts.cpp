@@ -22,7 +22,8 @@ constexpr double lasting_load = 0.5;    // [-] of sigma_c, over an edge, that a 
 
 void RigidContacts::renew(const State& begin) {
     n_pieces_ = static_cast<Index>(begin.rigid_pieces.size());
-    faces_.set_pieces(begin.frozen->piece_of_triangle);
+    faces_.set_pieces(begin.frozen);
+    obstacle_contacts_.set_pieces(begin.frozen);
     points_.clear();
     for (const Index f : begin.split_fans) {
         const auto points = model_.points(model_.fans[f]);
@@ -122,15 +123,7 @@ bool RigidContacts::can_break(Index body) const {
 void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBody>& bodies) {
     row_of_face_.clear();
     if (!meets_faces()) return;
-    frame_ = {};
-    double mass = 0;
-    for (Index p = 0; p < n_pieces_; ++p) {
-        const double own = step.begin.frozen->pieces[p].mass;
-        mass += own;
-        frame_.origin += own * bodies[p].centre, frame_.velocity += own * bodies[p].before.head<2>();
-    }
-    frame_.origin /= mass, frame_.velocity /= mass;
-    faces_.find(step.begin, step.drift_time, nullptr, &frame_);
+    faces_.find(step.begin, step.drift_time);
     const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);  // else a force
     row_of_face_.assign(faces_.all().size(), -1);
     for (Index i = 0; i < static_cast<Index>(faces_.all().size()); ++i) {

@@ -142,7 +142,6 @@ private:
     FaceContacts faces_;
     ObstacleContacts obstacle_contacts_;
     ObstaclePairs pairs_;
-    FaceContacts::RigidFrame frame_;
     const State* begin_ = nullptr;
     Index n_pieces_ = 0;
     std::vector<Point> points_;

@@ -1,0 +1,171 @@
+#include "stepper/contact/nearby_pieces.hpp"
+
+#include "mesh/polygon.hpp"
+#include "model/obstacle.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace knap {
+namespace {
+
+constexpr double even_turn = 1e-4;        // sine of a turn that does not protrude
+constexpr double touching_pieces = 1e-3;  // [-] of an edge: rounding of the geometry
+constexpr double moved_by_blow = 0.05;    // [-] of an edge: what is hit in the step moves by no more
+constexpr double kept_list = 0.25;        // [-] of an edge: by which pieces move until the list of a pair is made anew
+constexpr double turned_list = 0.1;       // [rad] likewise
+constexpr double prolonged = 1.25;        // [-] points of prolonged edges, over the radius of a piece
+constexpr double piece_reach_margin = 1.5, piece_motion_margin = 1.25;  // as NearbyEdges, of relative motions
+
+}  // namespace
+
+void NearbyPieces::read(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
+                        const FrozenBody& body) {
+    const std::size_t ground = body.pieces.size();
+    const auto piece_of = [&](const FreeEdge& edge) {
+        return edge.ground ? ground : static_cast<std::size_t>(body.piece_of_triangle[edge.start / 3]);
+    };
+    const auto along = [&](Index e) -> Vec2 { return corners[edges[e].end_place].x - corners[edges[e].start_place].x; };
+    const auto protrudes = [&](Index i) {
+        const Vec2 in = along(edges[i].entering).normalized(), out = along(i).normalized();
+        return cross(in, out) > even_turn || in.dot(out) < 0;
+    };
+    outlines_.assign(ground + 1, {});
+    for (std::size_t p = 0; p < ground; ++p) outlines_[p].radius = body.pieces[p].radius;
+    std::vector<std::uint8_t> touches(edges.size());
+    for (Index e = 0; e < std::ssize(edges); ++e) {
+        Outline& outline = outlines_[piece_of(edges[e])];
+        touches[e] = NearbyEdges::is_vertex(edges, e) && protrudes(e);
+        ++outline.last_edge, outline.last_vertex += touches[e];
+        outline.longest = std::max(outline.longest, along(e).norm());
+    }
+    Index n_edges = 0, n_vertices = 0;
+    for (Outline& outline : outlines_) {
+        outline.first_edge = std::exchange(n_edges, n_edges + outline.last_edge);
+        outline.first_vertex = std::exchange(n_vertices, n_vertices + outline.last_vertex);
+        outline.last_edge = outline.first_edge, outline.last_vertex = outline.first_vertex;
+    }
+    edges_.resize(n_edges), vertices_.resize(n_vertices);
+    for (Index e = 0; e < std::ssize(edges); ++e) {
+        Outline& outline = outlines_[piece_of(edges[e])];
+        edges_[outline.last_edge++] = e;
+        if (touches[e]) vertices_[outline.last_vertex++] = e;
+    }
+    order_.clear();
+    for (std::size_t p = 0; p < outlines_.size(); ++p)
+        if (outlines_[p].last_edge > outlines_[p].first_edge) order_.push_back(static_cast<Index>(p));
+    pairs_.clear(), before_.clear();
+}
+
+void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
+                              std::span<const RigidPiece> pieces, double h) {
+    Vec2 mean = Vec2::Zero();  // velocity: what the pieces have in common brings none nearer to another one
+    for (const RigidPiece& piece : pieces) mean += piece.velocity / static_cast<double>(pieces.size());
+    boxes_.resize(outlines_.size());
+    for (const Index p : order_) {
+        const Outline& outline = outlines_[p];
+        Box& box = boxes_[p] = {Vec2::Constant(infinity), Vec2::Constant(-infinity),
+                                (touching_pieces + moved_by_blow) * outline.longest};
+        for (Index k = outline.first_edge; k < outline.last_edge; ++k)
+            for (const Index end : {edges[edges_[k]].start_place, edges[edges_[k]].end_place})
+                box.low = box.low.cwiseMin(corners[end].x), box.high = box.high.cwiseMax(corners[end].x);
+        const bool is_ground = p == std::ssize(pieces);
+        box.room += h * (is_ground ? mean.norm()
+                                   : (pieces[p].velocity - mean).norm() +
+                                         prolonged * std::abs(pieces[p].spin) * outline.radius);
+    }
+}
+
+/// The pairs whose boxes overlap, with the lists that they had before.
+void NearbyPieces::find_pairs() {
+    Vec2 low = Vec2::Constant(infinity), high = -low;
+    for (const Index p : order_) low = low.cwiseMin(boxes_[p].low), high = high.cwiseMax(boxes_[p].low);
+    const int axis = (high - low).y() > (high - low).x() ? 1 : 0;
+    const auto start = [&](Index p) { return boxes_[p].low[axis] - boxes_[p].room; };
+    for (std::size_t k = 1; k < order_.size(); ++k)  // hardly anything changes between two steps
+        for (std::size_t m = k; m > 0 && start(order_[m]) < start(order_[m - 1]); --m)
+            std::swap(order_[m], order_[m - 1]);
+    pairs_.swap(before_);
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < order_.size(); ++k)
+        for (std::size_t m = k + 1; m < order_.size(); ++m) {
+            const Index p = order_[k], q = order_[m];
+            const Box &one = boxes_[p], &two = boxes_[q];
+            const double room = one.room + two.room;
+            if (two.low[axis] - two.room > one.high[axis] + one.room) break;
+            if (two.low[1 - axis] > one.high[1 - axis] + room || one.low[1 - axis] > two.high[1 - axis] + room)
+                continue;
+            if (n == pairs_.size()) pairs_.emplace_back();
+            const bool is_first =
+                outlines_[p].radius > outlines_[q].radius || (outlines_[p].radius == outlines_[q].radius && p < q);
+            pairs_[n].of = is_first ? std::array{p, q} : std::array{q, p};
+            pairs_[n++].margin = -1;
+        }
+    pairs_.resize(n);
+    std::ranges::sort(pairs_, {}, &Pair::of);
+    auto old = before_.begin();
+    for (Pair& pair : pairs_) {
+        while (old != before_.end() && old->of < pair.of) ++old;
+        if (old != before_.end() && old->of == pair.of) std::swap(pair, *old);
+    }
+}
+
+void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
+                        std::span<const RigidPiece> pieces, double h) {
+    find_boxes(edges, corners, pieces, h);
+    find_pairs();
+    const RigidPiece still;
+    const auto piece = [&](Index p) -> const RigidPiece& { return p < std::ssize(pieces) ? pieces[p] : still; };
+    for (Pair& pair : pairs_) {
+        const RigidPiece &one = piece(pair.of[0]), &two = piece(pair.of[1]);
+        const double radius = prolonged * outlines_[pair.of[1]].radius,
+                     longest = std::max(outlines_[pair.of[0]].longest, outlines_[pair.of[1]].longest);
+        const Vec2 between = two.centre - one.centre, offset = Rotation::by(one.angle).turned_back(between);
+        const double turn = two.angle - one.angle;
+        const double speed = (two.velocity - one.velocity - one.spin * turned_left(between)).norm() +
+                             std::abs(two.spin - one.spin) * radius;
+        pair.reach = std::min((touching_pieces + moved_by_blow) * longest + h * speed,
+                              boxes_[pair.of[0]].room + boxes_[pair.of[1]].room);
+        const double moved = (offset - pair.offset).norm() + std::abs(turn - pair.turn) * radius;
+        if (piece_reach_margin * pair.reach + piece_motion_margin * moved <= pair.margin &&
+            std::abs(turn - pair.turn) <= turned_list)
+            continue;
+        pair.offset = offset, pair.turn = turn;
+        pair.margin = piece_reach_margin * pair.reach + piece_motion_margin * kept_list * longest;
+        search(pair, edges, corners);
+    }
+}
+
+void NearbyPieces::search(Pair& pair, std::span<const FreeEdge> edges, std::span<const CornerMotion> corners) const {
+    pair.near.clear();
+    const auto start = [&](Index e) -> const Vec2& { return corners[edges[e].start_place].x; };
+    const auto end = [&](Index e) -> const Vec2& { return corners[edges[e].end_place].x; };
+    for (const int k : {0, 1}) {
+        const Outline &with_vertices = outlines_[pair.of[k]], &with_edges = outlines_[pair.of[1 - k]];
+        const Box& box = boxes_[pair.of[k]];
+        for (Index m = with_edges.first_edge; m < with_edges.last_edge; ++m) {
+            const Index e = edges_[m];
+            const FreeEdge& edge = edges[e];
+            const double far = edge.depth + pair.margin;
+            const Vec2 low = start(e).cwiseMin(end(e)), high = start(e).cwiseMax(end(e));
+            if (((low - box.high).array() > far).any() || ((box.low - high).array() > far).any()) continue;
+            const Vec2 along = end(e) - start(e);
+            const double length = along.norm();
+            const Vec2 t = along / length, n = -turned_left(t);
+            for (Index v = with_vertices.first_vertex; v < with_vertices.last_vertex; ++v) {
+                const Index i = vertices_[v];
+                const Vec2 x = 0.5 * (end(edges[i].entering) + start(i)), from_a = x - start(e);
+                if (n.dot(from_a) > pair.margin) continue;
+                if (distance_to_segment(start(e), end(e), x) > far || !NearbyEdges::may_meet(edges, i, e)) continue;
+                const Vec2 in = end(edges[i].entering) - start(edges[i].entering), out = end(i) - start(i);
+                if (n.dot(in) > (NearbyEdges::cone + turned_list) * in.norm() ||
+                    n.dot(out) < -(NearbyEdges::cone + turned_list) * out.norm())
+                    continue;
+                pair.near.push_back({i, e});
+            }
+        }
+    }
+}
+
+}  // namespace knap
