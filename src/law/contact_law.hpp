@@ -15,6 +15,7 @@ struct ContactLaw {
     Rebound rebound = Rebound::of_faces;
     double tangential = 0;  // [-] R_T: of the slip before an impact, below which friction does not brake it
 
+    bool rebounds() const { return restitution > 0 || tangential > 0; }
     bool is_of_bodies() const { return rebound == Rebound::of_bodies || tangential > 0; }
     /// [-] At faces of deformable bodies.
     double restitution_of_faces() const { return rebound == Rebound::of_faces ? restitution : 0; }

@@ -20,12 +20,12 @@ constexpr double rate_rounding = 1e-14;  // [-] of the rates
 constexpr double min_softening = 1e-12;  // [-] loss of beta in a step; a smaller one is rounding of an opening
 
 struct ContactWork {
-    double contact, friction;           // [N s] p >= 0, and the part of P_T that is friction
-    double rate_N, rate_T;              // [m/s] with which they work
-    double rate_error;                  // [m/s] of these rates, by rounding and the residual
-    double opening;                     // [m] u_N at the end of the step
-    double cohesive = 0;                // [N s] pull of the cohesion along N, which a part of `contact` balances
-    Vec2 impulse_error = Vec2::Zero();  // [N s] of both impulses, by the residual of the laws
+    double contact, friction;  // [N s] p >= 0, and the part of P_T that is friction
+    double rate_N, rate_T;     // [m/s] with which they work
+    double rate_error;         // [m/s] of these rates, by rounding and the residual
+    double opening;            // [m] u_N at the end of the step
+    double cohesive = 0;       // [N s] pull of the cohesion along N, which a part of `contact` balances
+    double work_error = 0;     // [J] by the residual in the impulses
 };
 
 inline void account_contact(const ContactWork& at, StepReport& report) {
@@ -34,13 +34,9 @@ inline void account_contact(const ContactWork& at, StepReport& report) {
     report.friction_work += friction;
     if (at.cohesive > 0 && at.contact > 0)
         report.cohesive_friction_work += friction * std::min(1.0, at.cohesive / at.contact);
-    const auto beyond_error = [&](double work, double impulse, double rate, double impulse_error) {
-        return work - at.rate_error * std::abs(impulse) - impulse_error * std::abs(rate);
-    };
-    report.worst_impact_work =
-        std::max(report.worst_impact_work, beyond_error(impact, at.contact, at.rate_N, at.impulse_error.x()));
+    report.worst_impact_work = std::max(report.worst_impact_work, impact - at.rate_error * at.contact - at.work_error);
     report.worst_friction_work =
-        std::max(report.worst_friction_work, beyond_error(friction, at.friction, at.rate_T, at.impulse_error.y()));
+        std::max(report.worst_friction_work, friction - at.rate_error * std::abs(at.friction) - at.work_error);
     report.penetration = std::max(report.penetration, -at.opening);
 }
 

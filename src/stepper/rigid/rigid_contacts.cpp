@@ -3,20 +3,22 @@
 #include "base/parallel.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/rigid/freeze.hpp"
+#include "stepper/rigid/rigid_places.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace knap {
 namespace {
 
-constexpr double same_plane = 1e-12;    // [-] 1 - cosine of the normals of one plane
-constexpr double held = 1e-12;          // [-] of the mobility of a row: nothing moves along this component
-constexpr double allowed_depth = 1e-4;  // [-] of the edge: deeper overlaps are corrected
-constexpr double corrected = 1e-6;      // [-] of the edge: smaller corrections end the search for them
-constexpr int max_corrections = 20;     // sweeps
-constexpr double few_edges = 10;        // [-] D/L up to which sigma_c/(rho c) breaks a piece
-constexpr double lasting_load = 0.5;    // [-] of sigma_c, over an edge, that a piece bears without a blow
+constexpr double same_plane = 1e-12;  // [-] 1 - cosine of the normals of one plane
+constexpr double held = 1e-12;        // [-] of the mobility of a row: nothing moves along this component
+constexpr int more_rounds = 10, sweeps_of_round = 40;  // of clusters whose works are positive beyond the next two
+constexpr double allowed_injection = 2e-4;             // [-] of the losses
+constexpr double at_rest = 1e-10;                      // [-] of the impulses times the speeds
+constexpr double few_edges = 10;                       // [-] D/L up to which sigma_c/(rho c) breaks a piece
+constexpr double lasting_load = 0.5;  // [-] of sigma_c, over an edge, that a piece bears without a blow
 
 }  // namespace
 
@@ -51,68 +53,18 @@ void RigidContacts::add_term(Row& row, Index body, const Vec2& along_N, const Ve
     row.terms[row.n_terms++] = {body, N, T};
 }
 
-Vec2 RigidContacts::rate(const Row& row, const std::vector<MovingBody>& bodies, Vec3 MovingBody::*velocity) {
-    Vec2 V = Vec2::Zero();
-    for (int k = 0; k < row.n_terms; ++k) {
-        const Vec3& v = bodies[row.terms[k].body].*velocity;
-        V += Vec2(row.terms[k].along_N.dot(v), row.terms[k].along_T.dot(v));
-    }
-    return V;
-}
-
 /// When all its terms are there.
 void RigidContacts::add_row(Row& row, const std::vector<MovingBody>& bodies) {
     row.before = rate(row, bodies, &MovingBody::before);
     row.impulse = row.lasting;
+    row.apart = row.source == Source::face && row.gap < 0 ? -faces_.all()[row.number].depth : row.gap;
     rows_.push_back(row);
 }
 
-/// When it is known which bodies are awake, and where they are struck.
-void RigidContacts::complete(Row& row, const std::vector<MovingBody>& bodies) {
-    row.own_N = row.own_T = 0;
-    for (int k = 0; k < row.n_terms; ++k) {
-        const Term& term = row.terms[k];
-        const Vec3& inverse_mass = bodies[term.body].inverse_mass;
-        row.own_N += term.along_N.dot(inverse_mass.cwiseProduct(term.along_N));
-        row.own_T += term.along_T.dot(inverse_mass.cwiseProduct(term.along_T));
-    }
-    row.free = rate(row, bodies, &MovingBody::free);
-}
-
-/// The impulses of a contact act at one place for all of its bodies: each has moved by tau v_free, the place by their
-/// mean.
-void RigidContacts::find_strikes(const RigidStep& step, std::vector<MovingBody>& bodies) {
-    bool any = false;
-    for (Row& row : rows_) {
-        const double approach = -row.before.x(), push = row.before.x() - row.free.x();
-        if (rests_under(row.law.restitution, approach, push)) row.law.restitution = 0;
-        if (approach <= push) row.law.tangential = 0;  // no impact
-        row.is_struck = row.law.restitution > 0 && row.gap > 0 && row.before.x() < 0 &&
-                        row.gap + step.drift_time * row.before.x() < 0;
-        any = any || row.is_struck;
-        for (int k = 0; row.is_struck && k < row.n_terms; ++k) {
-            MovingBody& body = bodies[row.terms[k].body];
-            const double tau = -row.gap / row.before.x();
-            if (body.moves()) body.struck_at = body.struck_at > 0 ? std::min(body.struck_at, tau) : tau;
-        }
-    }
-    if (!any) return;
-    for (Row& row : rows_) {
-        const auto moved = [&](int k) -> Vec2 {
-            const MovingBody& body = bodies[row.terms[k].body];
-            return body.struck_at * body.free.head<2>();
-        };
-        Vec2 place = Vec2::Zero();
-        for (int k = 0; k < row.n_terms; ++k) place += moved(k) / row.n_terms;
-        if (place.isZero(0)) continue;
-        for (int k = 0; k < row.n_terms; ++k) {
-            const Vec2 more = place - moved(k);
-            for (Vec3* along : {&row.terms[k].along_N, &row.terms[k].along_T})
-                along->z() += cross(more, Vec2(along->head<2>()));
-        }
-        row.before = rate(row, bodies, &MovingBody::before);
-        complete(row, bodies);
-    }
+ContactLaw RigidContacts::law_for(ContactLaw law, bool breaks) const {
+    if (!law.gives_restitution) law.restitution = options_.restitution;
+    if (breaks) law.restitution = law.tangential = 0;
+    return law;
 }
 
 bool RigidContacts::can_break(Index body) const {
@@ -135,7 +87,7 @@ void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBod
                 .gap = c.gap,
                 .length = c.length,
                 .rounding = 0,
-                .law = law_between_faces(model_, c),
+                .law = {},
                 .place = ground ? ground->place : place_of(c.vertex[1]),
                 .lasting = scale * Vec2(c.contact, c.tangential)};
         row.rounding = position_rounding * (row.place.norm() + c.length);
@@ -150,8 +102,7 @@ void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBod
         add(c.edge[0], -(1 - c.share) * n, -(1 - c.share) * t - turn);
         add(c.edge[1], -c.share * n, -c.share * t + turn);
         if (row.n_terms == 1 && !model_.ground_at(c.edge[0]) && !ground) continue;  // of one piece with itself
-        if (!row.law.gives_restitution) row.law.restitution = options_.restitution;
-        if (breaks) row.law.restitution = 0;
+        row.law = law_for(law_between_faces(model_, c), breaks);
         row_of_face_[i] = static_cast<Index>(rows_.size());
         add_row(row, bodies);
     }
@@ -164,18 +115,15 @@ void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<Movin
     ImpulsesBefore before(begin);
     for (Index i = 0; i < static_cast<Index>(obstacle_contacts_.all().size()); ++i) {
         const ObstacleContact& c = obstacle_contacts_.all()[i];
-        ContactLaw law = obstacle_contacts_.law_of(c, begin);
         const Vec2 n = c.normal, t = turned_left(n);
         const Index piece = piece_of(c.corner);
         const Vec2 x = c.of_body([&](Index corner) { return place_of(corner); });
-        if (!law.gives_restitution) law.restitution = options_.restitution;
-        if (can_break(piece)) law.restitution = 0;
         Row row{.source = Source::obstacle,
                 .number = i,
                 .gap = c.gap,
                 .length = begin.frozen->pieces[piece].edge(),
                 .rounding = position_rounding * (x.norm() + c.arm.norm()),
-                .law = law,
+                .law = law_for(obstacle_contacts_.law_of(c, begin), can_break(piece)),
                 .place = x};
         row.lasting = scale * before.next(c);
         add_term(row, piece, n, t, x - bodies[piece].centre);
@@ -192,14 +140,18 @@ void RigidContacts::keep_hull(std::size_t first) {
         return turned_left(rows_[r].terms[0].along_N.head<2>()).dot(rows_[r].place);
     };
     std::vector<std::uint8_t> seen(rows_.size() - first, 0), kept(rows_.size() - first, 0);
-    for (std::size_t r = first; r < rows_.size(); ++r) {
+    const auto bodies_of = [&](std::size_t r) { return std::pair(rows_[r].terms[0].body, rows_[r].terms[1].body); };
+    by_bodies_.resize(rows_.size() - first);
+    std::iota(by_bodies_.begin(), by_bodies_.end(), first);
+    std::ranges::stable_sort(by_bodies_, {}, bodies_of);
+    for (std::size_t i = 0; i < by_bodies_.size(); ++i) {
+        const std::size_t r = by_bodies_[i];
         if (seen[r - first]) continue;
         hull_.clear();
-        for (std::size_t k = r; k < rows_.size(); ++k) {
-            const bool same =
-                rows_[k].terms[0].body == rows_[r].terms[0].body && rows_[k].terms[1].body == rows_[r].terms[1].body &&
-                rows_[k].terms[0].along_N.head<2>().dot(rows_[r].terms[0].along_N.head<2>()) >= 1 - same_plane;
-            if (same) hull_.push_back(k), seen[k - first] = 1;
+        for (std::size_t j = i; j < by_bodies_.size() && bodies_of(by_bodies_[j]) == bodies_of(r); ++j) {
+            const std::size_t k = by_bodies_[j];
+            if (rows_[k].terms[0].along_N.head<2>().dot(rows_[r].terms[0].along_N.head<2>()) >= 1 - same_plane)
+                hull_.push_back(k), seen[k - first] = 1;
         }
         std::ranges::stable_sort(hull_, {}, along);
         std::size_t n = 0;  // Andrew's monotone chain
@@ -208,8 +160,8 @@ void RigidContacts::keep_hull(std::size_t first) {
                        (along(c) - along(a)) * (rows_[b].gap - rows_[a].gap) >
                    0;
         };
-        for (std::size_t i = 0; i < hull_.size(); ++i) {
-            const std::size_t k = hull_[i];
+        for (std::size_t m = 0; m < hull_.size(); ++m) {
+            const std::size_t k = hull_[m];
             if (n > 0 && along(hull_[n - 1]) == along(k)) {  // corners at one place
                 if (rows_[k].gap >= rows_[hull_[n - 1]].gap) continue;
                 --n;
@@ -217,7 +169,7 @@ void RigidContacts::keep_hull(std::size_t first) {
             while (n > 1 && !turns_left(hull_[n - 2], hull_[n - 1], k)) --n;
             hull_[n++] = k;
         }
-        for (std::size_t i = 0; i < n; ++i) kept[hull_[i] - first] = 1;
+        for (std::size_t m = 0; m < n; ++m) kept[hull_[m] - first] = 1;
     }
     std::size_t n = first;
     for (std::size_t r = first; r < rows_.size(); ++r)
@@ -260,7 +212,7 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
                 .gap = std::abs(gap) <= touching_gap(model_, begin, point) ? 0 : gap,
                 .length = 2 * point.area / model_.thickness,
                 .rounding = 0,
-                .law = {.friction = law.friction, .restitution = law.restitution, .gives_restitution = true},
+                .law = {},
                 .place = place_of(point.corner()),
                 .lasting = step.kick_time * point.area * state.traction};
         row.rounding = position_rounding * (row.place.norm() + row.length);
@@ -274,7 +226,8 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
             add_term(row, piece, sign * n, sign * t, row.place - bodies[piece].centre);
         };
         add(point.after, 1), add(point.before, -1);
-        if (breaks) row.law.restitution = 0;
+        row.law =
+            law_for({.friction = law.friction, .restitution = law.restitution, .gives_restitution = true}, breaks);
         add_row(row, bodies);
     }
 }
@@ -319,12 +272,12 @@ void RigidContacts::find(const RigidStep& step, const ObstacleMotion& obstacles,
     add_points(step, bodies);
     wake(bodies);
     for (MovingBody& body : bodies)
-        if (body.asleep) body.free.setZero(), body.inverse_mass.setZero();
+        if (body.asleep) body.free.setZero(), body.inverse_mass.setZero(), body.acceleration.setZero();
     for (Row& row : rows_) {
         if (step.closing && row.lasting.isZero(0)) row.n_terms = 0;  // a blow, which the deformable body takes
         complete(row, bodies);
     }
-    find_strikes(step, bodies);
+    find_strikes(step, rows_, bodies);
     find_clusters(bodies);
 }
 
@@ -376,7 +329,7 @@ void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<M
         cluster.speed = std::max({cluster.speed, row.before.norm(), row.free.norm()});
         error = std::max(error, row.rounding / step.drift_time);
     }
-    const double tolerance = kink_tolerance * cluster.speed + error;
+    const double tolerance = cluster.tolerance = kink_tolerance * cluster.speed + error;
     for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
         Row& row = rows_[cluster.rows[i]];
         const auto contact = static_cast<Index>(i);
@@ -390,15 +343,24 @@ void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<M
         }
         problem.couple(contact, contact, Eigen::Matrix2d::Zero());
         InterfaceLaw& law = problem.contacts.back().law;
-        law = contact_law(row.gap, row.before, row.law.friction, row.law.restitution, step.drift_time, infinity,
-                          tolerance, row.law.tangential);
-        // where a body is when it is struck, its turn may part the faces already: no work then, as of faces that touch
-        if (row.is_struck) {
-            const double kept = row.before.x() < 0 ? row.law.restitution : 1;
-            law.contact = {true, -kept * row.before.x()};
-        }
+        law = row.is_struck ? law_of_strike(row, step, bodies, tolerance)
+                            : contact_law(row.gap, row.before, row.law.friction, row.law.restitution, step.drift_time,
+                                          infinity, tolerance, row.law.tangential);
     }
     cluster.residual = problem.solve(cluster.speed, error, ClusterEffort::sweeps);
+    const auto injects = [&] {
+        double positive = 0, losses = 0, scale = 0;  // [J]
+        for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
+            const ClusterContact& c = problem.contacts[i];
+            const Row& row = rows_[cluster.rows[i]];
+            const Vec2 mean = 0.5 * (c.velocity + row.before) + rate(row, bodies, &MovingBody::gained);
+            const double now = positive_work(c.impulse, mean);
+            positive += now, losses += now - c.impulse.dot(mean), scale += c.impulse.x() * cluster.speed;
+        }
+        return positive > allowed_injection * losses + at_rest * scale;
+    };
+    for (int k = 0; k < more_rounds && injects(); ++k)
+        cluster.residual = problem.sweep_bodies(cluster.speed, sweeps_of_round);
     for (std::size_t i = 0; i < cluster.rows.size(); ++i) rows_[cluster.rows[i]].impulse = problem.contacts[i].impulse;
 }
 
@@ -406,7 +368,7 @@ void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies
     if (work_.size() < n_clusters_) work_.resize(n_clusters_);
     for_blocks(static_cast<std::ptrdiff_t>(n_clusters_),
                [&](std::ptrdiff_t k) { solve(clusters_[k], step, bodies, work_[k]); });
-    for (MovingBody& body : bodies) body.end = body.free, body.shift.setZero();
+    for (MovingBody& body : bodies) body.end = body.free;
     for (const Row& row : rows_)
         for (int k = 0; k < row.n_terms; ++k) {
             const Term& term = row.terms[k];
@@ -415,7 +377,7 @@ void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies
                 body.inverse_mass.cwiseProduct(Vec3(row.impulse.x() * term.along_N + row.impulse.y() * term.along_T));
         }
     for (MovingBody& body : bodies)
-        if (body.struck_at > 0) body.shift = body.struck_at * (body.free - body.end);
+        if (body.struck_at > 0) body.strike = body.struck_at * (body.free - body.end);
     for (Row& row : rows_) {
         row.after = rate(row, bodies, &MovingBody::end);
         if (row.own_N > 0 && row.gap + step.drift_time * row.before.x() < 0) {
@@ -450,35 +412,8 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
     return hardest;
 }
 
-/// Sequential shifts along the normals, weighted by the masses: the centre of mass of what presses on each other stays.
 void RigidContacts::project(const RigidStep& step, std::vector<MovingBody>& bodies) const {
-    std::vector<std::pair<const Row*, double>> active;  // with the multiplier
-    bool any = false;
-    const auto depth_of = [&](const Row& row) {
-        double gap = row.source == Source::face && row.gap < 0 ? -faces_.all()[row.number].depth : row.gap;
-        gap += step.drift_time * row.after.x();
-        for (int k = 0; k < row.n_terms; ++k) gap += row.terms[k].along_N.dot(bodies[row.terms[k].body].shift);
-        return -gap - allowed_depth * row.length;
-    };
-    for (const Row& row : rows_) {
-        if (!(row.own_N > 0)) continue;
-        const double depth = depth_of(row);
-        any = any || depth > corrected * row.length;
-        if (depth > -row.length) active.emplace_back(&row, 0);
-    }
-    for (int sweep = 0; any && sweep < max_corrections; ++sweep) {
-        any = false;
-        for (auto& [row, sum] : active) {
-            const double depth = depth_of(*row), change = std::max(-sum, depth / row->own_N);
-            if (change == 0) continue;
-            sum += change;
-            for (int k = 0; k < row->n_terms; ++k) {
-                MovingBody& body = bodies[row->terms[k].body];
-                body.shift += change * body.inverse_mass.cwiseProduct(row->terms[k].along_N);
-            }
-            any = any || std::abs(change) * row->own_N > corrected * row->length;
-        }
-    }
+    correct_places(step, rows_, bodies);
 }
 
 void RigidContacts::add_wrenches(std::vector<Vec3>& wrench) const {
@@ -495,27 +430,23 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
     if (meets_faces()) end.face_contacts.clear();
     end.obstacle_contacts.clear(), end.impacts.clear();
     for (const Row& row : rows_) {
-        const Vec2 after = rate(row, bodies, &MovingBody::end), mean = 0.5 * (row.before + after), P = row.impulse;
-        const double residual = 1e-14 * (row.before.norm() + row.free.norm() + after.norm());
-        const double error = row.cluster >= 0 ? clusters_[row.cluster].residual : 0;
-        account_contact(
-            {.contact = P.x(),
-             .friction = P.y(),
-             .rate_N = mean.x(),
-             .rate_T = mean.y(),
-             .rate_error = residual + error + row.rounding / step.drift_time,
-             .opening = 0,
-             // of a slide at speed this does the work; their sum is rigid_injection
-             .impulse_error = {row.own_N > 0 ? error / row.own_N : 0, row.own_T > 0 ? error / row.own_T : 0}},
-            report);
+        const Vec2 after = rate(row, bodies, &MovingBody::end), gained = rate(row, bodies, &MovingBody::gained),
+                   mean = 0.5 * (row.before + after) + gained, P = row.impulse;
+        const double residual = 1e-14 * (row.before.norm() + row.free.norm() + after.norm()) +
+                                (after - row.after).norm() + (row.is_struck ? 0 : gained.norm());
+        const double error = row.cluster >= 0 ? clusters_[row.cluster].residual : 0,
+                     merged = row.cluster >= 0 ? clusters_[row.cluster].tolerance : row.rounding / step.drift_time;
+        const auto by_impulse = [&](int k, double own) { return own > 0 ? error / own * std::abs(mean[k]) : 0; };
+        account_contact({.contact = P.x(),
+                         .friction = P.y(),
+                         .rate_N = mean.x(),
+                         .rate_T = mean.y(),
+                         .rate_error = residual + error + merged,
+                         .opening = 0,
+                         .work_error = by_impulse(0, row.own_N) + by_impulse(1, row.own_T)},
+                        report);
         report.rigid_injection += positive_work(P, mean);
-        double depth = -row.gap - step.drift_time * after.x();
-        for (int k = 0; k < row.n_terms; ++k) depth -= row.terms[k].along_N.dot(bodies[row.terms[k].body].shift);
-        if (row.source == Source::face) {
-            const FaceContact& c = faces_.all()[row.number];
-            if (row.gap < 0) depth += row.gap + c.depth;
-        }
-        report.add_depth(depth / row.length, row.place);
+        report.add_depth(depth_at_end(row, step, bodies) / row.length, row.place);
         switch (row.source) {
             case Source::obstacle: {
                 const ObstacleContact& c = obstacle_contacts_.all()[row.number];

@@ -7,10 +7,6 @@
 // Their places are those of the start of the step, so that the impulses of a contact have no resultant and no moment.
 // Sources: corners of free faces (stepper/contact), corners and edges at obstacles (stepper/common), and broken points
 // whose sides have not parted yet.
-//
-// A contact whose faces are apart and rebound (e > 0) is struck within the step, at the time tau = gap/|V_N-|. A body
-// moves with its free velocity until the first of its strikes, x+ = x + tau v_free + (h - tau) v+, and its impulses act
-// at the place where it is then.
 #include "base/union_find.hpp"
 #include "nonsmooth/contact_cluster.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
@@ -18,32 +14,12 @@
 #include "stepper/common/obstacle_pairs.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/contact/face_contacts.hpp"
+#include "stepper/rigid/rigid_row.hpp"
 
 #include <array>
 #include <span>
 
 namespace knap {
-
-/// A body in a step: a piece, or behind all pieces an obstacle. What stands still or is driven has no inverse mass.
-struct MovingBody {
-    Vec3 before = Vec3::Zero();        // [m/s, m/s, rad/s] v-
-    Vec3 free = Vec3::Zero();          // [m/s, m/s, rad/s] v+ without contacts
-    Vec3 inverse_mass = Vec3::Zero();  // [1/kg, 1/kg, 1/(kg m2)]
-    Vec3 end = Vec3::Zero();           // [m/s, m/s, rad/s] v+
-    Vec3 shift = Vec3::Zero();         // [m, m, rad] beyond h v+
-    Vec2 centre = Vec2::Zero();        // [m]
-    double struck_at = 0;              // [s] tau; 0: nothing strikes it
-    bool asleep = false;
-
-    bool moves() const { return inverse_mass.x() > 0 || inverse_mass.y() > 0 || inverse_mass.z() > 0; }
-};
-
-struct RigidStep {
-    const State& begin;
-    double drift_time, kick_time;  // [s] of the positions, of the velocities
-    bool closing = false;          // of nearly no length: only what was in contact before stays so
-    bool first = false;            // of rigid pieces: not all forces of the step before are known
-};
 
 class RigidContacts {
 public:
@@ -62,7 +38,7 @@ public:
         Vec2 place = Vec2::Zero();
     };
     Blow hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies) const;
-    /// Corrects positions of what overlaps, by shifts.
+    /// Corrects positions of what overlaps (rigid_places.hpp).
     void project(const RigidStep& step, std::vector<MovingBody>& bodies) const;
     /// Works of the contacts, and their impulses in the end state.
     void finish(const RigidStep& step, const std::vector<MovingBody>& bodies, State& end, StepReport& report) const;
@@ -80,35 +56,17 @@ public:
     bool had_points() const { return had_points_; }
 
 private:
-    enum class Source : std::uint8_t { face, obstacle, pair, point };
-    struct Term {
-        Index body;
-        Vec3 along_N, along_T;
-    };
-    struct Row {
-        Source source;
-        Index number;     // in the list of its source
-        double gap;       // [m]
-        double length;    // [m] of the edge in contact
-        double rounding;  // [m] of its places
-        ContactLaw law;
-        Vec2 place;                   // [m]
-        Vec2 impulse = Vec2::Zero();  // [N s]
-        Vec2 lasting = Vec2::Zero();  // [N s] what it would be under the force of the step before
-        Vec2 before = Vec2::Zero(), free = Vec2::Zero(), after = Vec2::Zero();  // [m/s]
-        double own_N = 0, own_T = 0;                                            // [1/kg]
-        bool is_struck = false;                                                 // within the step
-        Index cluster = -1;                                                     // none: nothing that it joins moves
-        int n_terms = 0;
-        std::array<Term, 4> terms;
-    };
+    using Row = RigidRow;
+    using Term = Row::Term;
+    using Source = Row::Source;
     struct Point {  // broken, between pieces or on a support
         Index fan, place;
     };
     struct Cluster {
         std::vector<Index> rows, bodies;
-        double residual = 0;  // [m/s]
-        double speed = 0;     // [m/s] scale of its rates
+        double residual = 0;   // [m/s]
+        double speed = 0;      // [m/s] scale of its rates
+        double tolerance = 0;  // [m/s] nearer kinks of the friction are one
     };
     struct Workspace {
         ContactCluster cluster;
@@ -122,7 +80,6 @@ private:
     void keep_hull(std::size_t first);
     void add_term(Row& row, Index body, const Vec2& along_N, const Vec2& along_T, const Vec2& arm) const;
     void add_row(Row& row, const std::vector<MovingBody>& bodies);
-    static void complete(Row& row, const std::vector<MovingBody>& bodies);
     /// One piece alone does not meet itself.
     bool meets_faces() const { return n_pieces_ > 1 || !model_.ground.vertices.empty(); }
     Index piece_of(Index corner) const { return begin_->frozen->piece_of_triangle[model_.mesh.triangle_of(corner)]; }
@@ -130,10 +87,10 @@ private:
     Vec2 place_of(Index corner) const {
         return model_.mesh.corner(corner) + begin_->displacement[begin_->node_of_corner[corner]];
     }
-    static Vec2 rate(const Row& row, const std::vector<MovingBody>& bodies, Vec3 MovingBody::*velocity);
     bool can_break(Index body) const;
     void wake(std::vector<MovingBody>& bodies) const;
-    void find_strikes(const RigidStep& step, std::vector<MovingBody>& bodies);
+    /// Pieces that cannot break rebound as the scenario says; others stay together in an impact that they bear.
+    ContactLaw law_for(ContactLaw law, bool breaks) const;
     void find_clusters(const std::vector<MovingBody>& bodies);
     void solve(Cluster& cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);
 
@@ -147,8 +104,8 @@ private:
     std::vector<Point> points_;
     bool had_points_ = false;
     std::vector<Row> rows_;
-    std::vector<Index> row_of_face_;  // per contact of faces_: its row, or -1
-    std::vector<std::size_t> hull_;
+    std::vector<Index> row_of_face_;             // per contact of faces_: its row, or -1
+    std::vector<std::size_t> hull_, by_bodies_;  // rows
     UnionFind joined_;
     std::vector<Index> cluster_of_body_;
     std::vector<Cluster> clusters_;

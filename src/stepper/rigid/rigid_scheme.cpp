@@ -114,7 +114,8 @@ void RigidScheme::find_free_motion(const RigidStep& step) {
         at.before = piece.rates();
         const double mass = (1 + damping) * body.pieces[p].mass;
         at.inverse_mass = {1 / mass, 1 / mass, 1 / ((1 + damping) * body.pieces[p].inertia)};
-        at.free = (1 - damping) / (1 + damping) * at.before + step.kick_time * at.inverse_mass.cwiseProduct(load_[p]);
+        at.acceleration = at.inverse_mass.cwiseProduct(load_[p]);
+        at.free = (1 - damping) / (1 + damping) * at.before + step.kick_time * at.acceleration;
     }
     obstacles_.begin_explicit(begin, step.kick_time, step.drift_time, damping);
     for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
@@ -190,7 +191,7 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
         MovingBody& at = bodies_[n_pieces + o];
         for (int k = 0; k < 3; ++k)
             if (model_.obstacles[o].is_free(k)) at.end[k] = end.obstacles[o].velocity[k];
-        if (at.moves()) move(model_.obstacles[o], at.shift, end.obstacles[o]);
+        if (at.moves()) move(model_.obstacles[o], at.strike + at.shift, end.obstacles[o]);
     }
     contacts_.finish(step, bodies_, end, report);
     end.rigid_pieces = begin.rigid_pieces;
@@ -203,12 +204,15 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
             continue;
         }
         if (piece.state == PieceState::asleep) piece.state = PieceState::rigid, piece.slow_since = begin.time;
-        const Vec3 moved = step.drift_time * at.end + at.shift, mean = 0.5 * (at.before + at.end);
+        const Vec3 moved = step.drift_time * at.end + at.strike + at.shift, mean = 0.5 * (at.before + at.end);
         piece.centre += moved.head<2>(), piece.angle += moved.z();
         piece.velocity = at.end.head<2>(), piece.spin = at.end.z();
         const double mass = body.pieces[p].mass, inertia = body.pieces[p].inertia;
         report.kinetic += 0.5 * (mass * piece.velocity.squaredNorm() + inertia * piece.spin * piece.spin);
         report.external_work += step.kick_time * load_[p].dot(mean);
+        if (at.struck_at > 0) report.external_work += at.works_at / at.struck_at * load_[p].dot(at.strike);
+        report.impact_work += at.couple * mean.z();
+        report.rigid_injection += std::max(0.0, at.couple * mean.z());
         report.damping_work -= 2 * damping * (mass * mean.head<2>().squaredNorm() + inertia * mean.z() * mean.z());
         report.projection_work -= load_[p].dot(at.shift);
         const double speed = piece.velocity.norm() + std::abs(piece.spin) * body.pieces[p].radius;

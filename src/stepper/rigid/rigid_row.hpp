@@ -1,0 +1,84 @@
+#pragma once
+// Bodies and contacts in one step of rigid pieces (rigid_contacts.hpp).
+#include "law/contact_law.hpp"
+#include "model/state.hpp"
+
+#include <array>
+#include <vector>
+
+namespace knap {
+
+/// A body in a step: a piece, or behind all pieces an obstacle. What stands still or is driven has no inverse mass.
+struct MovingBody {
+    Vec3 before = Vec3::Zero();        // [m/s, m/s, rad/s] v-
+    Vec3 free = Vec3::Zero();          // [m/s, m/s, rad/s] v+ without contacts
+    Vec3 inverse_mass = Vec3::Zero();  // [1/kg, 1/kg, 1/(kg m2)]
+    Vec3 acceleration = Vec3::Zero();  // [m/s2, m/s2, rad/s2] by loads in free flight; of obstacles 0
+    Vec3 end = Vec3::Zero();           // [m/s, m/s, rad/s] v+
+    Vec3 strike = Vec3::Zero();        // [m, m, rad] beyond h v+, since it moved freely until it was struck
+    Vec3 shift = Vec3::Zero();         // [m, m, rad] by which its place is corrected
+    Vec2 centre = Vec2::Zero();        // [m]
+    double struck_at = 0;              // [s] tau; 0: nothing strikes it
+    double works_at = 0;               // [s] s, likewise
+    Vec3 gained = Vec3::Zero();        // [m/s, m/s, rad/s] s a
+    double couple = 0;                 // [N m s] that keeps the angular momentum where its place is corrected
+    bool asleep = false;
+
+    bool moves() const { return inverse_mass.x() > 0 || inverse_mass.y() > 0 || inverse_mass.z() > 0; }
+};
+
+struct RigidStep {
+    const State& begin;
+    double drift_time, kick_time;  // [s] of the positions, of the velocities
+    bool closing = false;          // of nearly no length: only what was in contact before stays so
+    bool first = false;            // of rigid pieces: not all forces of the step before are known
+};
+
+/// Of two bodies or more.
+struct RigidRow {
+    enum class Source : std::uint8_t { face, obstacle, pair, point };
+    struct Term {
+        Index body;
+        Vec3 along_N, along_T;
+    };
+    Source source;
+    Index number;     // in the list of its source
+    double gap;       // [m]
+    double length;    // [m] of the edge in contact
+    double rounding;  // [m] of its places
+    ContactLaw law;
+    Vec2 place;                   // [m]
+    Vec2 impulse = Vec2::Zero();  // [N s]
+    Vec2 lasting = Vec2::Zero();  // [N s] what it would be under the force of the step before
+    Vec2 before = Vec2::Zero(), free = Vec2::Zero(), after = Vec2::Zero();  // [m/s]
+    double apart = 0;             // [m] the gap; of faces that overlap less where corners do
+    double own_N = 0, own_T = 0;  // [1/kg]
+    bool is_struck = false;       // within the step
+    Index cluster = -1;           // none: nothing that it joins moves
+    int n_terms = 0;
+    std::array<Term, 4> terms;
+};
+
+/// [m/s], or of the unit of the member times that of the rate.
+inline Vec2 rate(const RigidRow& row, const std::vector<MovingBody>& bodies, Vec3 MovingBody::*velocity) {
+    Vec2 V = Vec2::Zero();
+    for (int k = 0; k < row.n_terms; ++k) {
+        const Vec3& v = bodies[row.terms[k].body].*velocity;
+        V += Vec2(row.terms[k].along_N.dot(v), row.terms[k].along_T.dot(v));
+    }
+    return V;
+}
+
+/// When it is known which bodies are awake, and where they are struck.
+inline void complete(RigidRow& row, const std::vector<MovingBody>& bodies) {
+    row.own_N = row.own_T = 0;
+    for (int k = 0; k < row.n_terms; ++k) {
+        const RigidRow::Term& term = row.terms[k];
+        const Vec3& inverse_mass = bodies[term.body].inverse_mass;
+        row.own_N += term.along_N.dot(inverse_mass.cwiseProduct(term.along_N));
+        row.own_T += term.along_T.dot(inverse_mass.cwiseProduct(term.along_T));
+    }
+    row.free = rate(row, bodies, &MovingBody::free);
+}
+
+}  // namespace knap
