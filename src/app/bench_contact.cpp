@@ -147,6 +147,20 @@ public:
         measured.push_back({name + ": detection for a free edge [ns]", 1e9 * finding / edges});
     }
 
+    /// [-] Processor time per simulated time until then.
+    double cost(double until) {
+        StepControl control(plan_steps(scenario_.time, scenario_.adapt, model_, until).limits);
+        if (now_.n_steps == 0) stepper_.begin(now_);
+        const double start = now_.time;
+        const Stopwatch watch;
+        while (!StepControl::has_reached(now_, until)) {
+            const double h = control.next(now_);
+            const StepReport report = stepper_.step(now_, h, next_);
+            if (!control.judge(now_, h, report)) std::swap(now_, next_);
+        }
+        return one_thread_time(watch) / (until - start);
+    }
+
 private:
     Scenario scenario_;
     Model model_ = build_model(scenario_), free_ = without_contact(model_);
@@ -236,6 +250,9 @@ std::vector<Measurement> measure_contact() {
     std::vector<Measurement> measured;
     Pieces stones(std::string(rubble) + rock + whole_rock);
     stones.measure(0.6, "rubble in motion", measured);
+    Pieces rigid(std::string(rubble) + rock + whole_rock + "[rigid]\n");
+    rigid.cost(0.6);
+    measured.push_back({"rubble in motion: deformable over rigid pieces", stones.cost(0.62) / rigid.cost(0.7)});
     stones.measure(1.5, "rubble at rest", measured);
     Pieces broken(std::string(breaking) + rock + breakable_rock);
     broken.measure(0.5, "broken pieces in motion", measured);

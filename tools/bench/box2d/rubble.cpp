@@ -1,36 +1,53 @@
-// The stones of a file (lines "n x1 y1 x2 y2 ...") fall into a box of a given width, in Box2D: rubble STONES WIDTH STEP END
-// Prints as CSV: processor time [s], time at rest [s], deepest penetration until then and at the end [m], mean height at
-// the end [m].
+// Rigid stones fall on a ground in Box2D: rubble STONES GROUND STEP END FRICTION DAMPING DENSITY
+// STONES: lines "vx vy spin n x1 y1 x2 y2 ..." of outlines that are simple, counterclockwise; those that are not convex, or
+// have more than 8 corners, become triangles. GROUND: lines "x1 y1 x2 y2 ..." of open polylines. SI units.
+// Prints as CSV: processor time [s], time at rest [s] (kinetic energy below 1e-6 of its largest value), deepest penetration
+// until then and at the end [m], mean x and height at the end [m], energy lost per mass [J/kg].
 #include <box2d/box2d.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
 #include <fstream>
+#include <sstream>
 #include <vector>
 
 namespace {
 
-constexpr float friction = 0.5f, damping = 2;  // [-], [1/s] as in the scenario
+constexpr float gravity = 9.81f;
 
-b2Body* add(b2World& world, b2BodyType type, const b2Shape& shape, float density) {
-    b2BodyDef definition;
-    definition.type = type;
-    definition.linearDamping = definition.angularDamping = damping;
-    b2Body* body = world.CreateBody(&definition);
-    b2FixtureDef fixture;
-    fixture.shape = &shape;
-    fixture.density = density;
-    fixture.friction = friction;
-    body->CreateFixture(&fixture);
-    return body;
-}
+using Outline = std::vector<b2Vec2>;
 
-void add_wall(b2World& world, const b2Vec2& a, const b2Vec2& b) {
-    b2EdgeShape edge;
-    edge.SetTwoSided(a, b);
-    add(world, b2_staticBody, edge, 0);
+float turn(const b2Vec2& a, const b2Vec2& b, const b2Vec2& c) { return b2Cross(b - a, c - b); }
+
+std::vector<Outline> convex_parts(Outline points) {
+    constexpr float no_area = 1e-5f;  // [m2] of two edges that are one
+    const auto at = [&](std::size_t i) { return points[i % points.size()]; };
+    for (std::size_t i = 0; i < points.size();)
+        if (std::abs(turn(at(i), at(i + 1), at(i + 2))) > no_area) ++i;
+        else points.erase(points.begin() + static_cast<std::ptrdiff_t>((i + 1) % points.size())), i = 0;
+    bool convex = points.size() <= b2_maxPolygonVertices;
+    for (std::size_t i = 0; i < points.size(); ++i) convex = convex && turn(at(i), at(i + 1), at(i + 2)) > 0;
+    if (convex) return {points};
+    std::vector<Outline> parts;
+    while (points.size() > 2) {  // cut ears, the widest first
+        std::size_t best = points.size();
+        float widest = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const b2Vec2 a = at(i), b = at(i + 1), c = at(i + 2);
+            const auto is_inside = [&](const b2Vec2& p) {
+                return p != a && p != b && p != c && turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
+            };
+            if (turn(a, b, c) > widest && std::none_of(points.begin(), points.end(), is_inside))
+                widest = turn(a, b, c), best = i;
+        }
+        if (best == points.size()) break;
+        if (widest > no_area) parts.push_back({at(best), at(best + 1), at(best + 2)});
+        points.erase(points.begin() + static_cast<std::ptrdiff_t>((best + 1) % points.size()));
+    }
+    return parts;
 }
 
 /// [m] Largest overlap of two shapes without their skins.
@@ -46,47 +63,86 @@ float deepest(b2World& world) {
     return depth;
 }
 
+/// [J] kinetic, with the work of gravity that is left
+struct Energy {
+    double kinetic = 0, total = 0;
+};
+Energy energy(const std::vector<b2Body*>& stones) {
+    Energy sum;
+    for (const b2Body* s : stones) {
+        const float about_centre = s->GetInertia() - s->GetMass() * s->GetLocalCenter().LengthSquared();
+        sum.kinetic += 0.5 * (s->GetMass() * s->GetLinearVelocity().LengthSquared() +
+                              about_centre * s->GetAngularVelocity() * s->GetAngularVelocity());
+        sum.total += s->GetMass() * gravity * s->GetWorldCenter().y;
+    }
+    sum.total += sum.kinetic;
+    return sum;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 5) return 2;
-    const float width = std::strtof(argv[2], nullptr), step = std::strtof(argv[3], nullptr),
-                end = std::strtof(argv[4], nullptr);
-    b2World world({0, -9.81f});
+    if (argc != 8) return 2;
+    const auto number = [&](int i) { return std::strtof(argv[i], nullptr); };
+    const float step = number(3), end = number(4), friction = number(5), damping = number(6), density = number(7);
+    b2World world({0, -gravity});
     world.SetAllowSleeping(false);
-    add_wall(world, {-1, 0}, {width + 1, 0});
-    add_wall(world, {0, -1}, {0, 20});
-    add_wall(world, {width, -1}, {width, 20});
-    std::vector<b2Body*> stones;
-    std::ifstream file(argv[1]);
-    for (int n; file >> n;) {
-        std::vector<b2Vec2> points(n);
-        for (b2Vec2& p : points) file >> p.x >> p.y;
-        b2PolygonShape shape;
-        shape.Set(points.data(), n);
-        stones.push_back(add(world, b2_dynamicBody, shape, 2400));
-    }
-    const auto kinetic = [&] {
-        double sum = 0;
-        for (const b2Body* s : stones) {
-            const float about_centre = s->GetInertia() - s->GetMass() * s->GetLocalCenter().LengthSquared();
-            sum += 0.5 * (s->GetMass() * s->GetLinearVelocity().LengthSquared() +
-                          about_centre * s->GetAngularVelocity() * s->GetAngularVelocity());
-        }
-        return sum;
+    const auto add_shape = [&](b2Body* body, const b2Shape& shape) {
+        b2FixtureDef fixture;
+        fixture.shape = &shape, fixture.density = density, fixture.friction = friction;
+        body->CreateFixture(&fixture);
     };
+    b2BodyDef definition;
+    b2Body* ground = world.CreateBody(&definition);
+    std::string line;
+    for (std::ifstream file(argv[2]); std::getline(file, line);) {
+        std::istringstream values(line);
+        b2Vec2 a, b;
+        for (values >> a.x >> a.y; values >> b.x >> b.y; a = b) {
+            b2EdgeShape edge;
+            edge.SetTwoSided(a, b);
+            add_shape(ground, edge);
+        }
+    }
+    std::vector<b2Body*> stones;
+    for (std::ifstream file(argv[1]); std::getline(file, line);) {
+        std::istringstream values(line);
+        definition.type = b2_dynamicBody;
+        definition.linearDamping = definition.angularDamping = damping;
+        b2Vec2 velocity;
+        float spin;
+        std::size_t n;
+        values >> velocity.x >> velocity.y >> spin >> n;
+        Outline points(n);
+        b2Vec2 middle(0, 0);  // single precision: places relative to it
+        for (b2Vec2& p : points) values >> p.x >> p.y, middle += (1.f / static_cast<float>(n)) * p;
+        for (b2Vec2& p : points) p -= middle;
+        definition.position = middle;
+        b2Body* body = world.CreateBody(&definition);
+        for (const Outline& part : convex_parts(points)) {
+            b2PolygonShape shape;
+            shape.Set(part.data(), static_cast<int>(part.size()));
+            add_shape(body, shape);
+        }
+        body->SetLinearVelocity(velocity), body->SetAngularVelocity(spin);
+        stones.push_back(body);
+    }
+    const double start = energy(stones).total;
     double largest = 0, rest = 0;
     float depth = 0;
-    const std::clock_t start = std::clock();
+    double seconds = 0;
     for (float t = 0; t < end; t += step) {
+        const std::clock_t before = std::clock();
         world.Step(step, 8, 3);
-        const double now = kinetic();
+        seconds += static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+        const double now = energy(stones).kinetic;
         largest = std::max(largest, now);
         if (now > 1e-6 * largest) rest = t + step;
         depth = std::max(depth, deepest(world));
     }
-    const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    double mass = 0, height = 0;
-    for (const b2Body* s : stones) mass += s->GetMass(), height += s->GetMass() * s->GetWorldCenter().y;
-    std::printf("%.3g,%.3g,%.3g,%.3g,%.4g\n", seconds, rest, depth, deepest(world), height / mass);
+    double mass = 0, x = 0, height = 0;
+    for (const b2Body* s : stones)
+        mass += s->GetMass(), x += s->GetMass() * s->GetWorldCenter().x, height += s->GetMass() * s->GetWorldCenter().y;
+    std::printf("%.3g,%.3g,%.3g,%.3g,%.4g,%.4g,%.4g\n", seconds, rest, depth, deepest(world), x / mass, height / mass,
+                (start - energy(stones).total) / mass);
 }
