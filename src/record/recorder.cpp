@@ -13,6 +13,7 @@ namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 // Explicit bulk, minimum numbers of steps: a look costs a fraction of a step, a search for overlap several steps.
+constexpr double counted_turn = 0.7;  // [rad] a quarter of a turn hides none, and a step has at most half of it
 constexpr std::int64_t steps_between_looks = 32, steps_between_searches = 256;
 
 }  // namespace
@@ -187,6 +188,12 @@ void Recorder::watch_deformation(const State& now, double speed) {
     };
     const bool look = is_due(look_, deformation_.look_path(), steps_between_looks),
                search = is_due(search_, deformation_.search_path(), steps_between_searches);
+    double spin = 0;  // looks may be long steps apart
+    for (const RigidPiece& piece : now.rigid_pieces) spin = std::max(spin, std::abs(piece.spin));
+    turned_ += now.last_step * spin;
+    const bool count = look || turned_ >= counted_turn;
+    if (count) turned_ = 0;
+    if (count && !look) deformation_.count_turns(now);
     bool into_obstacles = false;
     if (deformation_.has_obstacles()) {
         obstacle_look_.path += now.last_step * deformation_.obstacle_speed(now);

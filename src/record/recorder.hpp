@@ -117,8 +117,8 @@ public:
     /// All else.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(deformation_, look_, search_, obstacle_look_, gates_, tables_, lines_, fragments_, last_line_, figures_,
-                frames_, time_, reactions_, probes_, collectors_);
+        archive(deformation_, look_, search_, obstacle_look_, turned_, gates_, tables_, lines_, fragments_, last_line_,
+                figures_, frames_, time_, reactions_, probes_, collectors_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);
@@ -159,6 +159,7 @@ private:
     Tables tables_;
     Every lines_, fragments_;
     Watch look_, search_, obstacle_look_;  // of the deformation, for overlaps, and for edges in obstacles
+    double turned_ = 0;                    // [rad] at most, since turns were counted, by rigid pieces
     double last_line_ = -1;                // [s] time of the last line
     FigureOutput figures_;
     FrameOutput frames_;

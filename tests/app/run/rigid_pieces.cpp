@@ -105,6 +105,14 @@ TEST_CASE("rigid pieces: a free flight is a parabola and its turn is exact") {
     CHECK(record(folder)["steps"] == 500);
 }
 
+TEST_CASE("rigid pieces: full turns are counted in long steps") {
+    const Folder folder("rigid turns");
+    const std::string text =
+        scene(block("b", "0, 5", "0.4, 0.3", "spin = \"1440 deg/s\"\n") + weight, "step = 1e-2\n", "0.5");
+    REQUIRE(run_to_end(folder, text).code == 0);
+    CHECK(last(table(folder, "fragments.csv"), "rotation") == doctest::Approx(720).epsilon(1e-10));
+}
+
 TEST_CASE("rigid pieces: equal blocks swap their speeds and a drop returns by e squared") {
     const Folder folder("rigid rebound");
     const std::string two = block("a", "0, 0", "0.2, 0.2", "velocity = [2, 0]\n") +
