@@ -334,6 +334,17 @@ std::span<const EnergyTerm> energy_terms() {
                                 .label = "lost in falling asleep",
                                 .colour = blue,
                                 .dash = 2}),
+        number<&R::exchange_work>(
+            "exchange_work", "J",
+            "work so far of contacts between rigid pieces and deformable ones, which take their own steps meanwhile: "
+            "mostly a loss, of impact and friction; with [rigid]",
+            {.with = &W::rigid,
+             .step = &S::exchange_work,
+             .work = 1,
+             .drawn = -1,
+             .label = "rigid against deformable",
+             .colour = green,
+             .dash = 2}),
         number<&R::projection_work>(
             "projection_work", "J",
             "work so far of loads (weight) against which positions of rigid pieces that overlapped were corrected; no "

@@ -173,6 +173,18 @@ const GateRule rules[] = {
          return GateValue{.value = row.rigid_injection / std::max(-row.impact_work - row.friction_work, least),
                           .judged = run.ended && row.rigid_injection > 0};
      }},
+    {{"exchange_injection", "",
+      "energy that contacts between rigid pieces and deformable ones gave (exchange_work, where it is positive), over "
+      "the work of impact and friction",
+      "Usual cause: the impulse of a large step acts late on a deformable piece. Try a smaller rigid.step or "
+      "rigid.thaw."},
+     {1e-3, infinity, fixed},
+     [](const GateView& run) {
+         const EnergyRow& row = run.ledger.row();
+         const double least = std::max(1e-3 * run.ledger.largest_energy(), 1e6 * rounding_energy(run));
+         return GateValue{.value = row.exchange_work / std::max(-row.impact_work - row.friction_work, least),
+                          .judged = run.ended && row.exchange_work > 0};
+     }},
     {{"contact_residual", "",
       "largest error of the rates of contacts of free faces and obstacles over their speeds; momentum and energy are "
       "exact all the same, but single contacts may do positive work",

@@ -186,8 +186,8 @@ const std::vector<Member>& members() {
          is_scheme},
         {"pieces", "",
          "with [rigid]: deformable, rigid and asleep pieces at the end; those below rigid.smallest that have points "
-         "which "
-         "could break, and their mass; time in which all were deformable",
+         "which could break, and their mass; time in which some were deformable, how many pieces became so within "
+         "steps of rigid ones, and the number of steps that these took meanwhile",
          [](R r) {
              if (!r.pieces) return absent;
              Json json;
@@ -195,6 +195,7 @@ const std::vector<Member>& members() {
                  json[name_of(state)] = r.pieces->n[static_cast<std::size_t>(state)];
              json["never_break"] = r.pieces->n_never_break, json["never_break_mass_kg"] = r.pieces->mass_never_break;
              json["deformable_time_s"] = r.pieces->thawed_time;
+             json["thaws"] = r.counts.thaws, json["micro_steps"] = r.counts.micro_steps;
              return json;
          }},
         {"scheme_changes", "",

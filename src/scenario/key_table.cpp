@@ -464,16 +464,17 @@ void add_keys_of_loads(KeyTable& t) {
     add_rebound(t);
 
     t.table("rigid", "pieces of the body move as rigid ones, in steps of milliseconds, while nothing can break them: "
-        "free flight, sliding, rolling, rest. A harder blow makes all deformable until nothing has broken for a while. "
-        "The energy of a vibration that ends so is `vibration_booked`. It needs [contact], and loads that are "
-        "accelerations; without this table all is deformable always");
+        "free flight, sliding, rolling, rest. A harder blow makes a piece deformable until it has not broken for a "
+        "while (with supports and free obstacles all pieces). The energy of a vibration that ends so is "
+        "`vibration_booked`. It needs [contact], and loads that are accelerations; without this table all is "
+        "deformable always");
     t.number("step", "s", "largest step of rigid pieces; it is divided where faces that meet move by more than a "
         "twentieth of an edge").above(0).computed("0.5 ms").to(&RigidOptions::step);
     t.number("thaw", "", "k of the blow k sigma_c/(rho c) min(1, sqrt(10 L/D)) (a speed; c = sqrt(E/rho), L edge, D = "
         "sqrt(area) of the piece, sigma_c its smallest strength now) from which on a piece may break; 0: pieces are "
         "never rigid").at_least(0).computed("0.3").to(&RigidOptions::thaw);
-    t.number("hold", "", "time for which all stays deformable after the last blow and the last loss of cohesion, in "
-        "passages D/c of a wave through the body").above(0).computed("20").to(&RigidOptions::hold);
+    t.number("hold", "", "time for which a piece stays deformable after its last blow and its last loss of cohesion, "
+        "in passages D/c of a wave through it").above(0).computed("20").to(&RigidOptions::hold);
     t.number("smallest", "m", "pieces of a smaller diameter (fragments.csv) never break; run.json has their mass")
         .at_least(0).computed("0").to(&RigidOptions::smallest);
     t.number("sleep", "m/s", "pieces that stay slower for 0.2 s, and press on what stands still, fall asleep: they "

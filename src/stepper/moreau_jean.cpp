@@ -9,6 +9,7 @@
 #include "stepper/common/law_change.hpp"
 #include "stepper/explicit/explicit_scheme.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
+#include "stepper/islands.hpp"
 #include "stepper/scheme_change.hpp"
 
 #include <algorithm>
@@ -23,6 +24,12 @@ MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model
     if (!changes()) make_scheme(options.takes_implicit_steps());
     if (options.rigid.active()) rigid_ = std::make_unique<RigidScheme>(model, options);
     if (model.heat) heat_.emplace(model);
+}
+
+MoreauJean::~MoreauJean() = default;
+
+void MoreauJean::resolve_islands(const StepLimits& limits) {
+    if (rigid_ && may_be_parted(model_)) islands_ = std::make_unique<Islands>(model_, options_, limits, *rigid_);
 }
 
 bool MoreauJean::is_implicit(const State& begin) const {
@@ -108,6 +115,7 @@ StepReport MoreauJean::close_leapfrog(const State& begin, State& end) {
 
 /// With the temperatures of the end already there.
 StepReport MoreauJean::advance(const State& begin, double h, State& end) {
+    if (begin.motion == Motion::rigid && islands_) return complete(begin, h, islands_->step(begin, h, end), end);
     return complete(begin, h, scheme_of(begin, h).step(begin, h, end), end);
 }
 

@@ -12,15 +12,23 @@
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/equilibrium.hpp"
 #include "stepper/rigid/rigid_scheme.hpp"
+#include "stepper/step_control.hpp"
 
 #include <memory>
 #include <optional>
 
 namespace knap {
 
+class Islands;
+
 class MoreauJean {
 public:
     explicit MoreauJean(const Model& model, const SchemeOptions& options = {});
+    ~MoreauJean();
+
+    /// With [rigid]: pieces that a blow makes deformable step by themselves within these limits, if the model allows
+    /// it (islands.hpp); without this a blow rejects the step.
+    void resolve_islands(const StepLimits& limits);
 
     /// One step of size h [s] from `begin` to `end`, which may be any earlier state of the same run: its memory is
     /// reused. After a rejected step (report.rejection) `end` is void. Throws SimulationError where the motion is no
@@ -65,6 +73,7 @@ private:
     GiveUp give_up_ = nullptr;
     std::unique_ptr<StepScheme> explicit_, implicit_;  // null: not used so far
     std::unique_ptr<RigidScheme> rigid_;               // null: no [rigid]
+    std::unique_ptr<Islands> islands_;                 // null: all pieces become deformable together
     std::optional<HeatStep> heat_;
 };
 

@@ -57,6 +57,8 @@ void StepControl::start_from(const StepControl& earlier, const State& start) {
     n_good_ = earlier.n_good_;
 }
 
+void StepControl::go_on_after_impact(double time) { struck_until_ = time + passages_of_impact * limits_.passage; }
+
 bool StepControl::has_reached(const State& state, double time) {
     return state.time >= time - time_rounding(state, time);
 }
@@ -127,6 +129,7 @@ std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, co
         rigid_step_ = std::clamp(fitting, smallest, limits_.rigid.step);
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);
         largest_taken_ = std::max(largest_taken_, h);
+        if (report.micro_steps > 0) thawed_time_ += h;
         return std::nullopt;
     }
     Cutback cut{.reason = CutbackReason::contact_speed,

@@ -111,6 +111,9 @@ public:
     /// where its cohesion had begun to fall. The counts begin at zero.
     void start_from(const StepControl& earlier, const State& start);
 
+    /// As after a hard impact at `time` [s].
+    void go_on_after_impact(double time);
+
     double next(const State& begin) const;  // [s] size of the step from a state
 
     /// Whether that step depends on the end of the run: all earlier ones are those of a longer run.
@@ -138,7 +141,7 @@ public:
 
     double smallest_taken() const { return smallest_taken_; }  // [s] 0 before the first step
     double largest_taken() const { return largest_taken_; }
-    double thawed_time() const { return thawed_time_; }  // [s] with [rigid]: in which the body was deformable
+    double thawed_time() const { return thawed_time_; }  // [s] with [rigid]: in which pieces were deformable
     /// In the order of cutback_reasons.
     const std::array<std::int64_t, cutback_reasons.size()>& n_cutbacks() const { return n_cutbacks_; }
     const StepReport& rejected_steps() const { return rejected_steps_; }  // sum over the steps that do not count
@@ -171,7 +174,7 @@ private:
     double opened_ = 0;         // [-] StepReport::largest_opened since the step was last looked at to grow
     double rigid_step_;         // [s]
     double deformable_until_;   // [s]
-    double thawed_time_ = 0;    // [s] in which the body was deformable
+    double thawed_time_ = 0;    // [s] in which pieces were deformable
     double smallest_taken_ = 0, largest_taken_ = 0;
     SchemeChange change_;
     std::vector<SchemeChangeEvent> changes_;

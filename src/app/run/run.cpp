@@ -38,8 +38,10 @@ struct RunSetup {
 };
 
 /// A stepper of the present model, which an interrupt ends.
-void renew(std::optional<MoreauJean>& stepper, const Model& model, const SchemeOptions& scheme) {
+void renew(std::optional<MoreauJean>& stepper, const Model& model, const SchemeOptions& scheme,
+           const StepLimits& limits) {
     stepper.emplace(model, scheme);
+    stepper->resolve_islands(limits);
     stepper->give_up_when(InterruptGuard::interrupted);
 }
 
@@ -93,7 +95,7 @@ private:
     void adapt(const std::optional<Vec2>& also = {});
     void replace_model(const auto& replace);
     const SchemeOptions& scheme() const { return setup_.scenario.time.scheme; }
-    void renew_stepper() { renew(stepper_, setup_.model, scheme()); }
+    void renew_stepper() { renew(stepper_, setup_.model, scheme(), setup_.plan.limits); }
     RunMemory memory();
     void save();
     std::vector<std::string> missing_files() const;
@@ -432,7 +434,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     adaptation.guard(model);
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     std::optional<MoreauJean> stepper;
-    renew(stepper, model, scenario.time.scheme);
+    renew(stepper, model, scenario.time.scheme, plan.limits);
     RunRecord record = record_of(scenario, model, plan);
     record.command = options.command, record.threads = n_threads, record.spent.model = clock.cpu();
     std::string warnings;
@@ -452,7 +454,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
         std::optional<StartState> other;
         if (const NamedFile* file = scenario.start_file(); file != nullptr && !place.resumes()) {
             other.emplace(file->bytes, origin, scenario, model, excavations, adaptation);
-            renew(stepper, model, scenario.time.scheme);
+            renew(stepper, model, scenario.time.scheme, plan.limits);
         }
         Run run({scenario, model, plan, options, directory, origin}, stepper, std::move(excavations),
                 std::move(adaptation), place, record, clock, other ? &*other : nullptr);

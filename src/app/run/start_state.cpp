@@ -127,7 +127,7 @@ void set_back(State& state, double time, std::int64_t steps) {
     state.time = 0;
     state.n_steps -= steps;
     for (Incubation& incubation : state.incubation) incubation.time -= time;
-    for (RigidPiece& piece : state.rigid_pieces) piece.slow_since -= time;
+    for (RigidPiece& piece : state.rigid_pieces) piece.slow_since -= time, piece.struck -= time;
     const bool same = state.temperature == state.temperature_before;
     for (SharedTemperatures* shared : {&state.temperature, &state.temperature_before}) {
         if (!*shared) continue;

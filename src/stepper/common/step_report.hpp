@@ -57,8 +57,9 @@ struct StepReport {
     double vibration_booked = 0;     // <= 0: kinetic energy of the vibration of pieces that become rigid
     double sleep_work = 0;           // <= 0: kinetic energy of pieces that fall asleep
     double projection_work = 0;      // of loads, against which positions of rigid pieces are corrected; no energy
-    double rigid_injection = 0;      // >= 0: positive works of contacts of rigid pieces, by the residual of their laws
-    double scheme_dissipation = 0;   // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
+    double exchange_work = 0;    // of contacts between rigid pieces and deformable ones, on both (stepper/islands.hpp)
+    double rigid_injection = 0;  // >= 0: positive works of contacts of rigid pieces, by the residual of their laws
+    double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
     double worst_friction_work = 0;
@@ -86,6 +87,8 @@ struct StepReport {
     std::int64_t softened = 0;           // points that lost cohesion
     std::int64_t linear_solves = 0;      // of the implicit bulk
     std::int64_t factorisations = 0;
+    std::int64_t micro_steps = 0;  // of deformable pieces within a step of rigid ones
+    std::int64_t thaws = 0;        // pieces that a blow made deformable
     Rejection rejection = Rejection::none;
     Vec2 where = Vec2::Zero();  // [m] of the rejection
     double rejected_value = 0;  // [-] what was too large: of contacts
@@ -130,6 +133,9 @@ struct StepReport {
                                          &R::sleep_work,
                                          &R::projection_work,
                                          &R::rigid_injection,
+                                         &R::exchange_work,
+                                         &R::micro_steps,
+                                         &R::thaws,
                                          &R::bulk_viscosity_work};
         constexpr auto maxima = std::tuple{&R::worst_impact_work,
                                            &R::worst_friction_work,

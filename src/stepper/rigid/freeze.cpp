@@ -1,10 +1,11 @@
 #include "stepper/rigid/freeze.hpp"
 
-#include "stepper/common/elastic_energy.hpp"
+#include "element/elastic_forces.hpp"
 #include "stepper/common/pieces_of_body.hpp"
 #include "stepper/common/surface_energy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace knap {
@@ -78,7 +79,7 @@ FrozenPieces freeze(const Model& model, State& state) {
         piece.centre = origin[p] + first_moment[p] / body->pieces[p].mass;
         piece.velocity /= body->pieces[p].mass;
         if (body->pieces[p].held) piece.velocity.setZero();
-        piece.slow_since = state.time;
+        piece.slow_since = state.time, piece.last_step = state.last_step;
     }
     body->arm.assign(state.displacement.size(), Vec2::Zero());
     body->piece_of_node.assign(state.displacement.size(), -1);
@@ -93,10 +94,11 @@ FrozenPieces freeze(const Model& model, State& state) {
     });
     for (std::size_t p = 0; p < origin.size(); ++p)
         frozen.pieces[p].spin = body->pieces[p].held ? 0 : frozen.pieces[p].spin / body->pieces[p].inertia;
+    frozen.vibration.assign(origin.size(), 0);
     for_corners([&](Index c, Index p) {
         const Index node = state.node_of_corner[c];
         const Vec2 rigid = frozen.pieces[p].velocity + frozen.pieces[p].spin * turned_left(body->arm[node]);
-        frozen.vibration += 0.5 * model.corner_mass[c] * (state.velocity[node] - rigid).squaredNorm();
+        frozen.vibration[p] += 0.5 * model.corner_mass[c] * (state.velocity[node] - rigid).squaredNorm();
     });
     for (std::size_t p = 0; p < origin.size(); ++p)
         frozen.kinetic += 0.5 * (body->pieces[p].mass * frozen.pieces[p].velocity.squaredNorm() +
@@ -110,8 +112,13 @@ FrozenPieces freeze(const Model& model, State& state) {
             if (found.velocity < piece.weakest) piece.weakest = found.velocity, piece.strength = found.stress;
         }
     }
-    std::vector<Vec2> force;
-    body->strain = elastic_energy(model, state, force);
+    const ElasticForces elastic(mesh, model.materials, model.plane, model.thickness, model.large_rotation);
+    std::array<Vec2, 3> force;  // of first order, since rotations are large
+    std::vector<std::uint8_t> unused;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        body->pieces[body->piece_of_triangle[t]].strain +=
+            elastic.evaluate(t, t + 1, state.displacement, state.node_of_corner, force.data(), unused);
+    for (const FrozenBody::Piece& piece : body->pieces) frozen.strain += piece.strain;
     const StepReport surface = surface_energy(model, state);
     body->dissipated = surface.dissipated, body->recoverable = surface.recoverable;
     body->interface_elastic = surface.interface_elastic;
@@ -125,8 +132,10 @@ void place_nodes(const Model& model, State& state) {
     turned.reserve(state.rigid_pieces.size());
     for (const RigidPiece& piece : state.rigid_pieces) turned.push_back(Rotation::by(piece.angle));
     const auto place = [&](Index node, const Vec2& reference) {
+        if (node >= std::ssize(body.piece_of_node)) return;  // a fan that split since
         const Index p = body.piece_of_node[node];
         const RigidPiece& piece = state.rigid_pieces[p];
+        if (piece.state == PieceState::deformable) return;
         const Vec2 arm = turned[p].cosine * body.arm[node] + turned[p].sine * turned_left(body.arm[node]);
         state.displacement[node] = piece.centre + arm - reference;
         state.velocity[node] = piece.velocity + piece.spin * turned_left(arm);

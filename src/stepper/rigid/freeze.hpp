@@ -11,6 +11,8 @@
 #include "stepper/common/step_report.hpp"
 #include "stepper/common/step_scheme.hpp"
 
+#include <numeric>
+
 namespace knap {
 
 /// The rigid motion of the pieces of a deformable state between two steps of the leapfrog. Pieces are those of
@@ -18,8 +20,11 @@ namespace knap {
 struct FrozenPieces {
     SharedFrozenBody body;
     std::vector<RigidPiece> pieces;
-    double vibration = 0;  // [J] that would be booked
-    double kinetic = 0;    // [J] that stays
+    std::vector<double> vibration;  // [J] per piece, that would be booked
+    double kinetic = 0;             // [J] that stays
+    double strain = 0;              // [J] of all
+
+    double all_vibration() const { return std::accumulate(vibration.begin(), vibration.end(), 0.0); }
 };
 /// Fans with a point that never had cohesion split, so that what it parts are two pieces.
 FrozenPieces freeze(const Model& model, State& state);
@@ -29,7 +34,7 @@ inline bool can_break(const FrozenBody::Piece& piece, const RigidOptions& option
     return piece.weakest < infinity && piece.size() >= options.smallest;
 }
 
-/// Writes places and velocities of all nodes of a state from the motion of its pieces.
+/// Writes places and velocities of the nodes of a state from the motion of its pieces that are not deformable.
 void place_nodes(const Model& model, State& state);
 
 }  // namespace knap

@@ -26,6 +26,8 @@ void RigidContacts::renew(const State& begin) {
     n_pieces_ = static_cast<Index>(begin.rigid_pieces.size());
     faces_.set_pieces(begin.frozen);
     obstacle_contacts_.set_pieces(begin.frozen);
+    weakest_ = infinity;
+    for (const FrozenBody::Piece& piece : begin.frozen->pieces) weakest_ = std::min(weakest_, piece.weakest);
     points_.clear();
     for (const Index f : begin.split_fans) {
         const auto points = model_.points(model_.fans[f]);
@@ -380,7 +382,8 @@ void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies
         if (body.struck_at > 0) body.strike = body.struck_at * (body.free - body.end);
     for (Row& row : rows_) {
         row.after = rate(row, bodies, &MovingBody::end);
-        if (row.own_N > 0 && row.gap + step.drift_time * row.before.x() < 0) {
+        if (row.own_N > 0 && row.gap + step.drift_time * row.before.x() < 0 &&
+            sides_of(row, bodies) != Sides::deformable) {
             const bool of_faces = row.source == Source::face || row.source == Source::point;
             const double speed = of_faces ? row.before.norm() : -row.before.x();
             report.contact_motion = std::max(report.contact_motion, step.drift_time * speed / row.length);
@@ -391,8 +394,10 @@ void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies
         report.reject(Rejection::contact_speed, refusal->place, refusal->value);
 }
 
-RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies) const {
+RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
+                                                std::vector<double>* of_piece) const {
     Blow hardest;
+    if (of_piece) of_piece->assign(n_pieces_, 0);
     for (const Row& row : rows_) {
         if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
         const double sudden = std::max(0.0, row.impulse.x() - row.lasting.x()) * row.own_N,
@@ -400,6 +405,8 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
                      blow = (step.first ? std::min(sudden, approach) : sudden) + std::max(0.0, -row.after.x()),
                      load =
                          std::min(row.impulse.x(), row.lasting.x()) / (step.kick_time * row.length * model_.thickness);
+        // what is handed on to a piece that steps by itself, at another time and by other forces than in this step
+        double of_row = of_piece && sides_of(row, bodies) == Sides::mixed ? blow / (options_.thaw * weakest_) : 0;
         for (int k = 0; k < row.n_terms; ++k) {
             if (!can_break(row.terms[k].body) || bodies[row.terms[k].body].asleep) continue;
             const FrozenBody::Piece& piece = begin_->frozen->pieces[row.terms[k].body];
@@ -407,7 +414,11 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
                                  std::min(1.0, std::sqrt(few_edges * piece.edge() / std::sqrt(piece.area)));
             const double value = std::max(blow / least, load / (lasting_load * piece.strength));
             if (value > hardest.value) hardest = {value, row.place};
+            of_row = std::max(of_row, value);
         }
+        for (int k = 0; k < row.n_terms && of_piece; ++k)
+            if (const Index body = row.terms[k].body; body < n_pieces_ && !begin_->frozen->pieces[body].held)
+                (*of_piece)[body] = std::max((*of_piece)[body], of_row);
     }
     return hardest;
 }
@@ -416,9 +427,9 @@ void RigidContacts::project(const RigidStep& step, std::vector<MovingBody>& bodi
     correct_places(step, rows_, bodies);
 }
 
-void RigidContacts::add_wrenches(std::vector<Vec3>& wrench) const {
+void RigidContacts::add_wrenches(const std::vector<MovingBody>& bodies, std::vector<Vec3>& wrench) const {
     for (const Row& row : rows_)
-        for (int k = 0; k < row.n_terms; ++k)
+        for (int k = 0; k < row.n_terms && sides_of(row, bodies) != Sides::deformable; ++k)
             wrench[row.terms[k].body] +=
                 row.impulse.x() * row.terms[k].along_N + row.impulse.y() * row.terms[k].along_T;
 }
@@ -430,6 +441,8 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
     if (meets_faces()) end.face_contacts.clear();
     end.obstacle_contacts.clear(), end.impacts.clear();
     for (const Row& row : rows_) {
+        const Sides sides = sides_of(row, bodies);
+        if (sides == Sides::deformable) continue;
         const Vec2 after = rate(row, bodies, &MovingBody::end), gained = rate(row, bodies, &MovingBody::gained),
                    mean = 0.5 * (row.before + after) + gained, P = row.impulse;
         const double residual = 1e-14 * (row.before.norm() + row.free.norm() + after.norm()) +
@@ -437,15 +450,22 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
         const double error = row.cluster >= 0 ? clusters_[row.cluster].residual : 0,
                      merged = row.cluster >= 0 ? clusters_[row.cluster].tolerance : row.rounding / step.drift_time;
         const auto by_impulse = [&](int k, double own) { return own > 0 ? error / own * std::abs(mean[k]) : 0; };
-        account_contact({.contact = P.x(),
-                         .friction = P.y(),
-                         .rate_N = mean.x(),
-                         .rate_T = mean.y(),
-                         .rate_error = residual + error + merged,
-                         .opening = 0,
-                         .work_error = by_impulse(0, row.own_N) + by_impulse(1, row.own_T)},
-                        report);
-        report.rigid_injection += positive_work(P, mean);
+        if (sides == Sides::mixed) {  // the work on the deformable side is that of its own steps
+            for (int k = 0; k < row.n_terms; ++k)
+                if (const MovingBody& body = bodies[row.terms[k].body]; !body.deformable)
+                    report.exchange_work += (P.x() * row.terms[k].along_N + P.y() * row.terms[k].along_T)
+                                                .dot(0.5 * (body.before + body.end) + body.gained);
+        } else {
+            account_contact({.contact = P.x(),
+                             .friction = P.y(),
+                             .rate_N = mean.x(),
+                             .rate_T = mean.y(),
+                             .rate_error = residual + error + merged,
+                             .opening = 0,
+                             .work_error = by_impulse(0, row.own_N) + by_impulse(1, row.own_T)},
+                            report);
+            report.rigid_injection += positive_work(P, mean);
+        }
         report.add_depth(depth_at_end(row, step, bodies) / row.length, row.place);
         switch (row.source) {
             case Source::obstacle: {
@@ -465,8 +485,12 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
             case Source::pair: break;
         }
     }
+    const auto is_deformable = [&](Index corner) {
+        return model_.ground_at(corner) == nullptr && bodies[piece_of(corner)].deformable;
+    };
     for (std::size_t i = 0; i < row_of_face_.size(); ++i) {
         const FaceContact& c = faces_.all()[i];
+        if (is_deformable(c.vertex[1]) && is_deformable(c.edge[0])) continue;
         const Vec2 P = row_of_face_[i] < 0 ? Vec2(Vec2::Zero()) : Vec2(lasting * rows_[row_of_face_[i]].impulse);
         end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], P.x(), P.y()});
     }

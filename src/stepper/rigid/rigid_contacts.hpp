@@ -32,12 +32,25 @@ public:
     void find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies);
     /// Finds the impulses, end velocities and shifts.
     void solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
-    /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place.
+    /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place;
+    /// `of_piece` [-]: likewise of each piece, and of those that it hits, whose waves are part of the blow.
     struct Blow {
         double value = 0;
         Vec2 place = Vec2::Zero();
     };
-    Blow hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies) const;
+    Blow hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
+                      std::vector<double>* of_piece = nullptr) const;
+    /// Of the impulses between deformable pieces and others: what acts on a corner of a deformable one, in the whole
+    /// kick of its piece.
+    struct CornerImpulse {
+        Index piece, corner;
+        Vec2 impulse;  // [N s]
+    };
+    void impulses_on_deformable(const std::vector<MovingBody>& bodies, std::vector<CornerImpulse>& impulses) const;
+    /// Marks [0/1] the pieces that overlap with deformable ones by more than `allowed` [-] of an edge, and by more than
+    /// at the start of the step, at the places of the state `end`.
+    bool mark_overlapping(const State& end, double allowed, const std::vector<MovingBody>& bodies,
+                          std::vector<std::uint8_t>& marked) const;
     /// Corrects positions of what overlaps (rigid_places.hpp).
     void project(const RigidStep& step, std::vector<MovingBody>& bodies) const;
     /// Works of the contacts, and their impulses in the end state.
@@ -50,8 +63,10 @@ public:
                 for (int k = 0; k < row.n_terms; ++k)
                     visit(row.terms[k].body, row.n_terms > 1 ? row.terms[k == 0 ? 1 : 0].body : -1);
     }
-    /// [N s, N s, N m s] of the contacts on a body.
-    void add_wrenches(std::vector<Vec3>& wrench) const;
+    /// [N s, N s, N m s] of the contacts on a body, but of those that deformable pieces resolve themselves.
+    void add_wrenches(const std::vector<MovingBody>& bodies, std::vector<Vec3>& wrench) const;
+    /// Points that retired bear nothing any more.
+    void release_retired(State& end) const;
     /// When the pieces became rigid, broken points lay between them that might retire since.
     bool had_points() const { return had_points_; }
 
@@ -103,6 +118,7 @@ private:
     Index n_pieces_ = 0;
     std::vector<Point> points_;
     bool had_points_ = false;
+    double weakest_ = 0;  // [m/s] smallest sigma_c/(rho c) of all pieces
     std::vector<Row> rows_;
     std::vector<Index> row_of_face_;             // per contact of faces_: its row, or -1
     std::vector<std::size_t> hull_, by_bodies_;  // rows

@@ -15,7 +15,7 @@ constexpr double near_in_depths = 10;   // of the largest correction: contacts f
 double time_of_closing(const RigidRow& row, const RigidStep& step, const std::vector<MovingBody>& bodies) {
     constexpr int corrections = 3;  // of the turns
     const double a = rate(row, bodies, &MovingBody::acceleration).x(),
-                 V = row.before.x() + 0.5 * step.begin.last_step * a;
+                 V = row.before.x() + rate(row, bodies, &MovingBody::kicked).x() - 0.5 * step.drift_time * a;
     double t = 2 * row.gap / (-V + std::sqrt(std::max(0.0, V * V - 2 * a * row.gap)));
     for (int i = 0; i < corrections && t > 0; ++i) {
         double gap = row.gap + (V + 0.5 * a * t) * t, speed = V + a * t;
@@ -38,15 +38,16 @@ void find_strikes(const RigidStep& step, std::vector<RigidRow>& rows, std::vecto
     bool any = false;
     for (const RigidRow& row : rows)  // what something bears does not fly
         for (int k = 0; k < row.n_terms && (row.gap <= row.rounding || row.lasting.x() > 0); ++k)
-            bodies[row.terms[k].body].acceleration.setZero();
+            bodies[row.terms[k].body].acceleration.setZero(), bodies[row.terms[k].body].kicked.setZero();
     for (RigidRow& row : rows) {
         ContactLaw& law = row.law;
+        if (sides_of(row, bodies) != Sides::rigid) law.restitution = law.tangential = 0;  // they rebound by their waves
         const double push = row.before.x() - row.free.x();
         double approach = -row.before.x();
         if (row.gap > 0 && law.rebounds() && row.gap + step.drift_time * row.free.x() < 0) {
             const double a = rate(row, bodies, &MovingBody::acceleration).x(), tau = time_of_closing(row, step, bodies),
                          left = step.drift_time - tau;
-            approach = -row.before.x() - a * (0.5 * step.begin.last_step + tau);
+            approach = -row.before.x() - rate(row, bodies, &MovingBody::kicked).x() - a * (tau - 0.5 * step.drift_time);
             if (2 * law.restitution * approach < -a * left) law.restitution = 0;  // it would come back within the step
             row.is_struck = tau > 0 && approach > 0 && (law.restitution > 0 || (law.tangential > 0 && approach > push));
             for (int k = 0; row.is_struck && k < row.n_terms; ++k) {
@@ -61,8 +62,7 @@ void find_strikes(const RigidStep& step, std::vector<RigidRow>& rows, std::vecto
     if (!any) return;
     for (MovingBody& body : bodies) {
         if (body.struck_at == 0) continue;
-        if (!body.acceleration.isZero(0))
-            body.works_at = body.struck_at + 0.25 * (step.begin.last_step - step.drift_time);
+        if (!body.acceleration.isZero(0)) body.works_at = body.struck_at + 0.5 * (body.kick - step.drift_time);
         body.gained = body.works_at * body.acceleration;
     }
     for (RigidRow& row : rows) {
@@ -93,9 +93,10 @@ void find_strikes(const RigidStep& step, std::vector<RigidRow>& rows, std::vecto
 InterfaceLaw law_of_strike(const RigidRow& row, const RigidStep& step, const std::vector<MovingBody>& bodies,
                            double tolerance) {
     const Vec2 a = rate(row, bodies, &MovingBody::acceleration), gained = rate(row, bodies, &MovingBody::gained),
-               before = row.before + 0.5 * step.kick_time * a + gained, later = 0.5 * step.kick_time * a - gained;
+               kicked = rate(row, bodies, &MovingBody::kicked), before = row.before + 0.5 * kicked + gained,
+               later = 0.5 * kicked - gained;
     const double approach = -before.x(),  // what separates is thrown back at its own speed at most
-        stays = -0.5 * (gained.x() - 0.25 * (step.begin.last_step - step.drift_time) * a.x()) - later.x(),
+        stays = -0.5 * (gained.x() - 0.5 * (kicked.x() - step.drift_time * a.x())) - later.x(),
                  rebound =
                      approach > 0 ? std::min(std::max(row.law.restitution * approach, stays), approach) : approach;
     InterfaceLaw law{.contact = {true, rebound + later.x()}};
@@ -127,7 +128,7 @@ void correct_places(const RigidStep& step, const std::vector<RigidRow>& rows, st
         return depth_at_end(row, step, bodies) - allowed_depth * row.length;
     };
     for (const RigidRow& row : rows) {
-        if (!(row.own_N > 0)) continue;
+        if (!(row.own_N > 0) || sides_of(row, bodies) != Sides::rigid) continue;
         const double depth = excess(row);
         if (depth > corrected * row.length) deepest = std::max(deepest, depth);
         if (depth > -row.length) active.push_back({&row, depth, 0});

@@ -6,7 +6,7 @@
 // at the place where it is then. With the acceleration a of the contact by loads, zero where something bears the body,
 // the velocities before and after it are
 //
-//     V_- = V- + k/2 a + s a,     V_+ = V+ - k/2 a + s a,     s = tau + (h- - h)/4,     k = (h- + h)/2, h-: step before
+//     V_- = V- + k/2 a + s a,     V_+ = V+ - k/2 a + s a,     s = tau + (k - h)/2,     k = (h- + h)/2, h-: step before
 //
 // and the law is one of these, so that a flight, its impact and the next flight are exact. Their mean (V- + V+)/2 + s a
 // works, and the loads work over k (v- + v+)/2 + s (v_free - v+).

@@ -14,6 +14,8 @@ struct MovingBody {
     Vec3 free = Vec3::Zero();          // [m/s, m/s, rad/s] v+ without contacts
     Vec3 inverse_mass = Vec3::Zero();  // [1/kg, 1/kg, 1/(kg m2)]
     Vec3 acceleration = Vec3::Zero();  // [m/s2, m/s2, rad/s2] by loads in free flight; of obstacles 0
+    double kick = 0;                   // [s] of a piece, from v- to v+
+    Vec3 kicked = Vec3::Zero();        // [m/s, m/s, rad/s] kick times acceleration
     Vec3 end = Vec3::Zero();           // [m/s, m/s, rad/s] v+
     Vec3 strike = Vec3::Zero();        // [m, m, rad] beyond h v+, since it moved freely until it was struck
     Vec3 shift = Vec3::Zero();         // [m, m, rad] by which its place is corrected
@@ -23,6 +25,8 @@ struct MovingBody {
     Vec3 gained = Vec3::Zero();        // [m/s, m/s, rad/s] s a
     double couple = 0;                 // [N m s] that keeps the angular momentum where its place is corrected
     bool asleep = false;
+    bool is_piece = true;     // false: an obstacle
+    bool deformable = false;  // a piece that steps by itself, whose v+ is a guess
 
     bool moves() const { return inverse_mass.x() > 0 || inverse_mass.y() > 0 || inverse_mass.z() > 0; }
 };
@@ -67,6 +71,18 @@ inline Vec2 rate(const RigidRow& row, const std::vector<MovingBody>& bodies, Vec
         V += Vec2(row.terms[k].along_N.dot(v), row.terms[k].along_T.dot(v));
     }
     return V;
+}
+
+/// What a contact joins: pieces and obstacles; deformable pieces and others; or deformable pieces and obstacles.
+enum class Sides : std::uint8_t { rigid, mixed, deformable };
+inline Sides sides_of(const RigidRow& row, const std::vector<MovingBody>& bodies) {
+    bool deformable = false, other = false;
+    for (int k = 0; k < row.n_terms; ++k) {
+        const MovingBody& body = bodies[row.terms[k].body];
+        if (body.deformable) deformable = true;
+        else if (body.is_piece) other = true;
+    }
+    return !deformable ? Sides::rigid : other ? Sides::mixed : Sides::deformable;
 }
 
 /// When it is known which bodies are awake, and where they are struck.

@@ -13,6 +13,7 @@ namespace {
 constexpr double slow_for = 0.2;         // [s] until a piece falls asleep
 constexpr double negligible = 1e-12;     // [-] vibration over kinetic energy
 constexpr double largest_motion = 0.05;  // [-] of an edge, of faces that meet in a step
+constexpr double largest_turn = 0.7;     // [rad] of a piece in a step: 40 degrees
 
 }  // namespace
 
@@ -27,7 +28,8 @@ bool RigidScheme::may_begin(const State& start) const {
     State state = start;
     const FrozenPieces frozen = freeze(model_, state);
     const auto is_loaded = [](const FrozenBody::Piece& piece) { return piece.held && piece.weakest < infinity; };
-    return frozen.vibration <= negligible * frozen.kinetic && std::ranges::none_of(frozen.body->pieces, is_loaded);
+    return frozen.all_vibration() <= negligible * frozen.kinetic &&
+           std::ranges::none_of(frozen.body->pieces, is_loaded);
 }
 
 /// Loads of the pieces, which turn with them.
@@ -47,11 +49,16 @@ void RigidScheme::renew(const State& begin) {
 }
 
 StepReport RigidScheme::step(const State& begin, double h, State& end) {
+    StepReport report = try_step(begin, h, {});
+    if (mark_struck(deformable_)) {
+        report.rejection = Rejection::none;
+        report.reject(Rejection::blow, blow_.place, blow_.value);
+    }
+    return report.rejection == Rejection::none ? end_step(report, end) : report;
+}
+
+StepReport RigidScheme::try_step(const State& begin, double h, std::span<const std::uint8_t> deformable) {
     StepReport report;
-    const RigidStep step{.begin = begin.frozen ? begin : start_,
-                         .drift_time = h,
-                         .kick_time = 0.5 * (begin.last_step + h),
-                         .first = !begin.frozen};
     if (!begin.frozen) {
         start_ = begin;
         FrozenPieces frozen = freeze(model_, start_);
@@ -63,17 +70,37 @@ StepReport RigidScheme::step(const State& begin, double h, State& end) {
             const RigidPiece& piece = start_.rigid_pieces[frozen.body->piece_of_node[node]];
             start_.velocity[node] = piece.velocity + piece.spin * turned_left(frozen.body->arm[node]);
         }
-        report.vibration_booked = -frozen.vibration;
-        account_freeze(begin, *frozen.body, report);
+        report.vibration_booked = -frozen.all_vibration();
+        account_freeze(begin, *frozen.body, frozen.strain, report);
     }
-    return advance(step, report, end);
+    trial_.emplace(RigidStep{.begin = begin.frozen ? begin : start_,
+                             .drift_time = h,
+                             .kick_time = 0.5 * (begin.last_step + h),
+                             .first = !begin.frozen});
+    deformable_.assign(deformable.begin(), deformable.end());
+    deformable_.resize(trial_->begin.rigid_pieces.size(), 0);
+    find_contacts(report);
+    if (report.rejection == Rejection::none && report.contact_motion > largest_motion)
+        report.reject(Rejection::contact_speed, Vec2::Zero(), report.contact_motion);
+    return report;
+}
+
+bool RigidScheme::mark_struck(std::vector<std::uint8_t>& marked) {
+    blow_ = {}, blows_.assign(trial_->begin.rigid_pieces.size(), 0);
+    marked.resize(blows_.size(), 0);
+    if (stays_) return false;
+    blow_ = contacts_.hardest_blow(*trial_, bodies_, &blows_);
+    bool any = false;
+    for (std::size_t p = 0; p < blows_.size(); ++p)
+        if (blows_[p] > 1 && !marked[p]) marked[p] = 1, any = true;
+    return any;
 }
 
 /// The strain energy of the leapfrog, U_n - 1/2 f_n . (u_n+1 - u_n), becomes U; and works of cohesion, which end in the
 /// middle of the step, get what is left until its end.
-void RigidScheme::account_freeze(const State& begin, const FrozenBody& body, StepReport& report) const {
+void RigidScheme::account_freeze(const State& begin, const FrozenBody& body, double strain, StepReport& report) const {
     if (begin.last_step == 0) return;
-    report.step_change_work = body.strain - (begin.elastic_energy - 0.5 * begin.elastic_work);
+    report.step_change_work = strain - (begin.elastic_energy - 0.5 * begin.elastic_work);
     if (body.recoverable == 0) return;
     State middle = begin;
     for (std::size_t node = 0; node < middle.displacement.size(); ++node)
@@ -83,8 +110,13 @@ void RigidScheme::account_freeze(const State& begin, const FrozenBody& body, Ste
 }
 
 StepReport RigidScheme::thaw(const State& begin, double h, State& end) {
-    StepReport report =
-        advance({.begin = begin, .drift_time = h, .kick_time = 0.5 * (begin.last_step + h), .closing = true}, {}, end);
+    trial_.emplace(
+        RigidStep{.begin = begin, .drift_time = h, .kick_time = 0.5 * (begin.last_step + h), .closing = true});
+    deformable_.assign(begin.rigid_pieces.size(), 0);
+    StepReport report;
+    find_contacts(report);
+    report.rejection = Rejection::none;
+    report = end_step(report, end);
     end.frozen = nullptr, end.rigid_pieces.clear();
     end.motion = Motion::thawed;
     return report;
@@ -95,7 +127,7 @@ void RigidScheme::find_free_motion(const RigidStep& step) {
     const State& begin = step.begin;
     const FrozenBody& body = *begin.frozen;
     const std::size_t n_pieces = body.pieces.size(), n = n_pieces + model_.obstacles.size();
-    const double damping = options_.damping_of == DampingOf::motion ? 0.5 * step.kick_time * options_.damping : 0;
+    const bool brakes = options_.damping_of == DampingOf::motion;
     for (std::size_t i = 0; i < amplitude_.size(); ++i)
         amplitude_[i] = model_.histories[i].over_kick(begin.time, begin.last_step, step.drift_time);
     load_.assign(n_pieces, Vec3::Zero());
@@ -110,16 +142,21 @@ void RigidScheme::find_free_motion(const RigidStep& step) {
         MovingBody& at = bodies_[p];
         at.centre = piece.centre;
         if (body.pieces[p].held) continue;
-        at.asleep = piece.state == PieceState::asleep;
+        at.deformable = deformable_[p];
+        at.asleep = piece.state == PieceState::asleep && !at.deformable;
+        at.kick = 0.5 * piece.last_step + (at.deformable ? 1 : 0.5) * step.drift_time;
         at.before = piece.rates();
+        const double damping = brakes ? 0.5 * at.kick * options_.damping : 0;
         const double mass = (1 + damping) * body.pieces[p].mass;
         at.inverse_mass = {1 / mass, 1 / mass, 1 / ((1 + damping) * body.pieces[p].inertia)};
-        at.acceleration = at.inverse_mass.cwiseProduct(load_[p]);
-        at.free = (1 - damping) / (1 + damping) * at.before + step.kick_time * at.acceleration;
+        at.acceleration = at.inverse_mass.cwiseProduct(load_[p]), at.kicked = at.kick * at.acceleration;
+        at.free = (1 - damping) / (1 + damping) * at.before + at.kicked;
     }
-    obstacles_.begin_explicit(begin, step.kick_time, step.drift_time, damping);
+    obstacles_.begin_explicit(begin, step.kick_time, step.drift_time,
+                              brakes ? 0.5 * step.kick_time * options_.damping : 0);
     for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
         MovingBody& at = bodies_[n_pieces + o];
+        at.is_piece = false;
         at.centre = begin.obstacles[o].pose.position;
         at.before = begin.obstacles[o].velocity;
         at.free = obstacles_.rate()[o];
@@ -127,29 +164,36 @@ void RigidScheme::find_free_motion(const RigidStep& step) {
     }
 }
 
-StepReport RigidScheme::advance(const RigidStep& step, StepReport report, State& end) {
-    const State& begin = step.begin;
-    renew(begin);
+void RigidScheme::find_contacts(StepReport& report) {
+    const RigidStep& step = *trial_;
+    renew(step.begin);
     find_free_motion(step);
-    if (lies_still(step)) return stay(step, report, end);
+    stays_ = lies_still(step);
+    if (stays_) return;
     contacts_.find(step, obstacles_, bodies_);
     contacts_.solve(step, bodies_, report);
-    if (!step.closing) {
-        const RigidContacts::Blow blow = contacts_.hardest_blow(step, bodies_);
-        if (blow.value > 1) {
-            report.rejection = Rejection::none;
-            report.reject(Rejection::blow, blow.place, blow.value);
-        } else if (report.contact_motion > largest_motion) {
-            report.reject(Rejection::contact_speed, Vec2::Zero(), report.contact_motion);
-        }
-    } else {
-        report.rejection = Rejection::none;
-    }
-    if (report.rejection != Rejection::none) return report;
+    for (const MovingBody& body : bodies_)
+        if (body.kick > 0)
+            report.contact_motion = std::max(report.contact_motion,
+                                             largest_motion * step.drift_time * std::abs(body.end.z()) / largest_turn);
+}
+
+StepReport RigidScheme::end_step(StepReport report, State& end) {
+    const RigidStep& step = *trial_;
+    if (stays_) return stay(step, report, end);
     contacts_.project(step, bodies_);
-    if (end.frozen != begin.frozen || end.displacement.size() != begin.displacement.size()) end = begin;
+    const bool moves_alone = std::ranges::any_of(deformable_, [](auto piece) { return piece != 0; });
+    if (moves_alone || end.frozen != step.begin.frozen || end.displacement.size() != step.begin.displacement.size())
+        end = step.begin;
     move_pieces(step, end, report);
+    if (!moves_alone) retire(end);
     return report;
+}
+
+void RigidScheme::retire(State& end) const {
+    if (!contacts_.had_points()) return;
+    retire_points(model_, trial_->begin.retired, end);
+    contacts_.release_retired(end);
 }
 
 /// Everything is asleep, and no load changes.
@@ -171,19 +215,26 @@ StepReport RigidScheme::stay(const RigidStep& step, StepReport report, State& en
     of_obstacles_.assign(model_.obstacles.size(), Vec3::Zero());
     obstacles_.finish(step.begin, of_obstacles_, end, report);
     for (std::size_t o = 0; o < end.obstacles.size(); ++o) end.obstacles[o].reaction = step.begin.obstacles[o].reaction;
-    report.strain = body.strain, report.dissipated = body.dissipated, report.recoverable = body.recoverable;
-    report.interface_elastic = body.interface_elastic;
+    for (RigidPiece& piece : end.rigid_pieces) piece.last_step = step.drift_time;
+    account_energies(body, report);
     return report;
+}
+
+/// Of what does not change while the pieces are rigid.
+void RigidScheme::account_energies(const FrozenBody& body, StepReport& report) const {
+    for (std::size_t p = 0; p < body.pieces.size(); ++p)
+        if (!deformable_[p]) report.strain += body.pieces[p].strain;
+    report.dissipated = body.dissipated, report.recoverable = body.recoverable;
+    report.interface_elastic = body.interface_elastic;
 }
 
 void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& report) {
     const State& begin = step.begin;
     const FrozenBody& body = *begin.frozen;
     const std::size_t n_pieces = body.pieces.size();
-    const double damping = options_.damping_of == DampingOf::motion ? 0.5 * step.kick_time * options_.damping : 0;
     if (contacts_.had_points()) end.points = begin.points;
     wrench_.assign(bodies_.size(), Vec3::Zero());
-    contacts_.add_wrenches(wrench_);
+    contacts_.add_wrenches(bodies_, wrench_);
     of_obstacles_.assign(wrench_.begin() + static_cast<std::ptrdiff_t>(n_pieces), wrench_.end());
     end.time = begin.time, end.last_step = begin.last_step;
     obstacles_.finish(begin, of_obstacles_, end, report);
@@ -198,7 +249,12 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
     for (std::size_t p = 0; p < n_pieces; ++p) {
         RigidPiece& piece = end.rigid_pieces[p];
         const MovingBody& at = bodies_[p];
+        piece.last_step = step.drift_time;
         if (body.pieces[p].held) continue;
+        if (at.deformable) {
+            piece.state = PieceState::deformable;
+            continue;
+        }
         if (at.asleep) {
             piece.state = PieceState::asleep;
             continue;
@@ -209,7 +265,8 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
         piece.velocity = at.end.head<2>(), piece.spin = at.end.z();
         const double mass = body.pieces[p].mass, inertia = body.pieces[p].inertia;
         report.kinetic += 0.5 * (mass * piece.velocity.squaredNorm() + inertia * piece.spin * piece.spin);
-        report.external_work += step.kick_time * load_[p].dot(mean);
+        const double damping = options_.damping_of == DampingOf::motion ? 0.5 * at.kick * options_.damping : 0;
+        report.external_work += at.kick * load_[p].dot(mean);
         if (at.struck_at > 0) report.external_work += at.works_at / at.struck_at * load_[p].dot(at.strike);
         report.impact_work += at.couple * mean.z();
         report.rigid_injection += std::max(0.0, at.couple * mean.z());
@@ -220,10 +277,8 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
         if (speed >= options_.rigid.sleep) piece.slow_since = begin.time + step.drift_time;
     }
     if (options_.rigid.sleep > 0 && !step.closing) fall_asleep(step, end, report);
-    report.strain = body.strain, report.dissipated = body.dissipated, report.recoverable = body.recoverable;
-    report.interface_elastic = body.interface_elastic;
+    account_energies(body, report);
     place_nodes(model_, end);
-    if (contacts_.had_points()) retire_points(model_, begin.retired, end);
     end.motion = Motion::rigid;
 }
 
@@ -233,7 +288,7 @@ void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& rep
     const std::size_t n_pieces = body.pieces.size();
     const auto stands = [&](Index b) { return b < 0 || (!bodies_[b].moves() && bodies_[b].before.isZero(0)); };
     const auto is_slow = [&](std::size_t p) {
-        return end.time + step.drift_time - end.rigid_pieces[p].slow_since >= slow_for;
+        return !bodies_[p].deformable && end.time + step.drift_time - end.rigid_pieces[p].slow_since >= slow_for;
     };
     bool any = false;
     for (std::size_t p = 0; p < n_pieces; ++p) any = any || (!body.pieces[p].held && !bodies_[p].asleep && is_slow(p));

@@ -15,8 +15,15 @@
 // Pieces that have been slower than `sleep` for 0.2 s, and that press on what stands still, fall asleep. They stand
 // still until something hits them faster than that.
 //
+// A step has two parts, so that deformable pieces can take their own one between them (stepper/islands): a trial, which
+// finds the impulses of all contacts, and its end, which moves what is rigid. The impulses on a deformable piece are
+// those that its mean motion needs until it is at the end of the step, with v+ at that moment.
+//
 // Ledger: vibration_booked when pieces become rigid; sleep_work; the elastic energy stays in the shape of the pieces.
 #include "stepper/rigid/rigid_contacts.hpp"
+
+#include <optional>
+#include <span>
 
 namespace knap {
 
@@ -26,6 +33,23 @@ public:
 
     /// `begin` may be a deformable state, whose pieces become rigid with this step.
     StepReport step(const State& begin, double h, State& end) override;
+    /// The contacts of a step; nothing moves. `deformable` [0/1] per piece, or empty: none is.
+    StepReport try_step(const State& begin, double h, std::span<const std::uint8_t> deformable);
+    /// What follows from the last trial. `report`: that of the trial; its end state lacks what deformable pieces do.
+    StepReport end_step(StepReport report, State& end);
+    /// Marks [0/1] the pieces that the trial hits so hard that they may break; [-] of the hardest blow. Whether there
+    /// are new ones.
+    bool mark_struck(std::vector<std::uint8_t>& marked);
+    const RigidContacts::Blow& blow() const { return blow_; }
+    /// [-] Of each piece: its hardest blow in the last trial.
+    const std::vector<double>& blows() const { return blows_; }
+    const State& start() const { return trial_->begin; }  // with rigid pieces
+    const RigidContacts& contacts() const { return contacts_; }
+    const std::vector<MovingBody>& bodies() const { return bodies_; }
+    const Vec3& load_on(Index piece) const { return load_[piece]; }  // [N, N, N m]
+    /// Faces that came apart between pieces, after all of them have moved.
+    void retire(State& end) const;
+
     /// From rigid pieces to a deformable state with velocities of its time: a step of nearly no length, with the kick
     /// of half of the step before; `h` [s], as MoreauJean::close_leapfrog.
     StepReport thaw(const State& begin, double h, State& end);
@@ -40,8 +64,9 @@ private:
         double cross, dot;
     };
     void renew(const State& begin);
-    void account_freeze(const State& begin, const FrozenBody& body, StepReport& report) const;
-    StepReport advance(const RigidStep& step, StepReport report, State& end);
+    void account_freeze(const State& begin, const FrozenBody& body, double strain, StepReport& report) const;
+    void account_energies(const FrozenBody& body, StepReport& report) const;
+    void find_contacts(StepReport& report);
     bool lies_still(const RigidStep& step);
     StepReport stay(const RigidStep& step, StepReport report, State& end);
     void find_free_motion(const RigidStep& step);
@@ -52,6 +77,11 @@ private:
     SchemeOptions options_;
     RigidContacts contacts_;
     ObstacleMotion obstacles_;
+    std::optional<RigidStep> trial_;
+    bool stays_ = false;                    // in the trial all lies still
+    std::vector<std::uint8_t> deformable_;  // [0/1] per piece
+    RigidContacts::Blow blow_;
+    std::vector<double> blows_;
     State start_;                   // of rigid pieces that were deformable
     SharedFrozenBody known_;        // for which loads and contacts were read
     std::vector<PieceLoad> loads_;  // piece by piece
