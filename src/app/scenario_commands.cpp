@@ -21,11 +21,14 @@
 #include "model/selections.hpp"
 #include "scenario/specimen_strength.hpp"
 #include "scenario/write_scenario.hpp"
+#include "stepper/common/pieces_of_body.hpp"
+#include "stepper/explicit/rebounds.hpp"
 #include "stepper/rigid/freeze.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <numbers>
 
 namespace knap {
@@ -136,40 +139,89 @@ void print_absorbing(const Model& model, const SchemeOptions& scheme) {
     }
 }
 
-std::string rebound_text(const ContactLaw& law) {
+/// What rebounds: pieces that stay rigid, by [rigid], and deformable ones; none that is held.
+struct Rebounding {
+    std::size_t n_rigid = 0;
+    std::size_t fewest = 0, most = 0;  // triangles of a deformable piece; 0: there is none
+    double inertia = 1;                // [-] the largest of a piece, over that of its outline
+};
+
+/// [-] Masses lie at the corners of triangles: a triangle with the sides a, b, c has m (a^2 + b^2 + c^2)/9 and not /36.
+double inertia_of(const Model& model, const std::vector<Index>& triangles) {
+    double mass = 0, second = 0, more = 0;
+    Vec2 first = Vec2::Zero();
+    for (const Index t : triangles) {
+        const double m = model.materials[model.mesh.region[t]].density * model.mesh.area(t);
+        double sides = 0;
+        Vec2 centre = Vec2::Zero();
+        for (Index k = 0; k < 3; ++k) {
+            sides += model.mesh.side_vector(t, k).squaredNorm();
+            centre += model.mesh.corner(t, k) / 3;
+        }
+        mass += m, first += m * centre, second += m * (centre.squaredNorm() + sides / 36), more += m * sides / 12;
+    }
+    return 1 + more / (second - first.squaredNorm() / mass);
+}
+
+Rebounding rebounding_of(const Model& model, const RigidOptions& options) {
+    State start = initial_state(model);
+    FrozenPieces rigid;
+    if (options.active()) rigid = freeze(model, start);
+    const PiecesOfBody pieces = pieces_of_body(model, start, {});
+    std::map<Index, std::vector<Index>> triangles;  // by the lowest one of a piece
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t)
+        if (!pieces.held[t]) triangles[pieces.first[t]].push_back(t);
+    Rebounding found;
+    for (const auto& [first, of_piece] : triangles) {
+        found.inertia = std::max(found.inertia, inertia_of(model, of_piece));
+        if (rigid.body && !can_break(rigid.body->pieces[rigid.body->piece_of_triangle[first]], options)) {
+            ++found.n_rigid;
+            continue;
+        }
+        const std::size_t n = of_piece.size();
+        found.fewest = found.most == 0 ? n : std::min(found.fewest, n);
+        found.most = std::max(found.most, n);
+    }
+    return found;
+}
+
+std::string rebound_text(const ContactLaw& law, const Rebounding& bodies) {
     std::string text = formatted("friction %.3g, ", law.friction);
+    const double own = natural_rebound(bodies.fewest);
+    const std::string of_its_own =
+        formatted("by its elasticity (%zu triangles: with at least %.2g, up to 0.98 of its speed)", bodies.fewest, own);
     if (law.rebound == ContactLaw::Rebound::of_bodies) {
         text += formatted("bodies rebound with R_N %.3g", law.restitution);
-        if (law.restitution > 0.8) text += ", flat faces and small pieces with less (0.3 to 0.8)";
+        if (bodies.most > 0 && law.restitution > own)
+            text += ", a deformable one with less where its own rebound is less: " + of_its_own;
     } else {
-        text += formatted(
-            "restitution %.3g of faces: whole deformable bodies rebound with 0.8 to 0.98, small pieces "
-            "with 0.3 to 0.6",
-            law.restitution);
+        text += formatted("restitution %.3g of faces", law.restitution);
+        if (bodies.n_rigid > 0) text += ", and of rigid pieces";
+        if (bodies.most > 0) text += "; a deformable body rebounds " + of_its_own;
     }
     return law.tangential > 0 ? text + formatted(", R_T %.3g", law.tangential) : text;
 }
 
 /// A line for each obstacle that bodies may rebound from, and each range of a terrain.
-void print_obstacles(const Scenario& scenario) {
+void print_obstacles(const Scenario& scenario, const Rebounding& bodies) {
     for (const Obstacle& obstacle : scenario.obstacles) {
         const auto rebounds = [](const ContactLaw& law) { return law.is_of_bodies() || law.restitution > 0; };
         if (scenario.contact_of_pair.empty() && obstacle.ranges.empty() && !obstacle.any_law(rebounds)) continue;
-        std::printf("  obstacle %s: %s\n", obstacle.name.c_str(), rebound_text(obstacle.contact).c_str());
+        std::printf("  obstacle %s: %s\n", obstacle.name.c_str(), rebound_text(obstacle.contact, bodies).c_str());
         for (const SurfaceRange& range : obstacle.ranges)
             std::printf("  obstacle %s, x from %.6g to %.6g m: %s\n", obstacle.name.c_str(), range.from, range.to,
-                        rebound_text(range.law).c_str());
+                        rebound_text(range.law, bodies).c_str());
     }
 }
 
 /// A line for each pair of materials whose free faces meet.
-void print_contact(const Scenario& scenario) {
+void print_contact(const Scenario& scenario, const Rebounding& bodies) {
     const std::vector<std::string> materials = scenario.material_names();
     for (std::size_t a = 0; a < scenario.contact_of_pair.size(); ++a)
         for (std::size_t b = a; b < materials.size(); ++b) {
             const ContactLaw& law = scenario.contact_of_pair[a][b];
             std::printf("  contact of free faces, %s on %s: %s\n", materials[a].c_str(), materials[b].c_str(),
-                        rebound_text(law).c_str());
+                        rebound_text(law, bodies).c_str());
         }
 }
 
@@ -189,8 +241,16 @@ void print_methods(const Scenario& scenario, const Model& model) {
         breakable ? "yes" : "no (elastic)", breakable && shear ? "yes" : "no", friction ? "yes" : "no",
         restitution ? "with restitution" : "plastic", scenario.supports.empty() ? "no" : "yes",
         model.prescribed.empty() ? "no" : "yes");
-    print_contact(scenario);
-    print_obstacles(scenario);
+    if (!scenario.contact_of_pair.empty() || !scenario.obstacles.empty()) {
+        const Rebounding bodies = rebounding_of(model, scenario.time.scheme.rigid);
+        print_contact(scenario, bodies);
+        print_obstacles(scenario, bodies);
+        if (bodies.inertia > 1.05)
+            std::printf(
+                "  pieces turn with up to %.3g times the inertia of their outlines, since masses are at the corners of "
+                "triangles; less with a smaller mesh.size\n",
+                bodies.inertia);
+    }
     std::printf("  scheme: %s\n", scheme_text(scenario.time, scenario.works().viscosity).c_str());
     if (!scenario.time.start_run.empty())
         std::printf("  starts from the state `%s` of another run; the time counts from 0 again\n",

@@ -6,7 +6,6 @@
 namespace knap {
 namespace {
 
-constexpr double natural = 0.8;       // [-] e_0 of many triangles: nearly all bodies rebound with more
 constexpr double most_given = 0.9;    // [-] of the approach: what gives way altogether stops nothing
 constexpr double rests_below = 0.02;  // [-] of the approach: with R_N = 0 a slower rebound is none
 constexpr double slowest = 1e-6;      // [-] of the speed of waves: a slower approach is no impact
@@ -16,6 +15,11 @@ constexpr double many_steps = 20;                                             //
 constexpr double deepest = 0.3, deepest_face = 0.05;  // [-] of an edge: deeper no surface gives way
 
 }  // namespace
+
+double natural_rebound(std::size_t n_triangles) {
+    const auto n = static_cast<double>(n_triangles);
+    return 0.8 * n / (n + 2);  // few triangles vibrate more: one rebounds with 0.28 to 0.6
+}
 
 Rebounds::Rebounds(const Model& model, std::span<const Dashpot> dashpots) : model_(model), dashpots_(dashpots) {
     const auto needs = [](const ContactLaw& law) { return law.is_of_bodies(); };
@@ -118,11 +122,7 @@ GivingWay Rebounds::find(const Sides& sides, const Vec2& rate, double gap, doubl
         return time > many_steps * begin.last_step ? 0.25 * begin.last_step * change / time : 0;
     };
     if (law.rebound == ContactLaw::Rebound::of_bodies && gap > -deepest_gap) {
-        // few triangles vibrate more: one rebounds with 0.28 to 0.6
-        const auto natural_of = [&](Index piece) {
-            const auto n = static_cast<double>(pieces_[piece].triangles.size());
-            return natural * n / (n + 2);
-        };
+        const auto natural_of = [&](Index piece) { return natural_rebound(pieces_[piece].triangles.size()); };
         double e_0 = natural_of(sides.piece);
         if (sides.other >= 0) e_0 = std::min(e_0, natural_of(sides.other));
         const double R = law.restitution;

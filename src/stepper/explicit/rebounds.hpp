@@ -22,6 +22,10 @@ struct GivingWay {
     bool lies_deep = false;  // where the surface gave way: no penetration
 };
 
+/// [-] With which a deformable piece of n triangles rebounds at least, whatever it hits: nearly all exceed it, most by
+/// far (discs 0.95 to 0.97).
+double natural_rebound(std::size_t n_triangles);
+
 class Rebounds {
 public:
     /// `dashpots` must outlive this.

@@ -100,4 +100,28 @@ TEST_CASE("rebound: friction leaves R_T of the slip of a deformable disc or take
     CHECK(with(0.02) == doctest::Approx(4 - 3 * 0.02 * 1.4 * 5).epsilon(0.05));  // its mobility is 1/m + r^2/J = 3/m
 }
 
+TEST_CASE("rebound: check says with which the bodies of a scenario leave a surface and how they turn") {
+    const Folder folder("said");
+    const auto said = [&](const std::string& shape, const std::string& law, const std::string& rigid = "") {
+        return accepted(folder, "knap = 1\n[domain]\nrotation = \"large\"\n" + shape + rock + "[contact]\n" + rigid +
+                                    "[[obstacle]]\nname = \"ground\"\nshape = \"half plane\"\nat = "
+                                    "[0, -1e-4]\nnormal = [0, 1]\n" +
+                                    law + "[time]\nend = 0.004\n");
+    };
+    // its kinetic energy of spin is 2.33 times that of the polygon
+    const std::string
+        boulder =
+            "shape = \"polygon\"\npoints = [[-0.5, 0.3], [0.1, 0], [0.6, 0.4], [0.5, 0.9], [0, 1.2], [-0.45, 0.9]]\n" +
+            size(0.9),
+        disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n" + size(0.1);
+    CHECK(said(boulder, "").has("up to 2.33 times the inertia"));
+    CHECK(said(boulder, "R_N = 0.7\n").has("(4 triangles: with at least 0.53"));
+    CHECK(said(disc, "R_N = 0.3\n").has("bodies rebound with R_N 0.3\n"));
+    CHECK_FALSE(said(disc, "").has("the inertia of their outlines"));
+    CHECK(said(disc, "restitution = 0.3\n")
+              .has("restitution 0.3 of faces; a deformable body rebounds by its elasticity"));
+    CHECK(said(disc, "restitution = 0.3\n", "[rigid]\n")
+              .has("ground: friction 0, restitution 0.3 of faces, and of rigid pieces\n"));
+}
+
 }  // namespace rebound_test
