@@ -22,11 +22,12 @@ double cohesion_after(const SolvedFan& fan, const LinkCohesion& at) {
 
 }  // namespace
 
-FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta) {
+FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta,
+                            double rest) {
     for (LinkCohesion& at : cohesion) at.guess = at.start;
     int iterations = 0;
     for (int solve = 1;; ++solve) {
-        FanSolution solution = solve_on_ramps(fan, solver);
+        FanSolution solution = solve_on_ramps(fan, solver, rest);
         iterations += solution.iterations;
         double gap = 0;
         for (LinkCohesion& at : cohesion) {

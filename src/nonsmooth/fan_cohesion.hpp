@@ -21,7 +21,9 @@ struct LinkCohesion {
 };
 
 /// The links come with the cohesive impulse of the start and leave with that of beta_theta. A fan that does
-/// not settle is reported in the solution: a smaller step, in which the contraction is stronger, does.
-FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta);
+/// not settle is reported in the solution: a smaller step, in which the contraction is stronger, does. `rest`: as of
+/// FanSolver::solve.
+FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkCohesion>& cohesion, double theta,
+                            double rest = 0);
 
 }  // namespace knap

@@ -272,7 +272,7 @@ FanSolution VertexSolver::solve_once(Index f, const ExplicitStep& step, bool reb
                                      .law = &law_of(model_, step.begin, model_.points(model_.fans[f])[i]),
                                      .start = cohesion_before(model_, f, i, step.begin),
                                      .strength = strength});
-    return solve_softening(work.fan, work.solver, work.cohesion, options_.theta);
+    return solve_softening(work.fan, work.solver, work.cohesion, options_.theta, rest);
 }
 
 void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work, StepReport& report,
