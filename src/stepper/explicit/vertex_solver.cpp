@@ -250,8 +250,7 @@ FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Work
     };
     const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
     if (best.residual > contradiction && std::ranges::any_of(work.fan.problem.links, rebounds)) try_without_rebounds(0);
-    if (best.residual > (model_.large_rotation ? contradiction : 0.5 * max_residual))
-        try_without_rebounds(rest_tolerance);
+    if (best.residual > (model_.large_rotation ? 0.1 : 0.5) * max_residual) try_without_rebounds(rest_tolerance);
     for (double rest = 10 * rest_tolerance;
          model_.large_rotation && rest <= max_rest_tolerance && best.residual > 0.1 * max_residual; rest *= 10)
         try_without_rebounds(rest);
