@@ -1,7 +1,5 @@
 #include "nonsmooth/body_sweeps.hpp"
 
-#include "nonsmooth/contact_cluster.hpp"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -19,7 +17,7 @@ void BodySweeps::read(const std::vector<ClusterContact>& contacts, const std::ve
     rows_.clear(), parts_.clear();
     for (std::size_t i = 0; i < contacts.size(); ++i) {
         const ClusterContact& c = contacts[i];
-        assert(c.cohesive == 0 && !c.unbreakable);
+        assert(c.cohesive == 0 && !c.unbreakable && !c.other);
         const auto kinks = c.law.closed.kinks();
         assert(kinks.size() < 3);
         double friction = 0;

@@ -7,7 +7,7 @@
 //
 // The last step is a sweep alone, so that the impulses lie in their cones. Contacts that are open take part in every
 // eighth sweep and in the last one.
-#include "base/vec.hpp"
+#include "nonsmooth/cluster_contact.hpp"
 
 #include <Eigen/Core>
 
@@ -15,10 +15,6 @@
 #include <vector>
 
 namespace knap {
-
-struct ClusterContact;
-struct ClusterBody;
-struct ClusterTerm;
 
 class BodySweeps {
 public:

@@ -23,7 +23,6 @@
 // sweeps and Lemke's pivots left unsolved (jams of up to 290 contacts). The impulses of redundant contacts are not
 // unique; the velocities are.
 #include "base/vec.hpp"
-#include "law/row_law.hpp"
 #include "nonsmooth/block_factor.hpp"
 #include "nonsmooth/body_sweeps.hpp"
 #include "nonsmooth/link_state.hpp"
@@ -40,36 +39,9 @@ namespace knap {
 constexpr double kink_tolerance = 1e-12;     // [-] of the speeds: nearer kinks of the friction are one
 constexpr double position_rounding = 1e-15;  // [-] of the positions of what touches
 
-struct ClusterContact {
-    InterfaceLaw law;
-    double cohesive = 0;            // [N s] C; of an interface point
-    bool unbreakable = false;       // an interface point that sticks for ever
-    const RowLaw* other = nullptr;  // a law of its own instead of `law` and `cohesive`
-    Vec2 free = Vec2::Zero();       // [m/s] V_free
-    Vec2 impulse = Vec2::Zero();    // [N s] P: the start of the iteration, and the result
-    Vec2 velocity = Vec2::Zero();   // [m/s] result: V
-    Index first_coupling = 0, last_coupling = 0;
-    Index first_term = 0, last_term = 0;
-};
-
 /// How much is spent on a problem that sweeps and the active set leave unsolved: nothing, fast proximal points, careful
 /// ones where these fail. Sweeps: of contacts of rigid bodies alone; proximal points only where they leave much.
 enum class ClusterEffort { sweeps, active_set, proximal_points, careful };
-
-struct ClusterBody {
-    Vec3 inverse_mass;           // [1/kg, 1/kg, 1/(kg m2)]
-    Vec3 change = Vec3::Zero();  // [m/s, m/s, rad/s] by the impulses
-};
-
-/// Of a contact on a rigid body: V += (along_N . c, along_T . c).
-struct ClusterTerm {
-    Index body;
-    Vec3 along_N, along_T;
-    Vec2 counted = Vec2::Zero();  // [m/s] what the velocity of the contact has of it
-
-    Vec2 rate(const Vec3& c) const { return {along_N.dot(c), along_T.dot(c)}; }  // [m/s]
-    Vec3 wrench(const Vec2& P) const { return P.x() * along_N + P.y() * along_T; }
-};
 
 /// The block of W by which an impulse of a contact changes the rates of another one, or its own.
 struct ContactCoupling {

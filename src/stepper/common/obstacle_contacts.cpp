@@ -267,7 +267,8 @@ double ObstacleContacts::reach_of(Index p, Index o, const State& begin, double h
     const double speed = at.velocity.norm() + std::abs(at.spin) * piece.radius,
                  distance = (at.centre - surfaces_[o].position()).norm() + piece.radius,
                  of_obstacle = at_most_[o].speed + at_most_[o].spin * distance;
-    return piece.radius + (1 + near) * pieces_[p].longest_edge + 2 * contact_reach_in_steps * h * (speed + of_obstacle);
+    return piece.radius + (1 + near_contact) * pieces_[p].longest_edge +
+           2 * contact_reach_in_steps * h * (speed + of_obstacle);
 }
 
 void ObstacleContacts::find_of_pieces(const State& begin, double h, const std::vector<Vec3>& end_velocity) {
