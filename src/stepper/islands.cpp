@@ -322,7 +322,8 @@ void Islands::rebuild_pieces(double end_time, State& end, StepReport& report) co
 void Islands::find_means(State& end) const {
     const FrozenBody& body = *end.frozen;
     std::vector<Vec2> first(body.pieces.size(), Vec2::Zero()), momentum = first;
-    std::vector<double> angular(body.pieces.size(), 0), inertia = angular;
+    std::vector<double> angular(body.pieces.size(), 0), inertia = angular, cross_arms = angular, dot_arms = angular;
+    const State& start = rigid_.start();
     const auto for_corners = [&](const auto& visit) {
         for (Index c = 0; c < part_.model.mesh.n_corners(); ++c) {
             const Index corner = part_.in_whole(c), node = end.node_of_corner[corner];
@@ -344,8 +345,19 @@ void Islands::find_means(State& end) const {
         angular[p] += mass * cross(arm, Vec2(v - end.rigid_pieces[p].velocity)), inertia[p] += mass * arm.squaredNorm();
         end.rigid_pieces[p].struck = struck_[part_.triangle_of_part[body.pieces[p].first_triangle]];
     });
-    for (std::size_t p = 0; p < first.size(); ++p)
-        if (deformable_[p]) end.rigid_pieces[p].spin = angular[p] / inertia[p];
+    for (Index c = 0; c < part_.model.mesh.n_corners(); ++c) {  // the turn since the start of the step
+        const Index corner = part_.in_whole(c), p = body.piece_of_triangle[corner / 3];
+        const Vec2 &X = model_.mesh.corner(corner),
+                   before = X + start.displacement_of(corner) - start.rigid_pieces[p].centre,
+                   after = X + end.displacement_of(corner) - end.rigid_pieces[p].centre;
+        cross_arms[p] += model_.corner_mass[corner] * cross(before, after);
+        dot_arms[p] += model_.corner_mass[corner] * before.dot(after);
+    }
+    for (std::size_t p = 0; p < first.size(); ++p) {
+        if (!deformable_[p]) continue;
+        end.rigid_pieces[p].spin = angular[p] / inertia[p];
+        end.rigid_pieces[p].angle += std::atan2(cross_arms[p], dot_arms[p]);
+    }
 }
 
 }  // namespace knap
