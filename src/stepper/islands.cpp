@@ -2,6 +2,7 @@
 
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/pieces_of_body.hpp"
 #include "stepper/common/surface_energy.hpp"
@@ -71,10 +72,19 @@ StepReport Islands::step(const State& begin, double h, State& end) {
         if (n == 0) return report;
         report.thaws = static_cast<std::int64_t>(n - n_before);
         advance(h, end, report);
-        const bool gains = report.exchange_work > allowed_gain * report.kinetic;
-        if (ring < max_rings &&
-            rigid_.contacts().mark_overlapping(end, gains ? -infinity : allowed_overlap, rigid_.bodies(), deformable_))
+        const bool fails = report.rejection != Rejection::none,
+                   gains = report.exchange_work > allowed_gain * report.kinetic;
+        if ((fails || ring < max_rings) &&
+            rigid_.contacts().mark_overlapping(end, fails || gains ? -infinity : allowed_overlap, rigid_.bodies(),
+                                               deformable_))
             continue;
+        if (fails && n < deformable_.size()) {
+            std::ranges::fill(deformable_, 1);
+            continue;
+        }
+        if (fails)
+            throw SimulationError("no steps of deformable pieces from t = " + readable(begin.time, "s", 9) + " at " +
+                                  place_text(report.where) + ": " + stuck_);
         update_pieces(h, end, report);
         return report;
     }
@@ -179,9 +189,10 @@ StepReport Islands::take_micro_steps(double h) {
         const StepReport step = explicit_->step(now_, drift, next_);
         if (const auto cut = control.judge(now_, drift, step)) {
             if (!control.is_stuck()) continue;
-            throw SimulationError("deformable pieces within a step of rigid ones need steps below " +
-                                  readable(control.smallest_against(cut->reason), "s") + " at " +
-                                  readable(now_.time, "s", 9) + ": " + std::string(describe(cut->reason)));
+            stuck_ = describe(cut->reason);
+            works = {};
+            works.reject(Rejection::not_converged, cut->place.value_or(Vec2::Zero()));
+            return works;
         }
         advance(drift, step);
     }
@@ -194,9 +205,10 @@ StepReport Islands::take_micro_steps(double h) {
     StepReport step = explicit_->step(now_, closing, next_);
     part_.model.histories = histories;
     if (step.rejection != Rejection::none && step.rejection != Rejection::contact_residual &&
-        step.rejection != Rejection::contact_speed)
-        throw SimulationError("the step that ends those of deformable pieces has no solution at " +
-                              readable(now_.time, "s", 9));
+        step.rejection != Rejection::contact_speed) {
+        stuck_ = "their last step has no solution";
+        return step;
+    }
     // a shorter one would not help; contact_injection judges what single contacts gain by it
     step.contact_residual = std::min(step.contact_residual, max_contact_residual);
     push((h - given) / kick);
@@ -220,6 +232,7 @@ void Islands::advance(double h, State& end, StepReport& report) {
     report.dissipated = all.dissipated - own.dissipated, report.recoverable = all.recoverable - own.recoverable;
     report.interface_elastic = all.interface_elastic - own.interface_elastic;
     report += take_micro_steps(h);
+    if (report.rejection != Rejection::none) return;
     for (std::size_t o = 0; o < mean_reaction_.size(); ++o) end.obstacles[o].reaction += mean_reaction_[o];
     write_back(part_, now_, model_, end);
     rigid_.retire(end);

@@ -8,7 +8,7 @@
 //               t + H. Its contacts with the rest are those of the trial: the constant force p/K on each corner, K the
 //               kick of its piece. So what one side gets the other one gives
 //     ring      a piece of the rest in which the island now lies deep is deformable, too, and the step is repeated; so
-//               are all that it touches where these contacts gave energy
+//               are all that it touches where these contacts gave energy, or its steps had no solution
 //     end       the leapfrog of the island is closed (scheme_change.hpp): its velocities are those of t + H. Pieces
 //               that have been quiet for `hold` passages of a wave become rigid
 //
@@ -68,6 +68,7 @@ private:
     std::vector<Force> forces_;
     std::vector<Vec2> force_;          // [N] per corner of the part, of the rest
     std::vector<Vec3> mean_reaction_;  // per obstacle, of the island
+    std::string stuck_;                // why the last micro steps have no solution
     std::vector<double> struck_;       // [s] per triangle of the part: the last blow, or loss of cohesion
 };
 

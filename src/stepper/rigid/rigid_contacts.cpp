@@ -537,13 +537,15 @@ bool RigidContacts::mark_overlapping(const State& end, double allowed, const std
                                      std::vector<std::uint8_t>& marked) const {
     bool any = false;
     for (const Row& row : rows_) {
-        if (row.source != Source::face || sides_of(row, bodies) != Sides::mixed) continue;
-        const FaceContact& c = faces_.all()[row.number];
-        const double gap = c.normal.dot(c.jump([&](Index corner) -> Vec2 {
-            if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
-            return model_.mesh.corner(corner) + end.displacement[end.node_of_corner[corner]];
-        }));
-        if (gap >= std::min(row.gap, 0.0) - allowed * row.length) continue;
+        if (sides_of(row, bodies) != Sides::mixed || (row.source != Source::face && allowed >= 0)) continue;
+        const auto gap_at_end = [&](const FaceContact& c) {
+            return c.normal.dot(c.jump([&](Index corner) -> Vec2 {
+                if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
+                return model_.mesh.corner(corner) + end.displacement[end.node_of_corner[corner]];
+            }));
+        };
+        if (allowed >= 0 && gap_at_end(faces_.all()[row.number]) >= std::min(row.gap, 0.0) - allowed * row.length)
+            continue;
         for (int k = 0; k < row.n_terms; ++k)
             if (const Index body = row.terms[k].body; body < n_pieces_ && !bodies[body].deformable)
                 marked[body] = 1, any = true;

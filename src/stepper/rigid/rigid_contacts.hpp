@@ -48,7 +48,7 @@ public:
     };
     void impulses_on_deformable(const std::vector<MovingBody>& bodies, std::vector<CornerImpulse>& impulses) const;
     /// Marks [0/1] the pieces that overlap with deformable ones by more than `allowed` [-] of an edge, and by more than
-    /// at the start of the step, at the places of the state `end`.
+    /// at the start of the step, at the places of the state `end`; all that touch these where `allowed` is negative.
     bool mark_overlapping(const State& end, double allowed, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;
     /// Corrects positions of what overlaps (rigid_places.hpp).
