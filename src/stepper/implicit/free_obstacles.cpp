@@ -17,8 +17,26 @@ constexpr double no_line_search_below = 1e3;  // times the tolerance: the last d
 constexpr double difference = 1e-6;           // [-] of the speeds, for the slope: exact up to rounding
 constexpr double too_coarse = 1e-3;           // [-] of the impulses: a change by a difference
 constexpr double same_piece = 1e-3;           // [-] of the error that a step leaves there
-constexpr int max_smaller = 3;
-constexpr int few = 12;  // components that are solved on the stack
+constexpr int max_smaller = 3, may_cycle = 10;
+constexpr double least_length = 1. / 128;  // [-] of a step where they cycle
+constexpr int few = 12;                    // components that are solved on the stack
+// [-] of the largest momentum of the body: to 1e-10 of it an impulse is known where the body is far heavier
+constexpr double of_body_momentum = 1e-2;
+
+/// The theta law of a contact of rigid bodies: of points, but with the friction of explicit steps,
+///
+///     -P_T in mu p 1/2 [sgn(V_T+) + sgn(w_T)],     V_T+ = (w_T - (1 - theta) V_T-)/theta
+///
+/// With sgn(w_T) alone what sticks has V_T+ = -(1 - theta)/theta V_T-, for ever with theta = 1/2: a heap never comes to
+/// rest, and each approach to a neighbour adds (1 - theta) h |V_N-| to their overlap. The work P_T w_T stays
+/// non-positive: between the two kinks P_T = 0.
+InterfaceLaw law_of_rigid(double gap, const Vec2& before, const ContactLaw& pair, const StepContext& step,
+                          double tolerance) {
+    InterfaceLaw law{.contact = contact_bound_theta(gap, before.x(), pair.restitution, step.h, step.theta, 0)};
+    for (const double rate : {(1 - step.theta) * before.y(), 0.0})  // rest comes first: merged kinks keep it
+        law.closed.add({.rate = rate, .cohesive = 0, .friction = 0.5 * pair.friction}, tolerance);
+    return law;
+}
 
 }  // namespace
 
@@ -28,7 +46,7 @@ FreeObstacles::FreeObstacles(const Model& model, ObstacleMotion& motion, const O
 bool FreeObstacles::begin(const StepContext& step) {
     step_ = &step;
     rows_.clear(), free_.clear();
-    residual_ = rate_error_ = 0;
+    residual_ = residual_work_ = rate_error_ = 0;
     without_contact_ = under_ = motion_.rate();
     row_wrench_.assign(model_.obstacles.size(), Vec3::Zero());
     place_.assign(model_.obstacles.size(), {-1, -1, -1});
@@ -44,7 +62,7 @@ bool FreeObstacles::begin(const StepContext& step) {
                          .law = law_between(model_, at, begin)});
         const Vec2 v_1 = velocity_at(at.velocity(0, begin), at.arm[0]),
                    v_2 = velocity_at(at.velocity(1, begin), at.arm[1]);
-        rows_.back().before = normal_rate(at.normal, v_1, v_2);
+        rows_.back().before = {normal_rate(at.normal, v_1, v_2), turned_left(at.normal).dot(v_2 - v_1)};
     }
     return !rows_.empty() || std::ranges::any_of(contacts_.all(), [&](const ObstacleContact& at) {
         return model_.obstacles[at.obstacle].is_free();
@@ -72,7 +90,8 @@ void FreeObstacles::add_held(const Body& body) {
         const Vec2 of_body = at.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
                    of_obstacle = velocity_at(begin.obstacles[at.obstacle].velocity, at);
         rows_.back().given = point.in_frame(at.of_body(rate));
-        rows_.back().before = normal_rate(at.normal, of_obstacle, of_body);
+        rows_.back().before = {normal_rate(at.normal, of_obstacle, of_body),
+                               turned_left(at.normal).dot(of_body - of_obstacle)};
     }
 }
 
@@ -104,9 +123,7 @@ void FreeObstacles::solve_rows(const Matrix& B, const Vector& x_free) {
         const Row& row = rows_[i];
         ClusterContact& made = cluster_.contacts.emplace_back();
         made.free = rate_of(row, under_);
-        made.law.contact = contact_bound_theta(row.gap, row.before, row.law.restitution, step_->h, step_->theta, 0);
-        add_friction_theta(row.law.friction, made.law.closed);
-        speed = std::max({speed, std::abs(row.before), made.free.norm()});
+        speed = std::max({speed, row.before.norm(), made.free.norm()});
         for_obstacles(row, [&](const ClusterTerm& term) {
             for (int k = 0; k < 3; ++k)
                 if (const Index c = place_[term.body][k]; c >= 0) {
@@ -116,6 +133,9 @@ void FreeObstacles::solve_rows(const Matrix& B, const Vector& x_free) {
             if (!is_touched(term.body) && model_.obstacles[term.body].is_free()) cluster_.add_term(i, term);
         });
     }
+    for (Index i = 0; i < n_rows; ++i)
+        cluster_.contacts[i].law =
+            law_of_rigid(rows_[i].gap, rows_[i].before, rows_[i].law, *step_, kink_tolerance * speed);
     answer_ = step_->theta * B * along_;
     for (Index of = 0; of < n_rows; ++of) {
         cluster_.couple(of, of, Eigen::Matrix2d::Zero());
@@ -225,6 +245,7 @@ double FreeObstacles::find_rates(const Response& response) {
         motion_.set_rate(trial_);
         const Body body = response();
         find_wrench(body), add_held(body);
+        body_momentum_ = body.momentum;
         FewRows missed(n);
         of_trial = 0.01 * speed;  // an impulse is a difference of momenta: it has their rounding
         for (Eigen::Index i = 0; i < n; ++i) {
@@ -277,13 +298,29 @@ double FreeObstacles::find_rates(const Response& response) {
             next = x + length * change, next_missed = missed_at(next), next_error = with_rows(next_missed);
             of_next = largest();
         }
+        // between the pieces of friction, which has no potential, full steps may cycle
+        if (step >= may_cycle && before > no_line_search_below * obstacle_tolerance * scale)
+            for (double length = 0.5; next_error.norm() >= before && length >= least_length; length *= 0.5) {
+                next = x + length * change, next_missed = missed_at(next), next_error = with_rows(next_missed);
+                of_next = largest();
+            }
         if (before <= no_line_search_below * obstacle_tolerance * scale && next_error.norm() >= before) break;
         slope_is_known = next_error.norm() <= same_piece * before;  // the same linear piece
         x = next, missed = next_missed, error = next_error, scale = of_next, goal = obstacle_tolerance * scale;
     }
     if (error.norm() > goal) error = with_rows(missed_at(x));
     if (!error.allFinite()) return infinity;
-    return scale > 0 ? error.norm() / scale : 0;
+    const double of_own = scale > 0 ? error.norm() / scale : 0;
+    if (of_own <= max_residual) return of_own;
+    // an obstacle far lighter than the body: its impulses are as exact as the balance of the body. What their errors
+    // work is judged with the balance of energy.
+    double lightest = infinity;
+    for (const Component& c : free_) {
+        lightest = std::min(lightest, c.root_mass);
+        residual_work_ +=
+            std::abs(error[place_[c.obstacle][c.k]] * c.root_mass * motion_.rate()[c.obstacle][c.k]) / theta;
+    }
+    return error.norm() / std::max(scale, of_body_momentum * body_momentum_ / lightest);
 }
 
 }  // namespace knap

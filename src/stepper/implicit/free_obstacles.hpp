@@ -31,6 +31,7 @@ public:
         std::span<const ActivePoint> points;
         const std::vector<Vec2>& rate;
         const CornerPartition& nodes;
+        double momentum;  // [N s] the scale to which its balance is solved
     };
     /// Solves the body at motion.rate().
     using Response = std::function<Body()>;
@@ -40,6 +41,8 @@ public:
     void finish(const Body& body);
     /// [-] Of the solution: relative to the largest impulse.
     double residual() const { return residual_; }
+    /// [J] At most what its error works, where it is more than max_residual of the impulses of obstacles.
+    double residual_work() const { return residual_work_; }
 
     /// [N s, N s, N m s] of all contacts on each obstacle.
     const std::vector<Vec3>& wrenches() const { return wrench_; }
@@ -56,8 +59,8 @@ private:
         Vec2 normal;                    // out of the first
         double gap;                     // [m]
         ContactLaw law;
-        Vec2 given = Vec2::Zero();  // [m/s] of the body, (N, T)
-        double before = 0;          // [m/s] V_N at the start of the step
+        Vec2 given = Vec2::Zero();   // [m/s] of the body, (N, T)
+        Vec2 before = Vec2::Zero();  // [m/s] (V_N, V_T) at the start of the step
     };
     using Matrix = Eigen::MatrixXd;
     using Vector = Eigen::VectorXd;
@@ -98,6 +101,8 @@ private:
     Matrix along_, answer_;                    // of two columns a row: its impulses on x, and the change of x by them
     Vector x_under_, pressed_;                 // [sqrt(kg) m/s] x and theta R/sqrt(M) of the rows
     double residual_ = 0;                      // [-]
+    double residual_work_ = 0;                 // [J]
+    double body_momentum_ = 0;                 // [N s] Body::momentum
     double rate_error_ = 0;                    // [m/s] of rows
 };
 

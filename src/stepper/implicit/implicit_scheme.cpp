@@ -351,7 +351,7 @@ void ImplicitScheme::check_residual(StepReport& report) const {
 
 /// The work of the residual is the error of the energy balance.
 bool ImplicitScheme::energy_balance_error_exceeds(const StepReport& report) const {
-    double work = 0, fastest = 0;
+    double work = free_obstacles_.residual_work(), fastest = 0;
     for (Index i = 0; i < partition_.n_nodes(); ++i)
         for (int k = 0; k < 2; ++k) {
             if (!partition_.prescribed[i][k]) work += solver_.residual_impulse()[i][k] * x_.rate[i][k] / step_.theta;

@@ -50,7 +50,7 @@ private:
     void solve_points(StepReport& report);
     void solve_body(StepReport& report);
     void solve_free_obstacles(StepReport& report);
-    FreeObstacles::Body body_at_contacts() const { return {contact_points(), x_.rate, partition_}; }
+    FreeObstacles::Body body_at_contacts() const { return {contact_points(), x_.rate, partition_, momentum_scale_}; }
     const std::vector<Vec2>& reactions();
     bool needs_free_motions();
     bool move_freely();

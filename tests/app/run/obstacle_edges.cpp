@@ -126,6 +126,19 @@ TEST_CASE("obstacle edges: a free ball stays on a body that is held everywhere i
     CHECK(reaction(folder, "load0_force_y").back() == doctest::Approx(3 * 9.81 + 0.05 * 2500 * 9.81).epsilon(1e-3));
 }
 
+TEST_CASE("obstacle edges: a light block lands on a heavy body on a support in implicit steps with theta one half") {
+    const Folder folder("light");
+    const Answer answer = run_to_end(
+        folder,
+        "knap = 1\n[domain]\nshape = \"rectangle\"\norigin = [-1, -0.5]\nsize = [2, 0.5]\n[mesh]\nsize = 0.25\n"
+        "[material.a]\ndensity = 2600\nE = 1e9\nnu = 0.25\n[interface.default]\nbreakable = false\n"
+        "friction = 0.5\n[time]\nend = 0.1\nbulk = \"implicit\"\nstep = 1e-3\n[output]\nfields = false\n" +
+            weight + "[[support]]\non = \"bottom\"\n[[obstacle]]\nname = \"a\"\nfriction = 0.5\nmass = 10\n" +
+            polygon("[-0.2, 0.001], [0.2, 0.001], [0.2, 0.4], [-0.2, 0.4]"));
+    CAPTURE(answer.text);
+    CHECK(answer.code == 0);  // its impulses are as exact as those of the body, a thousand times heavier
+}
+
 TEST_CASE("obstacle edges: a block in implicit steps stays on corners and arcs between its nodes") {
     for (const std::string& scene : {rollers, overhang}) {
         const Folder folder(scene == rollers ? "rollers implicit" : "overhang implicit");
