@@ -76,10 +76,13 @@ StepReport Islands::step(const State& begin, double h, State& end) {
                    gains = report.exchange_work > allowed_gain * report.kinetic;
         if ((fails || ring < max_rings) &&
             rigid_.contacts().mark_overlapping(end, fails || gains ? -infinity : allowed_overlap, rigid_.bodies(),
-                                               deformable_))
+                                               deformable_)) {
+            explicit_.reset();  // it has seen states that do not count
             continue;
+        }
         if (fails && n < deformable_.size()) {
             std::ranges::fill(deformable_, 1);
+            explicit_.reset();
             continue;
         }
         if (fails)
