@@ -77,7 +77,7 @@ const Vec2* FreePieces::carried(const State& begin, double damping, std::vector<
     const auto n_broken = std::ranges::count(begin.points, 0.0, &PointState::cohesion);
     if (n_broken != n_broken_) find(begin), n_broken_ = n_broken, carried_.clear();
     if (pieces_.empty()) return nullptr;
-    if (carried_.empty() || n_split_ != begin.split_fans.size()) {
+    if (carried_.size() != begin.displacement.size() || n_split_ != begin.split_fans.size()) {
         carried_.assign(begin.displacement.size(), Vec2::Zero());
         n_split_ = begin.split_fans.size();
     }
