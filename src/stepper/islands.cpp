@@ -72,17 +72,9 @@ StepReport Islands::step(const State& begin, double h, State& end) {
         if (n == 0) return report;
         report.thaws = static_cast<std::int64_t>(n - n_before);
         advance(h, end, report);
-        const bool fails = report.rejection != Rejection::none,
-                   gains = report.exchange_work > allowed_gain * report.kinetic;
-        if ((fails || ring < max_rings) &&
-            rigid_.contacts().mark_overlapping(end, fails || gains ? -infinity : allowed_overlap, rigid_.bodies(),
-                                               deformable_)) {
+        const bool fails = report.rejection != Rejection::none;
+        if ((fails || ring < max_rings) && grow(end, report)) {
             explicit_.reset();  // it has seen states that do not count
-            continue;
-        }
-        if (fails && n < deformable_.size()) {
-            std::ranges::fill(deformable_, 1);
-            explicit_.reset();
             continue;
         }
         if (fails)
@@ -91,6 +83,18 @@ StepReport Islands::step(const State& begin, double h, State& end) {
         update_pieces(h, end, report);
         return report;
     }
+}
+
+/// Marks what must be deformable, too; false where nothing must. An island that fails may take in all pieces.
+bool Islands::grow(const State& end, const StepReport& report) {
+    const RigidContacts& contacts = rigid_.contacts();
+    const bool fails = report.rejection != Rejection::none,
+               gains = report.exchange_work > allowed_gain * report.kinetic;
+    if (!fails && !gains) return contacts.mark_overlapping(end, allowed_overlap, rigid_.bodies(), deformable_);
+    if (contacts.mark_touching(rigid_.bodies(), deformable_)) return true;
+    if (!fails || std::ranges::count(deformable_, 0) == 0) return false;
+    std::ranges::fill(deformable_, 1);
+    return true;
 }
 
 /// The deformable pieces as a body of their own.

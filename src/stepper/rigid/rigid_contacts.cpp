@@ -337,7 +337,7 @@ void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<M
         const auto contact = static_cast<Index>(i);
         problem.contacts.push_back({.free = row.free, .impulse = row.impulse});
         for (int k = 0; k < row.n_terms; ++k) {
-            Term term = row.terms[k];
+            ClusterTerm term = row.terms[k];
             if (!bodies[term.body].moves()) continue;
             if (row.own_N <= held * (row.own_N + row.own_T)) term.along_N.setZero();
             if (row.own_T <= held * (row.own_N + row.own_T)) term.along_T.setZero();
@@ -373,10 +373,9 @@ void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies
     for (MovingBody& body : bodies) body.end = body.free;
     for (const Row& row : rows_)
         for (int k = 0; k < row.n_terms; ++k) {
-            const Term& term = row.terms[k];
+            const ClusterTerm& term = row.terms[k];
             MovingBody& body = bodies[term.body];
-            body.end +=
-                body.inverse_mass.cwiseProduct(Vec3(row.impulse.x() * term.along_N + row.impulse.y() * term.along_T));
+            body.end += body.inverse_mass.cwiseProduct(term.wrench(row.impulse));
         }
     for (MovingBody& body : bodies)
         if (body.struck_at > 0) body.strike = body.struck_at * (body.free - body.end);
@@ -395,9 +394,9 @@ void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies
 }
 
 RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
-                                                std::vector<double>* of_piece) const {
+                                                std::vector<double>& of_piece) const {
     Blow hardest;
-    if (of_piece) of_piece->assign(n_pieces_, 0);
+    of_piece.assign(n_pieces_, 0);
     for (const Row& row : rows_) {
         if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
         const double sudden = std::max(0.0, row.impulse.x() - row.lasting.x()) * row.own_N,
@@ -406,7 +405,7 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
                      load =
                          std::min(row.impulse.x(), row.lasting.x()) / (step.kick_time * row.length * model_.thickness);
         // what is handed on to a piece that steps by itself, at another time and by other forces than in this step
-        double of_row = of_piece && sides_of(row, bodies) == Sides::mixed ? blow / (options_.thaw * weakest_) : 0;
+        double of_row = sides_of(row, bodies) == Sides::mixed ? blow / (options_.thaw * weakest_) : 0;
         for (int k = 0; k < row.n_terms; ++k) {
             if (!can_break(row.terms[k].body) || bodies[row.terms[k].body].asleep) continue;
             const FrozenBody::Piece& piece = begin_->frozen->pieces[row.terms[k].body];
@@ -416,9 +415,9 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
             if (value > hardest.value) hardest = {value, row.place};
             of_row = std::max(of_row, value);
         }
-        for (int k = 0; k < row.n_terms && of_piece; ++k)
+        for (int k = 0; k < row.n_terms; ++k)
             if (const Index body = row.terms[k].body; body < n_pieces_ && !begin_->frozen->pieces[body].held)
-                (*of_piece)[body] = std::max((*of_piece)[body], of_row);
+                of_piece[body] = std::max(of_piece[body], of_row);
     }
     return hardest;
 }
@@ -428,10 +427,10 @@ void RigidContacts::project(const RigidStep& step, std::vector<MovingBody>& bodi
 }
 
 void RigidContacts::add_wrenches(const std::vector<MovingBody>& bodies, std::vector<Vec3>& wrench) const {
-    for (const Row& row : rows_)
-        for (int k = 0; k < row.n_terms && sides_of(row, bodies) != Sides::deformable; ++k)
-            wrench[row.terms[k].body] +=
-                row.impulse.x() * row.terms[k].along_N + row.impulse.y() * row.terms[k].along_T;
+    for (const Row& row : rows_) {
+        if (sides_of(row, bodies) == Sides::deformable) continue;
+        for (int k = 0; k < row.n_terms; ++k) wrench[row.terms[k].body] += row.terms[k].wrench(row.impulse);
+    }
 }
 
 void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>& bodies, State& end,
@@ -453,8 +452,7 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
         if (sides == Sides::mixed) {  // the work on the deformable side is that of its own steps
             for (int k = 0; k < row.n_terms; ++k)
                 if (const MovingBody& body = bodies[row.terms[k].body]; !body.deformable)
-                    report.exchange_work += (P.x() * row.terms[k].along_N + P.y() * row.terms[k].along_T)
-                                                .dot(0.5 * (body.before + body.end) + body.gained);
+                    report.exchange_work += row.terms[k].wrench(P).dot(0.5 * (body.before + body.end) + body.gained);
         } else {
             account_contact({.contact = P.x(),
                              .friction = P.y(),
@@ -519,7 +517,7 @@ void RigidContacts::impulses_on_deformable(const std::vector<MovingBody>& bodies
         } else {
             const FanPoint& point = model_.points(model_.fans[points_[row.number].fan])[points_[row.number].place];
             for (int k = 0; k < row.n_terms; ++k) {
-                const Vec3 P = row.impulse.x() * row.terms[k].along_N + row.impulse.y() * row.terms[k].along_T;
+                const Vec3 P = row.terms[k].wrench(row.impulse);
                 for (const Index corner : {point.before, point.after})
                     if (corner != rigid_support && piece_of(corner) == row.terms[k].body) add(corner, P.head<2>());
             }
@@ -533,22 +531,33 @@ void RigidContacts::release_retired(State& end) const {
             end.points[end.first_point[end.split_rank[at.fan]] + at.place].traction.setZero();
 }
 
+bool RigidContacts::mark_rigid_sides(const Row& row, const std::vector<MovingBody>& bodies,
+                                     std::vector<std::uint8_t>& marked) const {
+    bool any = false;
+    for (int k = 0; k < row.n_terms; ++k)
+        if (const Index body = row.terms[k].body; body < n_pieces_ && !bodies[body].deformable)
+            marked[body] = 1, any = true;
+    return any;
+}
+
+bool RigidContacts::mark_touching(const std::vector<MovingBody>& bodies, std::vector<std::uint8_t>& marked) const {
+    bool any = false;
+    for (const Row& row : rows_)
+        if (sides_of(row, bodies) == Sides::mixed) any = mark_rigid_sides(row, bodies, marked) || any;
+    return any;
+}
+
 bool RigidContacts::mark_overlapping(const State& end, double allowed, const std::vector<MovingBody>& bodies,
                                      std::vector<std::uint8_t>& marked) const {
     bool any = false;
     for (const Row& row : rows_) {
-        if (sides_of(row, bodies) != Sides::mixed || (row.source != Source::face && allowed >= 0)) continue;
-        const auto gap_at_end = [&](const FaceContact& c) {
-            return c.normal.dot(c.jump([&](Index corner) -> Vec2 {
-                if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
-                return model_.mesh.corner(corner) + end.displacement[end.node_of_corner[corner]];
-            }));
-        };
-        if (allowed >= 0 && gap_at_end(faces_.all()[row.number]) >= std::min(row.gap, 0.0) - allowed * row.length)
-            continue;
-        for (int k = 0; k < row.n_terms; ++k)
-            if (const Index body = row.terms[k].body; body < n_pieces_ && !bodies[body].deformable)
-                marked[body] = 1, any = true;
+        if (row.source != Source::face || sides_of(row, bodies) != Sides::mixed) continue;
+        const FaceContact& c = faces_.all()[row.number];
+        const double gap = c.normal.dot(c.jump([&](Index corner) -> Vec2 {
+            if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
+            return model_.mesh.corner(corner) + end.displacement_of(corner);
+        }));
+        if (gap < std::min(row.gap, 0.0) - allowed * row.length) any = mark_rigid_sides(row, bodies, marked) || any;
     }
     return any;
 }

@@ -39,7 +39,7 @@ public:
         Vec2 place = Vec2::Zero();
     };
     Blow hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
-                      std::vector<double>* of_piece = nullptr) const;
+                      std::vector<double>& of_piece) const;
     /// Of the impulses between deformable pieces and others: what acts on a corner of a deformable one, in the whole
     /// kick of its piece.
     struct CornerImpulse {
@@ -47,8 +47,10 @@ public:
         Vec2 impulse;  // [N s]
     };
     void impulses_on_deformable(const std::vector<MovingBody>& bodies, std::vector<CornerImpulse>& impulses) const;
-    /// Marks [0/1] the pieces that overlap with deformable ones by more than `allowed` [-] of an edge, and by more than
-    /// at the start of the step, at the places of the state `end`; all that touch these where `allowed` is negative.
+    /// Marks [0/1] the pieces that touch deformable ones. Whether there are any, as below.
+    bool mark_touching(const std::vector<MovingBody>& bodies, std::vector<std::uint8_t>& marked) const;
+    /// Marks those that overlap with deformable ones by more than `allowed` [-] of an edge, and by more than at the
+    /// start of the step, at the places of the state `end`.
     bool mark_overlapping(const State& end, double allowed, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;
     /// Corrects positions of what overlaps (rigid_places.hpp).
@@ -72,7 +74,6 @@ public:
 
 private:
     using Row = RigidRow;
-    using Term = Row::Term;
     using Source = Row::Source;
     struct Point {  // broken, between pieces or on a support
         Index fan, place;
@@ -108,6 +109,8 @@ private:
     ContactLaw law_for(ContactLaw law, bool breaks) const;
     void find_clusters(const std::vector<MovingBody>& bodies);
     void solve(Cluster& cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);
+    bool mark_rigid_sides(const Row& row, const std::vector<MovingBody>& bodies,
+                          std::vector<std::uint8_t>& marked) const;
 
     const Model& model_;
     RigidOptions options_;

@@ -156,7 +156,7 @@ void correct_places(const RigidStep& step, const std::vector<RigidRow>& rows, st
         double gained = 0, inertia = 0;  // [kg m2/s], [kg m2]
         bool free = at.sum > 0 && at.row->n_terms > 1;
         for (int k = 0; free && k < at.row->n_terms; ++k) {
-            const RigidRow::Term& term = at.row->terms[k];
+            const ClusterTerm& term = at.row->terms[k];
             const MovingBody& body = bodies[term.body];
             free = body.inverse_mass.minCoeff() > 0;
             gained += at.sum * cross(Vec2(term.along_N.head<2>()), Vec2(body.end.head<2>()));

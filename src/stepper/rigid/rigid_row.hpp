@@ -2,6 +2,7 @@
 // Bodies and contacts in one step of rigid pieces (rigid_contacts.hpp).
 #include "law/contact_law.hpp"
 #include "model/state.hpp"
+#include "nonsmooth/cluster_contact.hpp"
 
 #include <array>
 #include <vector>
@@ -41,10 +42,6 @@ struct RigidStep {
 /// Of two bodies or more.
 struct RigidRow {
     enum class Source : std::uint8_t { face, obstacle, pair, point };
-    struct Term {
-        Index body;
-        Vec3 along_N, along_T;
-    };
     Source source;
     Index number;     // in the list of its source
     double gap;       // [m]
@@ -60,16 +57,13 @@ struct RigidRow {
     bool is_struck = false;       // within the step
     Index cluster = -1;           // none: nothing that it joins moves
     int n_terms = 0;
-    std::array<Term, 4> terms;
+    std::array<ClusterTerm, 4> terms;
 };
 
 /// [m/s], or of the unit of the member times that of the rate.
 inline Vec2 rate(const RigidRow& row, const std::vector<MovingBody>& bodies, Vec3 MovingBody::*velocity) {
     Vec2 V = Vec2::Zero();
-    for (int k = 0; k < row.n_terms; ++k) {
-        const Vec3& v = bodies[row.terms[k].body].*velocity;
-        V += Vec2(row.terms[k].along_N.dot(v), row.terms[k].along_T.dot(v));
-    }
+    for (int k = 0; k < row.n_terms; ++k) V += row.terms[k].rate(bodies[row.terms[k].body].*velocity);
     return V;
 }
 
@@ -89,7 +83,7 @@ inline Sides sides_of(const RigidRow& row, const std::vector<MovingBody>& bodies
 inline void complete(RigidRow& row, const std::vector<MovingBody>& bodies) {
     row.own_N = row.own_T = 0;
     for (int k = 0; k < row.n_terms; ++k) {
-        const RigidRow::Term& term = row.terms[k];
+        const ClusterTerm& term = row.terms[k];
         const Vec3& inverse_mass = bodies[term.body].inverse_mass;
         row.own_N += term.along_N.dot(inverse_mass.cwiseProduct(term.along_N));
         row.own_T += term.along_T.dot(inverse_mass.cwiseProduct(term.along_T));

@@ -89,7 +89,7 @@ bool RigidScheme::mark_struck(std::vector<std::uint8_t>& marked) {
     blow_ = {}, blows_.assign(trial_->begin.rigid_pieces.size(), 0);
     marked.resize(blows_.size(), 0);
     if (stays_) return false;
-    blow_ = contacts_.hardest_blow(*trial_, bodies_, &blows_);
+    blow_ = contacts_.hardest_blow(*trial_, bodies_, blows_);
     bool any = false;
     for (std::size_t p = 0; p < blows_.size(); ++p)
         if (blows_[p] > 1 && !marked[p]) marked[p] = 1, any = true;
