@@ -166,7 +166,7 @@ TEST_CASE("maps: colours become materials") {
     CHECK(reports(map("{ rgb = \"#2040e0\", material = \"quarz\" }"), "unknown-name", "did you mean"));
     CHECK(reports(map(""), "missing-key", "no colours"));
     CHECK(reports(changed("two_halves.png", "none.png", map(right)), "missing-file", "cannot be read"));
-    CHECK(reports(changed("data/two_halves.png", "test_grains.cpp", map(right)), "bad-file", "not a PNG"));
+    CHECK(reports(changed("data/two_halves.png", "grains.cpp", map(right)), "bad-file", "not a PNG"));
 }
 
 }  // namespace grains_test
