@@ -2,6 +2,7 @@
 
 #include "mesh/overlap.hpp"
 #include "model/body_in_obstacles.hpp"
+#include "model/make_ground.hpp"
 
 #include <algorithm>
 #include <cmath>

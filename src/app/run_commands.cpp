@@ -8,6 +8,7 @@
 #include "figures/canvas.hpp"
 #include "figures/ticks.hpp"
 #include "output/vtk_series.hpp"
+#include "record/figure_sequence.hpp"
 #include "record/outputs.hpp"
 #include "record/run_files.hpp"
 #include "record/run_record.hpp"

@@ -413,6 +413,11 @@ Plot body_plot(Box seen, const FigureOptions& options, double below) {
     return plot;
 }
 
+std::string magnification(const FigureOptions& options, bool obstacles) {
+    if (!body_kind(options.show) || options.deform == 1) return "";
+    return "displacements × " + short_number(options.deform) + (obstacles ? ", so closed gaps overlap" : "");
+}
+
 FigureScale body_scale(const FigureOptions& options, const Frame& frame, const Histories& histories) {
     const bool with_paths = body_kind(options.show)->drawing == paths_drawing;
     FigureScale scale{

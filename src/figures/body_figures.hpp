@@ -2,9 +2,11 @@
 // Figures of the body at one moment: its cracks, its materials, or a field on it, with the obstacles around it. A new
 // field is a row of body_fields(), a new colour of cracks a row of crack_colours() (both in body_quantities.cpp), a new
 // kind a row of body_kinds (body_figures.cpp).
-#include "figures/figures.hpp"
+#include "figures/figure_options.hpp"
 #include "figures/legend.hpp"
 #include "figures/plot.hpp"
+#include "output/frame.hpp"
+#include "output/history_csv.hpp"
 
 namespace knap {
 
@@ -78,6 +80,9 @@ Colour material_colour(std::int32_t region, std::int32_t grain);
 /// The axes of a figure of the part `seen` of the plane with `below` [unit] for a legend: equal scales in x and y, but
 /// for FigureOptions::aspect. A slender part is widened so that its axis has room for labels.
 Plot body_plot(Box seen, const FigureOptions& options, double below);
+
+/// "displacements × 5", and the consequence for contacts where there are obstacles; "" for a body in true scale.
+std::string magnification(const FigureOptions& options, bool obstacles);
 
 FigureScale body_scale(const FigureOptions& options, const Frame& frame, const Histories& histories);
 Legend body_legend(const FigureOptions& options, const Frame& frame, const FigureContext& context,

@@ -279,11 +279,6 @@ double drawing_memory(const FigureOptions& options, const Vec2& extent) {
     return (options.is_animation() ? 48 : 12) * size.x() * size.y();
 }
 
-std::string magnification(const FigureOptions& options, bool obstacles) {
-    if (!shows_body(options.show) || options.deform == 1) return "";
-    return "displacements × " + short_number(options.deform) + (obstacles ? ", so closed gaps overlap" : "");
-}
-
 bool waits_for_the_end(const FigureOptions& options) {
     return shows_body(options.show) && (options.at.size() > 1 || options.panel || options.is_animation());
 }

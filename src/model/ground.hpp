@@ -2,13 +2,11 @@
 // The supports as the ground of contact between free faces: rigid polylines, fixed in space, with the ground to the
 // left. A point that stands on its support is a link of its fan; general contact has whatever else comes near, and the
 // body itself where it has left its place.
-#include "model/obstacle.hpp"
+#include "base/vec.hpp"
 
 #include <vector>
 
 namespace knap {
-
-struct Model;
 
 constexpr double straight_on = 1e-6;  // sine of the angle between two edges that are straight
 
@@ -26,14 +24,5 @@ struct Ground {
     std::vector<GroundVertex> vertices;
     std::vector<Index> of_point;  // per interface point on a support: its vertex; else -1
 };
-
-/// Every edge of a support, at its gap from the body, and its straight continuation where the support ends
-/// (Interface::beyond). Edges that meet at a mesh vertex are one polyline. At its ends a side of the ground leads
-/// straight away from the body: bodies beyond its end are not supported. Throws UserError where a continuation crosses
-/// the body.
-Ground make_ground(const Model& model);
-
-/// The faces of the ground as fixed obstacles, which free ones meet: a polyline for every stretch of one law.
-std::vector<Obstacle> obstacles_of_ground(const Model& model);
 
 }  // namespace knap

@@ -9,7 +9,6 @@
 //
 // A fan consists of the corners round a mesh vertex, counterclockwise, and the points between them; or of the one or
 // two corners in the middle of an edge and their point; or of the centre of a triangle.
-#include "base/error.hpp"
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
@@ -200,26 +199,5 @@ struct Model {
 inline bool unbreakable(const Model& model, const FanPoint& point) {
     return !point.cracked && !model.laws[point.law].breakable();
 }
-
-/// A load, support or initial velocity acts nowhere on the mesh.
-class EmptySelection : public UserError {
-public:
-    enum List { loads, supports, initial_velocities, crack_pressures };
-    EmptySelection(List list, std::size_t number, const std::string& message)
-        : UserError("empty-selection", message), list(list), number(number) {}
-    List list;           // of ModelInput
-    std::size_t number;  // in it, from 0
-};
-
-/// An obstacle overlaps the body at the start.
-class ObstacleInBody : public UserError {
-public:
-    ObstacleInBody(Index number, const std::string& message, const std::string& cure)
-        : UserError("overlap", message, cure), number(number) {}
-    Index number;  // of the obstacle
-};
-
-/// Throws EmptySelection for selections that select nothing, ObstacleInBody, and other UserErrors.
-Model make_model(ModelInput input);
 
 }  // namespace knap

@@ -2,6 +2,7 @@
 // All that changes during a run, and all that a restart needs.
 #include "model/model.hpp"
 #include "model/rigid_body.hpp"
+#include "model/temperatures.hpp"
 
 #include <algorithm>
 #include <cstdint>

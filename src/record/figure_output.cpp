@@ -4,7 +4,7 @@
 #include "base/error.hpp"
 #include "base/whole_file.hpp"
 #include "figures/canvas.hpp"
-#include "record/run_files.hpp"
+#include "record/figure_sequence.hpp"
 
 #include <algorithm>
 

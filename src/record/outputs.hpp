@@ -13,6 +13,7 @@
 
 namespace knap {
 
+/// In output_list.cpp, which looks at all that has rows.
 const std::vector<OutputTable>& output_tables();
 const OutputTable& output_table(std::string_view name);
 

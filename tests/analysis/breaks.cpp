@@ -1,6 +1,7 @@
 // Breaks of interfaces: mode, time, direction; the rose diagram of a known set of them.
 #include "analysis/breaks.hpp"
 #include "figures/curve_figures.hpp"
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

@@ -1,6 +1,7 @@
 // Collectors: mass counts once however pieces break and turn back, and the path between two steps is a parabola.
 #include "analysis/collectors.hpp"
 #include "base/quantile.hpp"
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>

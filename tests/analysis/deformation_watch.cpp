@@ -2,6 +2,7 @@
 #include "analysis/deformation_watch.hpp"
 #include "analysis/gates.hpp"
 
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

@@ -1,6 +1,7 @@
 // The energy ledger at its start, and the energy figure, which must close.
 #include "analysis/gates.hpp"
 #include "figures/curve_figures.hpp"
+#include "model/make_model.hpp"
 #include "stepper/adapt/excavation.hpp"
 
 #include "support/bodies.hpp"

@@ -1,6 +1,7 @@
 #include "analysis/fragments.hpp"
 
 #include "figures/curve_figures.hpp"
+#include "model/make_model.hpp"
 #include "model/state.hpp"
 #include "support/meshes.hpp"
 

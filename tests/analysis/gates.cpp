@@ -2,6 +2,7 @@
 #include "analysis/gates.hpp"
 #include "analysis/deformation_watch.hpp"
 
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

@@ -3,7 +3,7 @@
 
 #include "analysis/crack_history.hpp"
 #include "analysis/fragments.hpp"
-#include "model/model.hpp"
+#include "model/make_model.hpp"
 #include "model/state.hpp"
 #include "support/bodies.hpp"
 

@@ -1,6 +1,7 @@
 // What probes take: the triangles of a box, the nearest interface, the nearest point of the boundary.
 #include "analysis/probes.hpp"
 
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>

@@ -5,6 +5,7 @@
 #include "figures/curve_figures.hpp"
 
 #include "base/error.hpp"
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/obstacles.hpp"
 #include "support/relative.hpp"

@@ -7,6 +7,7 @@
 #include "figures/contact_sheet.hpp"
 #include "figures/curve_figures.hpp"
 #include "output/vtk_series.hpp"
+#include "record/figure_sequence.hpp"
 #include "record/run_files.hpp"
 
 #include <doctest/doctest.h>

@@ -3,6 +3,7 @@
 
 #include "heat_bodies.hpp"
 #include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 

@@ -1,6 +1,7 @@
 // Strength, friction and pressure in cracks that follow the temperature (H20, H21, H22).
 #include "heat_bodies.hpp"
 #include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
 #include "output/frame.hpp"
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/explicit/bond_criteria.hpp"

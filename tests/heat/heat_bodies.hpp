@@ -1,5 +1,6 @@
 #pragma once
 // Bodies with temperatures.
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 
 namespace knap::tests {

@@ -1,6 +1,7 @@
 // Latent heat: the front of melting (H23), and its book.
 #include "heat/conduction.hpp"
 #include "heat_bodies.hpp"
+#include "model/make_model.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 

@@ -1,6 +1,7 @@
 // Onset of cracks in a quenched plate by its strength (H25).
 #include "heat/conduction.hpp"
 #include "heat_bodies.hpp"
+#include "model/make_model.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 

@@ -1,6 +1,7 @@
 // Conductivity and heat capacity over temperature (H24).
 #include "heat/conduction.hpp"
 #include "heat_bodies.hpp"
+#include "model/make_model.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 

@@ -2,6 +2,7 @@
 // each other.
 #include "heat/conduction.hpp"
 #include "heat_bodies.hpp"
+#include "model/make_model.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "support/relative.hpp"
 #include "support/several_bodies.hpp"

@@ -1,6 +1,7 @@
 // Loads that contradict each other, and pairs of loads that only seem to.
 #include "model/contradictions.hpp"
 
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>

@@ -1,4 +1,5 @@
 // The corners and points round a vertex: closed and open fans, cracks, supports, a vertex where two bodies touch.
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

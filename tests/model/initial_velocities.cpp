@@ -1,4 +1,5 @@
 // Initial velocity and spin of a body: momentum and angular momentum to rounding.
+#include "model/make_model.hpp"
 #include "model/selections.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"

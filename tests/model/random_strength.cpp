@@ -1,4 +1,5 @@
 // Laws of single interfaces: within and between grains, joints, random strength.
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/meshes.hpp"
 #include "support/relative.hpp"

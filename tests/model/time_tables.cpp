@@ -1,6 +1,7 @@
 // Tables over time between the ends of steps: impulses are exact, resolved tables keep their bits, large steps end at
 // corners.
 #include "model/time_tables.hpp"
+#include "model/make_model.hpp"
 
 #include "support/bodies.hpp"
 #include "support/relative.hpp"

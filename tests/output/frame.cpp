@@ -3,7 +3,7 @@
 #include "output/frame.hpp"
 
 #include "base/error.hpp"
-#include "model/model.hpp"
+#include "model/make_model.hpp"
 #include "model/state.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"

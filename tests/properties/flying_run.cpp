@@ -1,4 +1,5 @@
 #include "properties/flying_run.hpp"
+#include "model/make_model.hpp"
 
 #include "properties/wild_body.hpp"
 

@@ -1,4 +1,5 @@
 #include "properties/wild_run.hpp"
+#include "model/make_model.hpp"
 
 #include "analysis/deformation_watch.hpp"
 #include "analysis/gates.hpp"

@@ -117,12 +117,10 @@ TEST_CASE("headers and sources of a name include others in one direction") {
         }
         if (seen.contains(unit)) reached[folder_of(unit)].insert(unit);
     }
-    // a model has its state, and building it looks at both; the list of outputs has rows where their numbers are known
-    std::map<std::string, std::size_t> known{{"model", 7}, {"record", 7}, {"figures", 2}};
     for (const auto& [folder, units] : reached) {
         std::string names;
         for (const std::string& unit : units) names += " " + unit;
-        CHECK_MESSAGE(units.size() <= known[folder], "these include each other:", names);
+        FAIL_CHECK("these in " << folder << " include each other:" << names);
     }
 }
 

@@ -1,7 +1,7 @@
 // The line that says how a run goes.
 #include "record/progress.hpp"
 
-#include "model/model.hpp"
+#include "model/make_model.hpp"
 #include "model/state.hpp"
 #include "support/bodies.hpp"
 

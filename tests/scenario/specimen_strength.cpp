@@ -1,6 +1,6 @@
 // The surplus of specimens: tables of it, and sigma_c as measured.
-#include "samples.hpp"
 #include "scenario/specimen_strength.hpp"
+#include "samples.hpp"
 
 #include "base/error.hpp"
 #include "support/relative.hpp"

@@ -1,6 +1,6 @@
 // The surplus of a mesh: tables of it, and G_c as measured.
-#include "samples.hpp"
 #include "scenario/toughness.hpp"
+#include "samples.hpp"
 
 #include "base/error.hpp"
 #include "support/relative.hpp"

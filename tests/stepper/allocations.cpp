@@ -1,5 +1,6 @@
 // The step loop lives on the memory it has: counted where malloc can be replaced (glibc, no sanitizer).
 #include "base/arena.hpp"
+#include "model/make_model.hpp"
 #include "stepper/implicit/theta_matrix.hpp"
 #include "support/obstacles.hpp"
 #include "support/pieces.hpp"

@@ -1,6 +1,7 @@
 // Mass-proportional damping of the explicit bulk: its decay, its order, its work in the energy balance, and what it
 // leaves of the motion of pieces that nothing holds.
 #include "analysis/fragments.hpp"
+#include "model/make_model.hpp"
 #include "properties/wild_body.hpp"
 #include "stepper/adapt/excavation.hpp"
 #include "support/obstacles.hpp"

@@ -1,5 +1,6 @@
 // Large rotations with the explicit bulk: a body that turns far keeps its energy and its angular momentum, its cracks
 // do not depend on how it is turned, and small displacements give what they give with small rotations.
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 #include "support/verification.hpp"

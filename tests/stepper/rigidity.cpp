@@ -1,5 +1,6 @@
 // Interfaces that hold are rigid: the body with all its edges cohesive moves as the body without (E1, E12), and a
 // preload below the strength does nothing at all (E14).
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 

@@ -1,5 +1,6 @@
 // bulk = "auto": both schemes on one state, and the changes between them.
 #include "stepper/scheme_change.hpp"
+#include "model/make_model.hpp"
 #include "stepper/step_control.hpp"
 #include "support/bodies.hpp"
 

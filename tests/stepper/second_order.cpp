@@ -1,5 +1,6 @@
 // Triangles of second order: nothing of the method changes, the bulk bends.
 #include "analysis/interface_graph.hpp"
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 

@@ -1,4 +1,5 @@
 // Inertia and scatter raise the strength of a bar that expands, without any rate in the law.
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/verification.hpp"
 

@@ -1,5 +1,6 @@
 // Loads that depend on the state (Model::state_forces): an elastic bedding and drag move a body as the recurrence of
 // each scheme says, and their works close the energy balance.
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/obstacles.hpp"
 

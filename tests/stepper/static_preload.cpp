@@ -1,6 +1,7 @@
 // Starts in static equilibrium: exact columns and bars, contact, supports that do not hold, a preload just below the
 // strength (E14).
 #include "base/error.hpp"
+#include "model/make_model.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"

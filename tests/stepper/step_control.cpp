@@ -1,5 +1,6 @@
 // The step-size policy against scripted reports: no stepper, no body.
 #include "stepper/step_control.hpp"
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 
 #include <doctest/doctest.h>

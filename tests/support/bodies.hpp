@@ -1,6 +1,7 @@
 #pragma once
 // Runs of the stepper on small bodies.
 #include "analysis/energy_ledger.hpp"
+#include "model/make_model.hpp"
 #include "model/state.hpp"
 #include "stepper/moreau_jean.hpp"
 #include "support/meshes.hpp"

@@ -1,5 +1,6 @@
 #pragma once
 // Scenes of separate bodies whose places and velocities are set by hand.
+#include "model/make_model.hpp"
 #include "model/state.hpp"
 #include "stepper/contact/face_contacts.hpp"
 #include "stepper/contact/retirement.hpp"

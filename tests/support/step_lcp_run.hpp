@@ -3,6 +3,7 @@
 // from the start, so that each corner has a node of its own.
 #include "lcp/scaling.hpp"
 #include "lcp/solvers.hpp"
+#include "model/make_model.hpp"
 #include "support/implicit_judge.hpp"
 #include "support/meshes.hpp"
 

@@ -5,6 +5,7 @@
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "model/body_in_obstacles.hpp"
+#include "model/make_ground.hpp"
 #include "model/obstacle_gap.hpp"
 #include "model/selections.hpp"
 #include "stepper/common/crack_forces.hpp"

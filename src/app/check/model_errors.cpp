@@ -11,6 +11,7 @@
 #include "figures/animation.hpp"
 #include "mesh/polygon.hpp"
 #include "model/contradictions.hpp"
+#include "model/make_model.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/contact/face_contacts.hpp"
 

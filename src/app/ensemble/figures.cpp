@@ -2,6 +2,7 @@
 // sheet; its trajectories are in trajectories.cpp.
 #include "app/ensemble/ensemble.hpp"
 #include "base/error.hpp"
+#include "figures/body_figures.hpp"
 #include "figures/chart.hpp"
 #include "figures/contact_sheet.hpp"
 #include "output/vtk_series.hpp"

@@ -3,6 +3,7 @@
 #include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
+#include "model/make_model.hpp"
 #include "stepper/moreau_jean.hpp"
 
 #include <algorithm>

@@ -4,6 +4,7 @@
 #include "base/formatted.hpp"
 #include "mesh/shape_graph.hpp"
 #include "microstructure/grain_mesh.hpp"
+#include "model/make_model.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>

@@ -2,7 +2,7 @@
 // From a scenario to a model, and properties of both that are known before a run.
 #include "app/setup/step_plan.hpp"
 #include "mesh/mesh_report.hpp"
-#include "model/model.hpp"
+#include "model/make_model.hpp"
 #include "record/recorder.hpp"
 #include "record/run_record.hpp"
 #include "scenario/scenario.hpp"

@@ -1,4 +1,5 @@
 #include "stepper/adapt/adaptation.hpp"
+#include "model/make_model.hpp"
 
 #include "base/parallel.hpp"
 #include "element/elastic_forces.hpp"

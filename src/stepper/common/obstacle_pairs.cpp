@@ -1,4 +1,5 @@
 #include "stepper/common/obstacle_pairs.hpp"
+#include "model/make_ground.hpp"
 
 #include "model/obstacle_gap.hpp"
 #include "stepper/common/contact_search.hpp"

@@ -1,5 +1,6 @@
 // Refinement between two steps: what it keeps exactly, which works it counts, and the trigger.
 #include "stepper/adapt/adaptation.hpp"
+#include "model/make_model.hpp"
 
 #include "analysis/energy_ledger.hpp"
 #include "base/random.hpp"

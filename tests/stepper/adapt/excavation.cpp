@@ -1,5 +1,6 @@
 // Excavation: what remains after triangles vanish, against closed forms and the body that lacked them from the start.
 #include "stepper/adapt/excavation.hpp"
+#include "model/make_model.hpp"
 
 #include "mesh/triangulate.hpp"
 #include "model/successor.hpp"

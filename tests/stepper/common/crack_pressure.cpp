@@ -1,5 +1,6 @@
 // A fluid in cracks: where it acts, what it does, and the stress intensity of a crack under pressure.
 #include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
 #include "stepper/common/crack_forces.hpp"
 #include "support/bodies.hpp"
 #include "support/verification.hpp"

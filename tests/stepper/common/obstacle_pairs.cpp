@@ -1,5 +1,6 @@
 // Rigid obstacles that meet each other, in both schemes: rolling and slipping on an incline, impacts, stacks and
 // heaps that come to rest.
+#include "model/make_ground.hpp"
 #include "model/obstacle_gap.hpp"
 #include "support/obstacles.hpp"
 #include "support/relative.hpp"

@@ -1,4 +1,5 @@
 // Supports as the ground of contact between free faces: what slides, topples over or falls onto them.
+#include "model/make_model.hpp"
 #include "support/obstacles.hpp"
 #include "support/pieces.hpp"
 #include "support/several_bodies.hpp"

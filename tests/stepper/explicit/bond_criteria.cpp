@@ -1,5 +1,6 @@
 // The sufficient criteria for bonded fans against the exact test: a fan that they clear is bonded.
 #include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
 #include "stepper/common/bond_check.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
 #include "support/bodies.hpp"

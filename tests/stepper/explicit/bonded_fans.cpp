@@ -1,6 +1,7 @@
 // Bonded fans, in blocks of triangles and across their borders; and split fans that are stationary.
 #include "base/parallel.hpp"
 #include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
 #include "stepper/explicit/mesh_blocks.hpp"
 #include "stepper/explicit/partition.hpp"
 #include "support/bodies.hpp"

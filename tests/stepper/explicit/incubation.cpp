@@ -3,6 +3,7 @@
 #include "analysis/energy_ledger.hpp"
 #include "law/self_stress.hpp"
 #include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
 #include "stepper/common/bond_check.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"

@@ -1,5 +1,6 @@
 #pragma once
 // One implicit step of a bar whose fans are all active, for tests of what works on its points.
+#include "model/make_model.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
 #include "support/bodies.hpp"
 

@@ -1,5 +1,6 @@
 // Bodies with all their edges cohesive and implicit: ties (E3), friction of any size (E11), slivers (E12).
 #include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"

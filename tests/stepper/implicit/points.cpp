@@ -1,6 +1,7 @@
 // The implicit scheme on one cohesive point with exact answers: quasi-static bars (A2, A4), shear with friction (A3),
 // the best unit test of the step (B1, E5), a step beyond Assumption 1 (E9), closure (E6), a stuck point under a
 // rotating load (E8).
+#include "model/make_model.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"

@@ -2,6 +2,7 @@
 // judged by the equations.
 #include "base/random.hpp"
 #include "lcp/spurious_breaking.hpp"
+#include "model/make_model.hpp"
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 #include "support/step_lcp_run.hpp"

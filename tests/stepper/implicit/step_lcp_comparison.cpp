@@ -1,6 +1,7 @@
 // The implicit stepper against the full, unreduced complementarity problem of each of its steps, solved by Lemke's
 // method: on random small bodies both find the same motion and the same cohesion. Where they do not, both must satisfy
 // the equations: with friction a step may have several solutions.
+#include "model/make_model.hpp"
 #include "support/random_bodies.hpp"
 #include "support/softening_shapes.hpp"
 #include "support/step_lcp_run.hpp"

@@ -1,5 +1,6 @@
 // The matrix of an implicit step against the sum of its elements, while fans come apart and points change.
 #include "stepper/implicit/theta_matrix.hpp"
+#include "model/make_model.hpp"
 #include "stepper/implicit/dissection.hpp"
 #include "stepper/implicit/gmres.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"

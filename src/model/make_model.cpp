@@ -1,10 +1,11 @@
-#include "model/model.hpp"
+#include "model/make_model.hpp"
 
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/body_in_obstacles.hpp"
 #include "model/fans.hpp"
+#include "model/make_ground.hpp"
 #include "model/selections.hpp"
 #include "model/state.hpp"
 

@@ -1,6 +1,4 @@
-#include "model/heat.hpp"
-
-#include "model/model.hpp"
+#include "model/temperatures.hpp"
 
 namespace knap {
 

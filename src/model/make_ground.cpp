@@ -1,8 +1,8 @@
-#include "model/ground.hpp"
+#include "model/make_ground.hpp"
 
+#include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "mesh/polygon.hpp"
-#include "model/model.hpp"
 
 #include <cmath>
 #include <map>
