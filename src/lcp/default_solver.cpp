@@ -78,7 +78,8 @@ public:
     LcpSolution run() {
         best_x_ = box_.box_start(options_.start);
         smallest_ = box_.residual(best_x_);
-        if (smallest_ <= options_.tolerance || solve_box_form()) return result(LcpStatus::solved, best_x_);
+        if (smallest_ <= options_.tolerance || solve_box_form())
+            return accepted_ ? std::move(*accepted_) : result(LcpStatus::solved, best_x_);
         LcpSolution best = result(LcpStatus::stalled, best_x_);
         if (!options_.exhaustive) {
             if (problem_.size() > max_dense_unknowns) return best;
@@ -130,7 +131,9 @@ private:
         if (!options_.exhaustive) return true;
         LcpSolution solution = result(LcpStatus::solved, x);
         const Rank rank = judge(solution);
-        return can_sweep_ ? !rank.inaccurate : rank.is_accepted();
+        const bool is_accepted = can_sweep_ ? !rank.inaccurate : rank.is_accepted();
+        if (is_accepted) accepted_ = std::move(solution);
+        return is_accepted;
     }
 
     void remember(const Eigen::VectorXd& x) {
@@ -147,10 +150,12 @@ private:
     bool solve_box_form() {
         const Eigen::VectorXd start = best_x_;
         Eigen::VectorXd x = start;
-        const bool is_solved = can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, x, count_) && is_accepted(x);
-        if (is_solved) best_x_ = x;
+        if (can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, x, count_) && is_accepted(x)) {
+            best_x_ = x;
+            return true;
+        }
         remember(x);
-        if (is_solved || newton_from(x.allFinite() ? x : start)) return true;
+        if (newton_from(x.allFinite() ? x : start)) return true;
         const LcpStatus status = solve_box_by_proximal_points(box_, options_.tolerance, x, count_);
         if (status == LcpStatus::solved && is_accepted(x)) {
             best_x_ = x;
@@ -166,6 +171,7 @@ private:
     bool can_sweep_;
     std::optional<LcpScaling> scaling_;  // what judges need is found with the first answer
     std::optional<CohesiveLayout> layout_;
+    std::optional<LcpSolution> accepted_;
     Eigen::VectorXd best_x_;
     double smallest_ = infinity;  // residual of best_x_ in the box form
     int count_ = 0;

@@ -142,24 +142,27 @@ private:
     /// Undoes pairs whose columns i and j are not opposite, apart from the row of their bound.
     void undo_pairs_with_other_columns() {
         const auto n = q_.size();
-        std::vector<int> pair_of(n, -1), other(n, -1);  // of a column: i of its pair, and the other column
-        for (int i = 0; i < n; ++i) {
-            if (!is_pair(i)) continue;
-            const int j = unknown_of_[i].opposite;
-            pair_of[i] = pair_of[j] = i;
-            other[i] = j, other[j] = i;
-        }
-        Eigen::VectorXd scale = Eigen::VectorXd::Zero(n), largest_sum = scale, row = scale;
+        std::vector<int> pair_of(n, -1);  // of a column: i of its pair
+        for (int i = 0; i < n; ++i)
+            if (is_pair(i)) pair_of[i] = pair_of[unknown_of_[i].opposite] = i;
+        // The entry in the column of a pair that comes first in a row waits for that in the other one.
+        Eigen::VectorXd scale = Eigen::VectorXd::Zero(n), largest_sum = scale, waiting = scale;
         for (int r = 0; r < n; ++r) {
             const auto [columns, values] = row_of(M_, r);
-            for (std::size_t e = 0; e < columns.size(); ++e) row[columns[e]] = values[e];
+            const auto settle = [&](int i, double sum) {
+                if (unknown_of_[i].slack != r) largest_sum[i] = std::max(largest_sum[i], std::abs(sum));
+                waiting[i] = 0;
+            };
+            int n_waiting = 0;
             for (std::size_t e = 0; e < columns.size(); ++e) {
                 const int i = pair_of[columns[e]];
-                if (i < 0 || unknown_of_[i].slack == r) continue;
-                scale[i] = std::max(scale[i], std::abs(values[e]));
-                largest_sum[i] = std::max(largest_sum[i], std::abs(values[e] + row[other[columns[e]]]));
+                if (i < 0 || values[e] == 0) continue;
+                if (unknown_of_[i].slack != r) scale[i] = std::max(scale[i], std::abs(values[e]));
+                if (waiting[i] != 0) settle(i, waiting[i] + values[e]), --n_waiting;
+                else waiting[i] = values[e], ++n_waiting;
             }
-            for (const int column : columns) row[column] = 0;
+            for (std::size_t e = 0; e < columns.size() && n_waiting > 0; ++e)  // the other entry is 0
+                if (const int i = pair_of[columns[e]]; i >= 0 && waiting[i] != 0) settle(i, waiting[i]), --n_waiting;
         }
         for (int i = 0; i < n; ++i)
             if (is_pair(i) && largest_sum[i] > equal_numbers * scale[i]) undo(i);

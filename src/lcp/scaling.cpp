@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 namespace knap {
 namespace {
@@ -54,14 +53,14 @@ void follow_couplings(const LcpMatrix& M, Eigen::VectorXd& factor) {
 
 /// The entries in the rows and columns without a diagonal entry; most entries of M are elsewhere, and are not copied.
 LcpMatrix entries_of_bounds(const LcpMatrix& M, const Eigen::VectorXd& diagonal) {
-    std::vector<Eigen::Triplet<double>> entries;
+    LcpMatrix of_bounds(M.rows(), M.cols());
     for (int i = 0; i < M.outerSize(); ++i) {
+        of_bounds.startVec(i);
         const auto [columns, values] = row_of(M, i);
         for (std::size_t e = 0; e < columns.size(); ++e)
-            if (diagonal[i] == 0 || diagonal[columns[e]] == 0) entries.emplace_back(i, columns[e], values[e]);
+            if (diagonal[i] == 0 || diagonal[columns[e]] == 0) of_bounds.insertBack(i, columns[e]) = values[e];
     }
-    LcpMatrix of_bounds(M.rows(), M.cols());
-    of_bounds.setFromTriplets(entries.begin(), entries.end());
+    of_bounds.finalize();
     return of_bounds;
 }
 
