@@ -3,6 +3,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
+#include "figures/write_png.hpp"
 
 #include <cairo-pdf.h>
 #include <cairo-svg.h>
@@ -377,7 +378,7 @@ DrawnFigure Canvas::finish() {
     cairo_show_page(cairo_);
     cairo_status_t status = cairo_status(cairo_);
     if (status == CAIRO_STATUS_SUCCESS && !file_.empty() && has_pixels())
-        status = cairo_surface_write_to_png_stream(surface_, append, &bytes_);
+        if (bytes_ = png_of(surface_); bytes_.empty()) status = CAIRO_STATUS_NO_MEMORY;
     if (!file_.empty()) cairo_surface_finish(surface_);
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
     if (status != CAIRO_STATUS_SUCCESS)

@@ -160,6 +160,7 @@ TEST_CASE("cereal is behind one file") {
 TEST_CASE("VTK is in output only and cairo in figures only") {
     for (const std::string& user : users_of({"vtk"})) CHECK(user.starts_with("src/output/"));
     for (const std::string& user : users_of({"cairo"})) CHECK(user.starts_with("src/figures/"));
+    CHECK(users_of({"png.h"}) == std::set<std::string>{"src/figures/write_png.cpp"});
     CHECK(users_of({"webp/"}) == std::set<std::string>{"src/figures/animation.cpp"});
 }
 
