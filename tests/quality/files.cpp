@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <map>
 #include <regex>
+#include <set>
 
 namespace files_test {
 
@@ -23,6 +24,20 @@ TEST_CASE("files in src are short") {
     }
     REQUIRE(n_files > 10);
     CHECK(total / n_files < 250);  // mean
+}
+
+TEST_CASE("tests of a folder of src are in the folder of its name") {
+    const std::set<std::string> of_no_folder{"fuzz",  "properties", "python",      "quality",
+                                             "slurm", "support",    "verification"};
+    std::set<std::string> folders;
+    for (const File& file : source_tree::files_below("tests")) {
+        const std::string below = file.path.substr(std::string("tests/").size());
+        if (!file.is_cpp() || below.find('/') == std::string::npos) continue;
+        if (!of_no_folder.contains(below.substr(0, below.find('/')))) folders.insert(below.substr(0, below.rfind('/')));
+    }
+    REQUIRE(folders.size() > 15);
+    for (const std::string& folder : folders)
+        CHECK_MESSAGE(std::filesystem::is_directory(source_tree::root() / "src" / folder), "tests/", folder);
 }
 
 TEST_CASE("no tabs and no spaces at the end of a line") {
