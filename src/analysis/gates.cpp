@@ -270,7 +270,7 @@ const GateRule rules[] = {
     {{"rotation", "deg",
       "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by "
       "tan^2(a)",
-      "Set domain.rotation = \"large\", where nothing else excludes it (explicit bulk, mesh.order = 1, start at rest), "
+      "Set domain.rotation = \"large\", where nothing else excludes it (mesh.order = 1, start at rest), "
       "or end the run earlier if its question is answered by then. If only fragments turn that no longer matter, allow "
       "it: [limits] rotation = \"none\" and area_change = \"none\"."},
      {5, 30, allowed},

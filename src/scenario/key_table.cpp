@@ -103,7 +103,8 @@ void add_keys_of_body(KeyTable& t) {
         .otherwise("plane strain").to(&Scenario::plane, {PlaneModel::strain, PlaneModel::stress});
     t.word("rotation", {"small", "large"}, "assumption on rotations: small (linear strain), or large (Green's strain, "
         "strains still small): fragments turn as far as they like, and pressure and stress loads follow their faces; "
-        "large with the explicit bulk, a start at rest and mesh.order = 1")
+        "with a start at rest and mesh.order = 1. Implicit steps are cut where a piece turns by more than 0.3 rad, or "
+        "bends too far in one, and theta above 0.5 brakes a spin")
         .otherwise("small").to(&Scenario::large_rotation, {false, true});
     t.number("thickness", "m", "out-of-plane thickness; forces and energies are those of this thickness")
         .above(0).otherwise("1").to(&Scenario::thickness);
@@ -447,8 +448,8 @@ void add_keys_of_loads(KeyTable& t) {
 
     t.table("contact", "contact between all free faces of all bodies and fragments, without a penalty; without this "
         "table faces that are no neighbours pass through each other. Two faces of joints with one law keep its "
-        "friction and restitution, whatever is given here. It needs domain.rotation = \"large\" and "
-        "cohesion = \"explicit\"");
+        "friction and restitution, whatever is given here. It needs domain.rotation = \"large\", "
+        "bulk = \"explicit\" and cohesion = \"explicit\"");
     t.number("friction", "", "Coulomb friction coefficient of all pairs of materials")
         .at_least(0).computed("that of the interface law between the two materials").to(&ContactLaw::friction);
     t.number("restitution", "", "Newton's coefficient of restitution of all pairs: 0 plastic, 1 elastic impact")

@@ -78,7 +78,10 @@ void read_contact(Reading& reading) {
     }
     if (reading.table("domain").text("rotation") == "small")  // any other word has its own error
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
-    if (reading.scenario.time.scheme.cohesion != CohesionScheme::explicit_beta)
+    const SchemeOptions& scheme = reading.scenario.time.scheme;
+    if (scheme.takes_implicit_steps())
+        table.exclude("", "[contact]", words_of(scheme.bulk), "time.bulk = \"explicit\", or no [contact]");
+    else if (scheme.cohesion != CohesionScheme::explicit_beta)
         table.exclude("", "[contact]", "cohesion = \"implicit\"",
                       "time.cohesion = \"explicit\", and the explicit bulk");
     warn_of_supports(reading);

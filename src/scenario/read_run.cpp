@@ -44,13 +44,8 @@ void check_theta(const Table& time) {
 }
 
 void check_large_rotation(const Table& domain) {
-    const Scenario& scenario = domain.scenario();
-    const auto exclude = [&](const std::string& other, const std::string& cure) {
-        domain.exclude("rotation", "rotation = \"large\"", other, cure + ", or rotation = \"small\"");
-    };
-    if (scenario.order == 2) exclude("mesh.order = 2", "mesh.order = 1");
-    if (scenario.time.scheme.takes_implicit_steps())
-        exclude(words_of(scenario.time.scheme.bulk), "time.bulk = \"explicit\"");
+    if (domain.scenario().order == 2)
+        domain.exclude("rotation", "rotation = \"large\"", "mesh.order = 2", "mesh.order = 1, or rotation = \"small\"");
 }
 
 /// Faces that rub while the body flutters slip where their mean force would hold them, so viscosity is on there, unless

@@ -195,7 +195,7 @@ enum class Interfaces {
 /// The model without large rotations, in whose place forces on its corners correct those of small ones.
 struct Still {
     Still(const Model& turned, MassMatrix mass, Interfaces interfaces)
-        : model(turned),
+        : model(with_small_rotations(turned)),
           scheme(model, {.bulk = BulkScheme::implicit_theta,
                          .cohesion = interfaces >= Interfaces::softening ? CohesionScheme::implicit_beta
                                                                          : CohesionScheme::explicit_beta,
@@ -203,7 +203,6 @@ struct Still {
                          .mass = mass,
                          .respect_assumption_1 = interfaces == Interfaces::softening}) {
         scheme.leave_free_motions();
-        model.large_rotation = false;
         for (CohesiveLaw& law : model.laws)
             if (interfaces == Interfaces::glued && law.sigma_c > 0) law.sigma_c = infinity;
         if (interfaces == Interfaces::glued) model.laws_follow_temperature = false;
@@ -215,6 +214,11 @@ struct Still {
                 {.corner = c, .history = static_cast<Index>(model.histories.size()) - 1, .force = Vec2::Zero()});
     }
     Still(const Still&) = delete;  // the scheme refers to the model
+
+    static Model with_small_rotations(Model model) {
+        model.large_rotation = false;
+        return model;
+    }
 
     Model model;
     ImplicitScheme scheme;

@@ -19,8 +19,8 @@
 namespace knap {
 
 MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model_(model), options_(options) {
-    if (options.takes_implicit_steps() && model.large_rotation)  // the scheme is linear in the displacement
-        throw UserError("large-rotation", "large rotations need the explicit bulk");
+    if (options.takes_implicit_steps() && !model.contact_of_pair.empty())  // face_points.hpp: of a step without turns
+        throw UserError("contact", "contact between free faces needs the explicit bulk");
     if (!changes()) make_scheme(options.takes_implicit_steps());
     if (options.rigid.active()) rigid_ = std::make_unique<RigidScheme>(model, options);
     if (model.heat) heat_.emplace(model);

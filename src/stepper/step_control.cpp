@@ -91,6 +91,7 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
             return because(CutbackReason::contact_residual, report.where, report.rejected_value);
         case Rejection::not_converged: return because(CutbackReason::not_converged, report.where);
         case Rejection::jammed: return because(CutbackReason::jammed, report.where);
+        case Rejection::turn: return because(CutbackReason::motion, report.where, report.rejected_value);
         case Rejection::blow:  // judge_rigid
         case Rejection::none:
         case Rejection::too_coarse: break;

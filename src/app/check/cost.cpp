@@ -166,7 +166,7 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     cost.lines = slowness * n_lines * (of_line + of_line_interface * static_cast<double>(model.interfaces.size()));
 
     // refinements hold the model before and after them, but nothing else: 1.8 to 2.2 kB a triangle of the last one
-    const double of_triangle = implicit ? 4.2e-3 : 2.2e-3;
+    const double of_triangle = implicit ? scenario.large_rotation ? 5.2e-3 : 4.2e-3 : 2.2e-3;
     const double of_program = 75 + std::max(0.0, picture - 40);  // with a usual picture
     cost.memory = of_program + of_triangle * largest_growth * drawn;
     cost.least_memory = of_program + of_triangle * growth * drawn;

@@ -266,7 +266,7 @@ public:
                        formatted("a free body starts with a spin of %.3g deg/s and turns by %.3g degrees until "
                                  "`time.end`; small rotations are those below %.3g degrees",
                                  spin, angle, from),
-                       "domain.rotation = \"large\" (explicit bulk, mesh.order = 1)");
+                       "domain.rotation = \"large\" (mesh.order = 1)");
         }
     }
 

@@ -103,6 +103,11 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
                         "--dump-lcp stores one problem of a step, and with time.damping of vibrations the motion of "
                         "free pieces is found by several",
                         "use damping_of = \"motion\", or no damping");
+    if (model.large_rotation)
+        throw UserError("exclusive-keys",
+                        "--dump-lcp stores one linear problem of a step, and with large rotations it is solved by "
+                        "several",
+                        "use rotation = \"small\"");
     if (!StepLcp::fits(model, scheme))
         throw UserError("exclusive-keys",
                         "--dump-lcp stores a linear problem, and with an implicit cohesion the ramps of unloading = "

@@ -10,18 +10,22 @@ constexpr double no_cohesion = 1e-12;  // [-] beta below it is zero
 // energy is less than a millionth of G_c.
 constexpr double steepest_ramp = 1e-6;
 const CohesiveLaw of_obstacles;  // without cohesion
+// [-] Of a slip, with large rotations: strains turn the frames of the points of a vertex by as much against each other,
+// so their gaps contradict each other.
+constexpr double closed_beside_slip = 1e-3;
 
 }  // namespace
 
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
-                            Index fan_point) {
+                            Index fan_point, const PointTurn& turn) {
     const FanPoint& at = model.fan_points[fan_point];
     const CohesiveLaw& law = law_of(model, *step.begin, at);
     const auto velocity = [&](Index corner) -> Vec2 {
         return corner == rigid_support ? Vec2::Zero() : step.begin->velocity[step.begin->node_of_corner[corner]];
     };
     const Vec2 u = opening(model, *step.begin, at.point);
-    const double u_rate = at.normal.dot(velocity(at.after) - velocity(at.before));
+    const Vec2 normal = turn.middle.turned(at.normal);
+    const double u_rate = normal.dot(velocity(at.after) - velocity(at.before)) - turn.convected.x();
     double beta = at.cracked || law.sigma_c == 0 ? 0 : cohesion(model, *step.begin, at.point);
     if (beta < no_cohesion) beta = 0;
     const PointState* known = state_of(model, *step.begin, at.point);
@@ -29,7 +33,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     ActivePoint made{
         .sides = nodes.sides(model, fan_point),
         .fan = fan,
-        .normal = at.normal,
+        .normal = normal,
         .law = {.u_N = u.x(),
                 .u_T = u.y(),
                 .strength = beta > 0 ? step.kick() * at.area * step.begin->strength_factor(fan) * law.sigma_c : 0,
@@ -38,8 +42,10 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                 .ramp = kappa > steepest_ramp * law.delta_c() ? kappa : 0,
                 .friction = law.friction,
                 .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
-                                               touching_gap(model, *step.begin, at)),
-                .step = &step}};
+                                               touching_gap(model, *step.begin, at) +
+                                                   (model.large_rotation ? closed_beside_slip * std::abs(u.y()) : 0)),
+                .step = &step},
+        .support_rate = turn.convected};
     apply_prescribed(nodes, made);
     made.law.set_staircase();
     return made;

@@ -4,6 +4,7 @@
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/implicit/implicit_bulk.hpp"
+#include "stepper/implicit/turned_points.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,7 @@ struct ActivePoint {
     Multipliers multipliers = {};
     PointResponse response = {};
     Vec2 rate = Vec2::Zero();          // [m/s] (w_N, w_T)
-    Vec2 support_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle
+    Vec2 support_rate = Vec2::Zero();  // [m/s] (N, T) of the obstacle, or of an opening that turns with its frame
     double mass = 0;                   // [kg] that an impulse between the two sides moves: scale of impulses over rates
     double ramp_stiffness = 0;         // [kg] of the steepest ramp of its fan
     bool is_held = false;              // along its normal, on all sides of the body
@@ -84,9 +85,9 @@ inline std::size_t end_of_fan(const std::vector<ActivePoint>& points, std::size_
     return end;
 }
 
-/// Of a fan, with its law over the step; all but its mass.
+/// Of a fan, with its law over the step; all but its mass. `turn`: of large rotations.
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
-                            Index fan_point);
+                            Index fan_point, const PointTurn& turn = {});
 
 /// A contact with an obstacle that moves with the rate `obstacle_rate` over the step, as a point.
 ActivePoint obstacle_point(const Model& model, const StepContext& step, const CornerPartition& nodes,

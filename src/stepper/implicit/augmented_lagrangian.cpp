@@ -289,6 +289,13 @@ void AugmentedLagrangian::evaluate() {
     }
 }
 
+void AugmentedLagrangian::evaluate_body() {
+    newton_.system.forget();
+    newton_.system.evaluate();
+    for (const ActivePoint& point : newton_.x.points)
+        point.sides.add_force(-point.impulse(), newton_.system.residual());
+}
+
 double AugmentedLagrangian::move_freely() {
     evaluate();
     const double largest = newton_.system.move_freely(newton_.x.points);

@@ -50,6 +50,12 @@ public:
     /// The motion along them whose balance the solution lacks: its largest rate [m/s].
     double move_freely();
 
+    /// The residual of the solution, with the impulses of its points, after the equations of the body have changed.
+    void evaluate_body();
+
+    /// [N s] Of the balance, from now on: its equations will change.
+    void set_coarse_goal(double goal) { newton_.coarse_goal = goal; }
+
     void give_up_when(GiveUp condition) { newton_.given_up = condition; }
     const SolverCounts& counts() const { return newton_.counts; }
     double unit() const { return newton_.unit; }  // [N s] scale of the tolerances

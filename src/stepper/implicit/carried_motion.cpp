@@ -61,11 +61,12 @@ void CarriedMotion::set_carried() {
     carried_.assign(mesh.n_corners(), Vec2::Zero());
     for (Index c = 0; c < mesh.n_corners(); ++c)
         for (int k = 0; k < 3 && piece_of_corner_[c] >= 0; ++k)
-            carried_[c] += search_[piece_of_corner_[c]].q[k] * rigid_.motion(c, k, mesh.corner(c));
+            carried_[c] += search_[piece_of_corner_[c]].q[k] * rigid_.motion(c, k, bulk_.place(c));
     bulk_.set_carried(&carried_);
 }
 
 bool CarriedMotion::agrees(const std::vector<Vec2>& rate) {
+    if (bulk_.frames()) rigid_.find(model_, bulk_, piece_of_corner_, static_cast<Index>(search_.size()));
     rigid_.project(rate, along_);
     const double d = bulk_.mass_factor() - 1;
     bool all = true;

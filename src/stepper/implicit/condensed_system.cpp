@@ -22,7 +22,7 @@ void CondensedSystem::begin(const std::vector<ActivePoint>& points) {
 }
 
 bool CondensedSystem::begin_reduced(const std::vector<ActivePoint>& points) {
-    if (free_) return false;
+    if (free_ || matrix_.has_frames()) return false;
     acting_.clear();
     for (const ActivePoint& point : points) {
         const bool both = point.fan >= 0 || point.law.friction > 0;

@@ -7,8 +7,15 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <numeric>
 
 namespace knap {
+namespace {
+
+constexpr double rounds_off = std::numeric_limits<double>::epsilon();  // of the single terms of forces
+
+}  // namespace
 
 ElementMatrix theta_element(const Model& model, Index t, double stiffness_factor, MassMatrix mass, double mass_factor) {
     const Elastic& material = model.materials[model.mesh.region[t]];
@@ -19,6 +26,14 @@ ElementMatrix theta_element(const Model& model, Index t, double stiffness_factor
         for (Index j = 0; j < shares.cols(); ++j)
             M_hat.block<2, 2>(2 * i, 2 * j).diagonal().array() += shares(i, j) * m;
     return M_hat;
+}
+
+void turn_blocks(const std::array<Rotation, 3>& turns, ElementMatrix& M_hat) {
+    std::array<Eigen::Matrix2d, 3> R;
+    for (int i = 0; i < 3; ++i) R[i] << turns[i].cosine, -turns[i].sine, turns[i].sine, turns[i].cosine;
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            M_hat.block<2, 2>(2 * i, 2 * j) = (R[i] * M_hat.block<2, 2>(2 * i, 2 * j) * R[j].transpose()).eval();
 }
 
 void add_dashpots(const Model& model, Index triangle, std::span<const Dashpot> dashpots, double factor,
@@ -47,6 +62,12 @@ ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass, double damping, 
         }
     }
     if (model.heat) thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness);
+    if (model.large_rotation) {
+        turning_.reset(new Turning{.green = {model.mesh, model.materials, model.plane, model.thickness},
+                                   .frames = {model, dashpots_}});
+        turning_->own_node.resize(model.mesh.n_corners());
+        std::iota(turning_->own_node.begin(), turning_->own_node.end(), 0);
+    }
     load_.resize(model.mesh.n_corners());
     begin_force_.resize(model.mesh.n_corners());
     reserve_capacity(model.mesh.n_corners(), velocity_, prescribed_end_);
@@ -78,24 +99,16 @@ void ImplicitBulk::begin_step(const StepContext& step) {
     amplitude_.clear();
     for (const TimeFunction& history : model_.histories)
         amplitude_.push_back(history.over_step(begin.time, begin.time + step.h, step.theta));
-    std::ranges::fill(load_, Vec2::Zero());
-    released_.clear();
-    if (!model_.state_forces.empty()) {
+    if (!model_.state_forces.empty() && !turning_) {
         predicted_ = begin;
         for (std::size_t i = 0; i < begin.velocity.size(); ++i)
             predicted_.displacement[i] += step.kick() * begin.velocity[i];
     }
-    const State& of_forces = model_.state_forces.empty() ? begin : predicted_;
-    for (const CornerLoad& load : model_.corner_loads) {
-        load_[load.corner] += amplitude_[load.history] * force_of(model_, load, of_forces);
-        if (load.is_release)
-            released_.push_back({.corner = load.corner, .force = amplitude_[load.history] * load.force});
-    }
-    for (const CornerLoad& load : crack_forces_.find(begin))
-        load_[load.corner] += amplitude_[load.history] * load.force;
-    elastic_force(begin.displacement, begin.node_of_corner, begin_force_);
+    find_loads(model_.state_forces.empty() || turning_ ? begin : predicted_);
+    if (turning_) begin_turning();
+    else elastic_force(begin.displacement, begin.node_of_corner, begin_force_);
     begin_impulse_ = 0;
-    if (thermal_) {
+    if (thermal_ && !turning_) {
         for (const Vec2& f : begin_force_)
             begin_impulse_ = std::max(begin_impulse_, step.kick() * f.norm());  // of D eps
         thermal_->add_forces(begin.temperature->strain, 1 - step.theta, begin_force_);
@@ -112,6 +125,118 @@ void ImplicitBulk::begin_step(const StepContext& step) {
         begin_force_[c] += load_[c];
     }
     begin_impulse_ = std::max(begin_impulse_, step.kick() * std::sqrt(force2));
+    balance_scale_ = begin_impulse_;
+}
+
+/// Those that depend on the state in this one.
+void ImplicitBulk::find_loads(const State& of_forces) {
+    std::ranges::fill(load_, Vec2::Zero());
+    released_.clear();
+    for (const CornerLoad& load : model_.corner_loads) {
+        load_[load.corner] += amplitude_[load.history] * force_of(model_, load, of_forces);
+        if (load.is_release)
+            released_.push_back({.corner = load.corner, .force = amplitude_[load.history] * load.force});
+    }
+    for (const CornerLoad& load : crack_forces_.find(of_forces))
+        load_[load.corner] += amplitude_[load.history] * load.force;
+}
+
+GreenStep::Motion ImplicitBulk::motion() const {
+    GreenStep::Motion motion{
+        .displacement = turning_->begin, .change = turning_->change, .thermal_strain = {}, .thermal_change = {}};
+    motion.theta = step_->theta;
+    if (thermal_)
+        motion.thermal_strain = step_->begin->temperature->strain, motion.thermal_change = turning_->thermal_change;
+    return motion;
+}
+
+/// Forces at the start of the step.
+void ImplicitBulk::begin_turning() {
+    const State& begin = *step_->begin;
+    Turning& turning = *turning_;
+    turning.begin.clear();
+    for (const Index node : begin.node_of_corner) turning.begin.push_back(Vec2(begin.displacement[node]));
+    turning.change.assign(turning.begin.size(), Vec2::Zero());
+    if (thermal_) {
+        const std::vector<double>&before = begin.temperature->strain, &after = step_->end_temperature->strain;
+        turning.thermal_change.resize(after.size());
+        std::ranges::transform(after, before, turning.thermal_change.begin(), std::minus());
+    }
+    turning.frames.begin(begin, turning.green, motion());
+    begin_force_.resize(turning.begin.size());
+    green_force(begin_force_);
+}
+
+void ImplicitBulk::green_force(std::vector<Vec2>& of_corner) const {
+    const GreenStep::Motion at = motion();
+    for_triangles([&](Index first, Index last) {
+        for (Index t = first; t < last; ++t) turning_->green.find_forces(t, at, &of_corner[3 * t]);
+    });
+}
+
+/// Adds -theta h A K A' (w - w_0), with w per corner.
+void ImplicitBulk::add_turned_stiffness(const std::vector<Vec2>& rate, std::vector<Vec2>& force) const {
+    Turning& turning = *turning_;
+    turning.turned.resize(rate.size());
+    for (std::size_t c = 0; c < rate.size(); ++c)
+        turning.turned[c] =
+            turning.frames.of_triangle(static_cast<Index>(c) / 3).turned_back(rate[c] - turning.rate[c]);
+    elastic_force(turning.turned, turning.own_node, turning.force);
+    for (std::size_t c = 0; c < rate.size(); ++c)
+        force[c] += step_->kick() * turning.frames.of_triangle(static_cast<Index>(c) / 3).turned(turning.force[c]);
+}
+
+void ImplicitBulk::turn_rates(std::vector<Vec2>& corner_rate) const {
+    struct Sums {
+        double mass = 0, spin = 0, inertia = 0;
+        Vec2 place = Vec2::Zero(), rate = Vec2::Zero();
+    };
+    const PieceFrames& frames = turning_->frames;
+    std::vector<Sums> pieces(frames.n_pieces());
+    const auto at = [&](Index c) -> Vec2 { return model_.mesh.corner(c) + turning_->begin[c]; };
+    const auto of = [&](Index c) -> Sums& { return pieces[frames.piece_of(c / 3)]; };
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+        const double m = model_.corner_mass[c];
+        of(c).mass += m, of(c).place += m * at(c), of(c).rate += m * corner_rate[c];
+    }
+    for (Sums& piece : pieces) piece.place /= piece.mass, piece.rate /= piece.mass;
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+        Sums& piece = of(c);
+        const Vec2 arm = at(c) - piece.place;
+        piece.spin += model_.corner_mass[c] * cross(arm, corner_rate[c] - piece.rate);
+        piece.inertia += model_.corner_mass[c] * arm.squaredNorm();
+    }
+    // velocities belong to the start of the step, rates to the middle of the last one
+    const State& begin = *step_->begin;
+    const double between = 0.5 * (step_->h + (begin.has_end_velocities() ? begin.last_step : 0));
+    std::vector<Rotation> turns;
+    for (const Sums& piece : pieces) {
+        const double turn = between * piece.spin / piece.inertia;
+        turns.push_back(std::abs(turn) <= PieceFrames::largest_turn ? Rotation::by(turn) : Rotation{});
+    }
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c)
+        corner_rate[c] = of(c).rate + turns[frames.piece_of(c / 3)].turned(corner_rate[c] - of(c).rate);
+}
+
+void ImplicitBulk::linearise(const std::vector<Vec2>& corner_rate) {
+    Turning& turning = *turning_;
+    turning.rate = corner_rate;
+    for (std::size_t c = 0; c < corner_rate.size(); ++c) turning.change[c] = step_->h * corner_rate[c];
+    rounding_ = 0;
+    for (std::size_t c = 0; c < corner_rate.size(); ++c)
+        rounding_ = std::max(rounding_, corner_stiffness_[c] * turning.change[c].norm());
+    rounding_ *= rounds_off * step_->kick();
+    turning.frames.find(turning.green, motion());
+    if (!model_.state_forces.empty() || !crack_forces_.empty()) {  // in the middle of the step
+        State& middle = predicted_;
+        middle = *step_->begin;
+        middle.node_of_corner = turning.own_node;
+        middle.displacement = turning.begin, middle.velocity = corner_rate;
+        for (std::size_t c = 0; c < corner_rate.size(); ++c) middle.displacement[c] += 0.5 * turning.change[c];
+        find_loads(middle);
+    }
+    green_force(begin_force_);
+    for (std::size_t c = 0; c < load_.size(); ++c) begin_force_[c] += load_[c];
 }
 
 void ImplicitBulk::set_nodes(const CornerPartition& nodes, const std::vector<Vec2>& corner_rate,
@@ -189,12 +314,21 @@ void ImplicitBulk::add_mass_times(const Velocity& of_corner, std::vector<Vec2>& 
 void ImplicitBulk::impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const {
     // K u and K w apart: digits that cancel in K u of a body far from its origin must not blur the equation of w
     const double theta_h = step_->kick();
-    elastic_force(rate, nodes_->node_of_corner, of_corner);
-    const Index n = model_.mesh.corners_per_triangle();
-    for_triangles([&](Index first, Index last) {
-        for (Index c = n * first; c < n * last; ++c)
-            of_corner[c] = -theta_h * (begin_force_[c] + theta_h * of_corner[c]);
-    });
+    if (turning_) {
+        std::vector<Vec2>& corner_rate = turning_->corner_rate;
+        corner_rate.clear();
+        for (const Index node : nodes_->node_of_corner) corner_rate.push_back(Vec2(rate[node]));
+        of_corner = begin_force_;
+        add_turned_stiffness(corner_rate, of_corner);
+        for (Vec2& r : of_corner) r *= -theta_h;
+    } else {
+        elastic_force(rate, nodes_->node_of_corner, of_corner);
+        const Index n = model_.mesh.corners_per_triangle();
+        for_triangles([&](Index first, Index last) {
+            for (Index c = n * first; c < n * last; ++c)
+                of_corner[c] = -theta_h * (begin_force_[c] + theta_h * of_corner[c]);
+        });
+    }
     add_change_of_momentum(rate, of_corner);
     add_damping(rate, of_corner);
 }
@@ -247,6 +381,16 @@ void ImplicitBulk::sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<
     for (std::size_t c = 0; c < of_corner.size(); ++c) of_node[nodes_->node_of_corner[c]] += of_corner[c];
 }
 
+/// At the rates of the nodes.
+void ImplicitBulk::account_green_strains(const std::vector<Vec2>& rate, StepReport& report) const {
+    for (std::size_t c = 0; c < turning_->change.size(); ++c)
+        turning_->change[c] = step_->h * rate[nodes_->node_of_corner[c]];
+    const GreenStep::Motion at = motion();
+    GreenStep::Energies sum;
+    for (Index t = 0; t < model_.mesh.n_triangles(); ++t) sum += turning_->green.energies(t, at);
+    report.strain += sum.end, report.scheme_dissipation += sum.dissipated, report.thermal_work += sum.thermal;
+}
+
 void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2>& reaction, Workspace& work,
                            StepReport& report) const {
     const State& begin = *step_->begin;
@@ -282,21 +426,25 @@ void ImplicitBulk::account(const std::vector<Vec2>& rate, const std::vector<Vec2
         of_node[i] = begin.displacement[begin.node_of_corner[nodes_->corner_of_node[i]]] + h * rate[i];
         report.largest_speed = std::max(report.largest_speed, end(i).norm());
     }
-    report.strain += elastic_energy(thermal_ ? &step_->end_temperature->strain : nullptr);
-    const bool heats = thermal_ && step_->end_temperature != begin.temperature;
-    std::vector<double> growth;  // e+ - e
-    if (heats) {
-        const std::vector<double>&before = begin.temperature->strain, &after = step_->end_temperature->strain;
-        growth.resize(after.size());
-        std::ranges::transform(after, before, growth.begin(), std::minus());
-        report.thermal_work -=
-            theta * thermal_->product(of_node, nodes_->node_of_corner, after, growth) +
-            (1 - theta) * thermal_->product(begin.displacement, begin.node_of_corner, before, growth);
-    }
-    if (theta > 0.5) {  // scheme dissipation: (theta - 1/2) (|v+ - v|_M^2 + |h w|_K^2)
-        for (Index i = 0; i < n; ++i) of_node[i] = h * rate[i];
-        report.scheme_dissipation += 2 * (theta - 0.5) * elastic_energy(heats ? &growth : nullptr);
-    }
+    const auto account_small_strains = [&] {
+        report.strain += elastic_energy(thermal_ ? &step_->end_temperature->strain : nullptr);
+        const bool heats = thermal_ && step_->end_temperature != begin.temperature;
+        std::vector<double> growth;  // e+ - e
+        if (heats) {
+            const std::vector<double>&before = begin.temperature->strain, &after = step_->end_temperature->strain;
+            growth.resize(after.size());
+            std::ranges::transform(after, before, growth.begin(), std::minus());
+            report.thermal_work -=
+                theta * thermal_->product(of_node, nodes_->node_of_corner, after, growth) +
+                (1 - theta) * thermal_->product(begin.displacement, begin.node_of_corner, before, growth);
+        }
+        if (theta > 0.5) {  // scheme dissipation: (theta - 1/2) (|v+ - v|_M^2 + |h w|_K^2)
+            for (Index i = 0; i < n; ++i) of_node[i] = h * rate[i];
+            report.scheme_dissipation += 2 * (theta - 0.5) * elastic_energy(heats ? &growth : nullptr);
+        }
+    };
+    if (turning_) account_green_strains(rate, report);
+    else account_small_strains();
     if (damping_ > 0) {
         of_corner.assign(model_.mesh.n_corners(), Vec2::Zero());
         add_damping(rate, of_corner);

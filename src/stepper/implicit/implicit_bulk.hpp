@@ -13,7 +13,13 @@
 //
 //     E = 1/2 v' M v + 1/2 int sigma : (eps - e),     W_th = -int sigma_theta : (e+ - e)
 //     scheme dissipation = (theta - 1/2) (|v+ - v|_M^2 + |(eps+ - e+) - (eps - e)|_D^2)
+//
+// Large rotations: K (u + theta h w) becomes the force f(w) of element/green_step.hpp, which is not linear. The step is
+// solved with a linear r(w) in the frames A of piece_frames.hpp round a rate w_0, until its solution is w_0:
+//
+//     r(w) = theta M (v+ - v) + theta h (f(w_0) + theta h A K A' (w - w_0) + ...)
 #include "element/elastic_forces.hpp"
+#include "element/green_step.hpp"
 #include "element/thermal_stress.hpp"
 #include "element/triangle_matrices.hpp"
 #include "law/point_law.hpp"
@@ -22,7 +28,9 @@
 #include "stepper/common/dashpots.hpp"
 #include "stepper/common/step_report.hpp"
 #include "stepper/implicit/corner_partition.hpp"
+#include "stepper/implicit/piece_frames.hpp"
 
+#include <memory>
 #include <optional>
 
 namespace knap {
@@ -37,6 +45,8 @@ struct StepContext : ThetaStep {
 /// M_hat of one triangle [kg], of so many times its mass; `stiffness_factor` [s2]: theta^2 h^2.
 ElementMatrix theta_element(const Model& model, Index triangle, double stiffness_factor, MassMatrix mass,
                             double mass_factor = 1);
+/// Blocks (i, j) become turns_i block turns_j'; of order 1.
+void turn_blocks(const std::array<Rotation, 3>& turns, ElementMatrix& M_hat);
 /// Adds `factor` [s] times those of its corners; `dashpots` in the order of the corners.
 void add_dashpots(const Model& model, Index triangle, std::span<const Dashpot> dashpots, double factor,
                   ElementMatrix& M_hat);
@@ -50,6 +60,22 @@ public:
     void begin_step(const StepContext& step);
     /// Prescribed motions. `rate` becomes the prescribed rates, and `corner_rate` [m/s, per corner] where w is free.
     void set_nodes(const CornerPartition& nodes, const std::vector<Vec2>& corner_rate, std::vector<Vec2>& rate);
+
+    /// Large rotations: rates [m/s] per corner of the last step become a guess of those of this one, turned with each
+    /// piece.
+    void turn_rates(std::vector<Vec2>& corner_rate) const;
+    /// Large rotations: r(w) from now on is linear round these rates [m/s], per corner, where it is exact.
+    void linearise(const std::vector<Vec2>& corner_rate);
+    /// [N s] Large rotations: of momenta, loads and forces; and the rounding of the motion in the step.
+    double balance_scale() const { return balance_scale_; }
+    double rounding() const { return rounding_; }
+    /// [m] Of a corner: in the undeformed body; with large rotations in the middle of the step, as far as it is known.
+    Vec2 place(Index corner) const {
+        Vec2 x = model_.mesh.corner(corner);
+        if (turning_) x += turning_->begin[corner] + 0.5 * turning_->change[corner];
+        return x;
+    }
+    PieceFrames* frames() const { return turning_ ? &turning_->frames : nullptr; }  // null: small rotations
 
     /// W [m/s] per corner, from now on; null: zero. It must outlive its use.
     void set_carried(const std::vector<Vec2>* carried) { carried_ = carried; }
@@ -81,6 +107,23 @@ public:
                  StepReport& report) const;
 
 private:
+    /// Of large rotations.
+    struct Turning {
+        GreenStep green;
+        PieceFrames frames;
+        std::vector<Index> own_node;                   // per corner: itself
+        std::vector<Vec2> begin, change;               // [m] per corner: u, u+ - u
+        std::vector<double> thermal_change;            // [-] per triangle: e+ - e
+        std::vector<Vec2> rate;                        // [m/s] per corner: w_0
+        std::vector<Vec2> corner_rate, turned, force;  // [m/s], [N] per corner
+    };
+    void find_loads(const State& of_forces);
+    GreenStep::Motion motion() const;
+    void begin_turning();
+    void green_force(std::vector<Vec2>& of_corner) const;
+    void account_green_strains(const std::vector<Vec2>& rate, StepReport& report) const;
+    void add_turned_stiffness(const std::vector<Vec2>& of_corner, std::vector<Vec2>& force) const;
+
     template <class Work>
     void for_triangles(const Work& work) const;
     template <class Velocity>
@@ -100,16 +143,17 @@ private:
     CrackForces crack_forces_;
     ElasticForces forces_;
     std::optional<ThermalStress> thermal_;  // with heat
+    std::unique_ptr<Turning> turning_;      // null: small rotations
     std::vector<double> corner_stiffness_;  // [N/m] mean of the diagonal of K
     const StepContext* step_ = nullptr;
     const CornerPartition* nodes_ = nullptr;
     std::vector<double> amplitude_;         // [-] theta mean of each history
-    State predicted_;                       // u + theta h v, for forces that depend on the state
+    State predicted_;                       // u + theta h v, for forces that depend on it; turning: (u + u+)/2
     std::vector<Vec2> load_, begin_force_;  // [N] F_theta; with it -K u and thermal forces, per corner
     std::vector<CornerLoad> released_;      // [N] of load_, of what was excavated
     std::vector<Vec2> velocity_;            // [m/s] v, per node
     std::vector<Vec2> prescribed_end_;      // [m/s] v+ of prescribed components, per node
-    double begin_impulse_ = 0, largest_impulse_ = 0;
+    double begin_impulse_ = 0, largest_impulse_ = 0, balance_scale_ = 0, rounding_ = 0;
     double largest_stiffness_ = 0;
 };
 

@@ -20,6 +20,13 @@ constexpr double max_energy_balance_error = 1e-11;  // of the energies; usual: 1
 constexpr int max_face_rounds = 5;                  // until no faces meet that were not found before
 constexpr int max_free_rounds = 2;
 constexpr double moved_freely = 1e-10;  // of the rates: less needs no other solution
+// Of large rotations. Errors of the linear equations over momenta, loads and forces: below the first one bonded fans
+// are tested, the second one ends the step, and below the third one what falls no more by `falls` in two rounds is
+// rounding.
+constexpr double near_solution = 1e-6, turned_to = 5e-13, turned_at_all = 1e-9, falls = 0.7;
+constexpr double far_from_rounding = 100;
+constexpr double coarse = 1e-6;  // of the error of the last solution: balance of the next one
+constexpr int max_turning_rounds = 40, max_rising_rounds = 6;
 
 }  // namespace
 
@@ -28,7 +35,7 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       options_(options),
       bulk_(model, options.mass, options.damping, options.absorbing),
       carried_(model, options, bulk_),
-      matrix_(model, options.mass, bulk_.dashpots()),
+      matrix_(model, options.mass, bulk_.dashpots(), bulk_.frames()),
       solver_(model, bulk_, matrix_, x_),
       bond_check_(model),
       contacts_(model),
@@ -37,6 +44,7 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
       faces_(model),
       free_motions_(model, bulk_),
       sticking_rates_(model),
+      turned_points_(model),
       active_point_of_(model.fan_points.size(), -1) {
     step_.theta = options.theta;
     step_.implicit_beta = options.cohesion == CohesionScheme::implicit_beta;
@@ -63,6 +71,12 @@ StepReport ImplicitScheme::solve_step(const State& begin, double h, State& end) 
     solve_free_obstacles(report);           // rates of obstacles, each trial with a solution of the next line
     solve_body(report);                     // r(w) = H' q(w): impulses that the bulk needs, and those of the points
     free_obstacles_.finish(body_at_contacts());
+    if (const Index far = bulk_.frames() ? bulk_.frames()->turns_far() : -1;
+        far >= 0 && report.rejection == Rejection::none) {
+        report = rejected(report, Rejection::turn);
+        report.where = model_.mesh.centroid(far), report.rejected_value = bulk_.frames()->turn_of(far);
+        return report;
+    }
     if (report.rejection == Rejection::none && options_.respect_assumption_1 && solver_.violates_assumption_1())
         report.rejection = Rejection::assumption_1;
     if (report.rejection != Rejection::none) return rejected(report, report.rejection);
@@ -93,6 +107,7 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     const std::vector<Vec2>& rate = begin.has_end_velocities() ? begin.rate : begin.velocity;
     corner_rate_.clear();
     for (const Index node : begin.node_of_corner) corner_rate_.push_back(Vec2(rate[node]));
+    if (bulk_.frames()) bulk_.turn_rates(corner_rate_), turn();
     active_.assign(model_.fans.size(), 0);
     guess_.assign(model_.fan_points.size() + faces_.size() + contacts_.all().size(), Vec2::Zero());
     for (std::size_t i = 0; i < faces_.size(); ++i)
@@ -119,12 +134,14 @@ void ImplicitScheme::solve_points(StepReport& report) {
     Precision precision = Precision::preliminary;
     for (int pass = 0; pass <= max_passes;) {
         if (precision == Precision::preliminary) set_partition(), guess_multipliers();
+        solver_.set_coarse_goal(x_.points.empty() ? coarse_goal_ : 0);  // multipliers need an exact balance
         const bool solved = solver_.solve(scale_, max_pressing * momentum_scale_,
                                           attempt == quickly ? Effort::little : Effort::all, precision);
         solver_.counts().add_to(report);
         precision = Precision::preliminary;
-        if (solved && activate_opening_fans(report)) ++pass;
+        if (solved && may_open_ && activate_opening_fans(report)) ++pass;
         else if (solved && solver_.is_preliminary()) precision = Precision::full;
+        else if (solved && !may_open_) return;
         else if (solved && x_.points.empty() && needs_free_motions()) ++pass;
         else if (solved && moves_freely_ && !move_freely()) ++pass;
         else if (solved) return void(report.fan_fallbacks += attempt == from_lemke);
@@ -141,6 +158,7 @@ void ImplicitScheme::solve_points(StepReport& report) {
 
 /// With damping of vibrations the rigid motions of free pieces are known only with the solution.
 void ImplicitScheme::solve_body(StepReport& report) {
+    if (bulk_.frames()) return solve_turning_body(report);
     for (int round = 1;; ++round) {
         solve_points(report);
         if (!carried_.has_pieces() || report.rejection != Rejection::none) return;
@@ -148,6 +166,62 @@ void ImplicitScheme::solve_body(StepReport& report) {
         if (carried_.agrees(corner_rate_)) return;
         if (round == CarriedMotion::max_rounds) return void(report.rejection = Rejection::not_converged);
     }
+}
+
+/// The fixed point of solutions that are linear in the bulk.
+void ImplicitScheme::solve_turning_body(StepReport& report) {
+    const double scale = bulk_.balance_scale();
+    turned_rate_ = corner_rate_;
+    turn();
+    fixed_point_.begin(), may_open_ = false;
+    double before_last = infinity, last = scale, least = infinity;
+    for (int round = 1, n_rising = 0;; ++round) {
+        const double rounding = bulk_.rounding(), least_error = std::max(turned_to * scale, rounding);
+        coarse_goal_ = std::max(round == 1 ? 0 : coarse * last, 0.1 * least_error);
+        solve_points(report);
+        if (report.rejection != Rejection::none) return;
+        read_corner_rates(corner_rate_);
+        store_guesses();
+        const bool carried = !carried_.has_pieces() || carried_.agrees(corner_rate_);
+        const double error = turning_error(), falling = falls * std::exchange(before_last, last);
+        const bool turned = error <= least_error ||
+                            (error <= std::max(turned_at_all * scale, far_from_rounding * rounding) && error > falling);
+        if (carried && turned && coarse_goal_ <= least_error && std::exchange(may_open_, true)) return;
+        may_open_ = may_open_ || error <= near_solution * scale;
+        n_rising = error > least ? n_rising + 1 : 0;
+        least = std::min(least, error), last = error;
+        if (round == max_turning_rounds || n_rising == max_rising_rounds)
+            return void(report.rejection = Rejection::not_converged);
+        fixed_point_.advance(corner_rate_, turned_rate_);
+        corner_rate_ = turned_rate_;
+        turn();
+    }
+}
+
+/// The linear equations of the body, and the frames of the points, at corner_rate_.
+void ImplicitScheme::turn() {
+    bulk_.linearise(corner_rate_);
+    turned_points_.set(*step_.begin, step_.h, corner_rate_);
+}
+
+/// turn() at the solution. Returns by how much its equations were wrong [N s].
+double ImplicitScheme::turning_error() {
+    solver_.evaluate_body();
+    std::vector<Vec2> change = solver_.residual_impulse();
+    turn();
+    solver_.evaluate_body();
+    double error = 0;
+    for (Index node = 0; node < partition_.n_nodes(); ++node) {
+        change[node] -= solver_.residual_impulse()[node];
+        error = std::max(error, matrix_.largest_free(change, node));
+    }
+    for (const ActivePoint& point : points_of_fans()) {
+        const FanPoint& at = model_.fan_points[point.sides.fan_point];
+        const PointTurn now = turned_points_.of(point.fan, at);
+        error = std::max({error, point.mass * (now.convected - point.support_rate).norm(),
+                          point.impulse().norm() * (now.middle.turned(at.normal) - point.normal).norm()});
+    }
+    return std::isfinite(error) ? error : infinity;
 }
 
 /// The motion of a free obstacle depends on the body: the body is solved for given rates until both agree.
@@ -172,7 +246,7 @@ const std::vector<Vec2>& ImplicitScheme::reactions() {
 
 /// True: from now on, since a motion of the present solution is free and its inertia hidden.
 bool ImplicitScheme::needs_free_motions() {
-    if (leaves_free_motions_ || moves_freely_) return false;
+    if (leaves_free_motions_ || moves_freely_ || bulk_.frames()) return false;
     if (step_.stiffness_factor() * bulk_.largest_stiffness() <= FreeMotions::hidden) return false;
     free_motions_.set(partition_);
     if (!free_motions_.find(x_.points)) return false;
@@ -241,7 +315,9 @@ void ImplicitScheme::make_points() {
         for (Index i = fan.first_point; active_[f] && i < fan.first_point + fan.n_points; ++i) {
             if (unbreakable(model_, model_.fan_points[i])) continue;
             active_point_of_[i] = static_cast<Index>(x_.points.size());
-            ActivePoint& made = x_.points.emplace_back(interface_point(model_, step_, partition_, f, i));
+            ActivePoint& made = x_.points.emplace_back(
+                interface_point(model_, step_, partition_, f, i,
+                                bulk_.frames() ? turned_points_.of(f, model_.fan_points[i]) : PointTurn{}));
             made.mass = mass_between(made.sides.before, made.sides.after);
             stiffest = std::max(stiffest, made.law.ramp_stiffness());
         }
@@ -291,10 +367,14 @@ void ImplicitScheme::guess_multipliers() {
     scale_ = std::max({strength, 1e-3 * momentum, std::min(pressing, max_pressing * momentum_scale_)});
 }
 
-/// Bonded fans whose interfaces cannot carry the impulses that their corners need. False: there are none.
-bool ImplicitScheme::activate_opening_fans(StepReport& report) {
+void ImplicitScheme::store_guesses() {
     for (std::size_t j = 0; j < x_.points.size(); ++j)
         guess_of(j) = {x_.points[j].multipliers.contact, x_.points[j].multipliers.tangential};
+}
+
+/// Bonded fans whose interfaces cannot carry the impulses that their corners need. False: there are none.
+bool ImplicitScheme::activate_opening_fans(StepReport& report) {
+    store_guesses();
     read_corner_rates(corner_rate_);
     contact_impulse_.assign(model_.mesh.n_corners(), Vec2::Zero());
     for (std::size_t i = 0; i < faces_.size(); ++i) faces_.add_impulse(i, face_points()[i].impulse(), contact_impulse_);
@@ -314,6 +394,10 @@ bool ImplicitScheme::activate_opening_fans(StepReport& report) {
             required_[i] = solver_.corner_impulse()[corner[i]] - contact_impulse_[corner[i]];
             for (int k = 0; k < 2; ++k)  // a prescribed motion supplies its own reaction
                 if (partition_.prescribed[partition_.node_of_corner[corner[0]]][k]) required_[i][k] = 0;
+        }
+        if (bulk_.frames()) {  // the strengths are those of the normals in the undeformed body
+            const Rotation frame = turned_points_.of_fan(f);
+            for (Vec2& impulse : required_) impulse = frame.turned_back(impulse);
         }
         ++report.bond_checks;
         if (bond_check_.is_bonded(f, *step_.begin, required_, step_.kick())) continue;
@@ -342,7 +426,7 @@ void ImplicitScheme::check_residual(StepReport& report) const {
                       std::abs(again.tangential - point.response.tangential) / unit});
     }
     // the balance sums momenta, loads, and elastic terms: the strength of interfaces is no measure of its rounding
-    double balance_unit = std::max(unit, 0.1 * momentum_scale_);
+    double balance_unit = std::max({unit, 0.1 * momentum_scale_, far_from_rounding * bulk_.rounding() / max_residual});
     const double balance = solver_.residual();
     if (balance > max_residual * balance_unit)
         balance_unit = std::max(balance_unit, 0.1 * bulk_.largest_elastic_impulse(x_.rate));
@@ -358,7 +442,8 @@ bool ImplicitScheme::energy_balance_error_exceeds(const StepReport& report) cons
             fastest = std::max(fastest, std::abs(x_.rate[i][k]));
         }
     // right after an impact a body may rest without forces, while its impulses were found to the scale of the impact
-    const double impulse = std::max(momentum_scale_, solver_.unit());
+    const double impulse =
+        std::max({momentum_scale_, solver_.unit(), far_from_rounding * bulk_.rounding() / max_energy_balance_error});
     // of a body at rest that has only been shifted the strain energy is rounding, of either sign
     return std::abs(work) > max_energy_balance_error * (report.kinetic + std::abs(report.strain) + impulse * fastest);
 }
@@ -381,6 +466,7 @@ void ImplicitScheme::account_points(StepReport& report) const {
                          .cohesive = cohesive_N},
                         report);
         if (point.fan < 0) continue;
+        report.rotation_work += Vec2(q.normal(law), q.tangential).dot(point.support_rate) / theta;
         if (law.ramp > 0) {  // secant unloading: the works of both components, where the slip changes its sign
             const double s = law.material->equivalent_opening(law.u_N, law.u_T),
                          s_end = law.material->equivalent_opening(u_N, u_T);

@@ -20,14 +20,19 @@
 // those that are free. Where the model has contact between free faces, they meet as in a search of equilibrium
 // (face_points.hpp). Prescribed components: a velocity is reached at t + h (w is the mean), a displacement at t + h (v+
 // is the slope of its history there).
+//
+// With large rotations each solution is one of equations that are linear in the bulk (implicit_bulk.hpp), with points
+// in the frames of its motion (turned_points.hpp); the next one starts from it, until both agree.
 #include "stepper/common/bond_check.hpp"
 #include "stepper/common/step_scheme.hpp"
 #include "stepper/implicit/augmented_lagrangian.hpp"
 #include "stepper/implicit/carried_motion.hpp"
 #include "stepper/implicit/face_points.hpp"
+#include "stepper/implicit/fixed_point.hpp"
 #include "stepper/implicit/free_motions.hpp"
 #include "stepper/implicit/free_obstacles.hpp"
 #include "stepper/implicit/sticking_rates.hpp"
+#include "stepper/implicit/turned_points.hpp"
 
 #include <tuple>
 
@@ -49,6 +54,10 @@ private:
     void begin_step(const State& begin, double h, SharedTemperatures end_temperature);
     void solve_points(StepReport& report);
     void solve_body(StepReport& report);
+    void solve_turning_body(StepReport& report);
+    void turn();
+    double turning_error();
+    void store_guesses();
     void solve_free_obstacles(StepReport& report);
     FreeObstacles::Body body_at_contacts() const { return {contact_points(), x_.rate, partition_, momentum_scale_}; }
     const std::vector<Vec2>& reactions();
@@ -93,11 +102,16 @@ private:
     FacePoints faces_;
     FreeMotions free_motions_;
     StickingRates sticking_rates_;
+    TurnedPoints turned_points_;
+    FixedPoint fixed_point_;  // of the rates round which the body is linear
 
     std::vector<std::uint8_t> active_;  // [0/1] per fan
     std::vector<Vec2> corner_rate_;     // [m/s] per corner: first guess of w
+    std::vector<Vec2> turned_rate_;     // [m/s] per corner: round which the body is linear
     std::vector<Vec2> guess_;           // [N s] multipliers (contact, tangential), per fan point, face, contact
     std::vector<Vec2> face_rate_;       // [m/s] per corner: with which faces_ was found
+    double coarse_goal_ = 0;            // [N s] of the balance, with large rotations
+    bool may_open_ = true;              // bonded fans are tested: with large rotations only near the solution
     bool leaves_free_motions_ = false;
     bool moves_freely_ = false;  // with free_motions_
     int n_free_rounds_ = 0;

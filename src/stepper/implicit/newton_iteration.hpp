@@ -42,6 +42,7 @@ public:
     GiveUp given_up = nullptr;
     Precision precision = Precision::full;
     double unit = 1, largest_unit = 1;  // [N s] scale of the impulses, and what contact impulses may raise it to
+    double coarse_goal = 0;             // [N s] of the balance: more is in vain, since its equations change
     double final_augmentation = 0;      // [-] of the attempt: stiffness of the springs over that of the body
 
     void restart_from(const Iterate& iterate) {
@@ -66,7 +67,7 @@ public:
     }
     /// [N s] of the balance, for a scale of the impulses.
     double balance_goal(double of_unit) const {
-        return std::max(1e-12 * of_unit, 4e-18 * final_augmentation * bulk_.largest_impulse());
+        return std::max({1e-12 * of_unit, 4e-18 * final_augmentation * bulk_.largest_impulse(), coarse_goal});
     }
     bool is_preliminary() const { return precision == Precision::preliminary; }
     void give_up_if_asked() const {

@@ -19,16 +19,16 @@ void RigidPieces::find(const Model& model, const ImplicitBulk& bulk, std::vector
     pieces.assign(n_pieces, {});
     std::vector<double> mass(n_pieces, 0);
     for_corners([&](Index c, Piece& piece) {
-        mass[of_corner[c]] += model.corner_mass[c], piece.centre += model.corner_mass[c] * mesh.corner(c);
+        mass[of_corner[c]] += model.corner_mass[c], piece.centre += model.corner_mass[c] * bulk.place(c);
     });
     for (std::size_t p = 0; p < pieces.size(); ++p) pieces[p].centre /= mass[p];
     for_corners(
-        [&](Index c, Piece& piece) { piece.length = std::max(piece.length, (mesh.corner(c) - piece.centre).norm()); });
+        [&](Index c, Piece& piece) { piece.length = std::max(piece.length, (bulk.place(c) - piece.centre).norm()); });
     momentum.resize(mesh.n_corners());
     std::vector<Vec2> motion, of_motion;
     for (int k = 0; k < 3; ++k) {
         motion.assign(mesh.n_corners(), Vec2::Zero());
-        for_corners([&](Index c, const Piece& piece) { motion[c] = piece.motion(k, mesh.corner(c)); });
+        for_corners([&](Index c, const Piece& piece) { motion[c] = piece.motion(k, bulk.place(c)); });
         bulk.momentum(motion, of_motion);
         for (Index c = 0; c < mesh.n_corners(); ++c) momentum[c][k] = bulk.mass_factor() * of_motion[c];
     }
@@ -36,7 +36,7 @@ void RigidPieces::find(const Model& model, const ImplicitBulk& bulk, std::vector
     for_corners([&](Index c, const Piece& piece) {
         for (int k = 0; k < 3; ++k)
             for (int l = 0; l < 3; ++l)
-                inertia[of_corner[c]](k, l) += piece.motion(k, mesh.corner(c)).dot(momentum[c][l]);
+                inertia[of_corner[c]](k, l) += piece.motion(k, bulk.place(c)).dot(momentum[c][l]);
     });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
-// Rigid motions R of pieces of the body, in the undeformed body: x, y, and a rotation about the centre of mass.
+// Rigid motions R of pieces of the body: x, y, and a rotation about the centre of mass. Places are those of the
+// undeformed body, with large rotations those of ImplicitBulk::place.
 #include "model/model.hpp"
 
 #include <Eigen/Core>

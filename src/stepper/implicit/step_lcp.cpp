@@ -54,6 +54,7 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
 }
 
 bool StepLcp::fits(const Model& model, const SchemeOptions& options) {
+    if (model.large_rotation) return false;                                               // its forces are not linear
     if (options.damping > 0 && options.damping_of == DampingOf::vibration) return false;  // W follows from the solution
     if (has_incubation(model)) return false;
     if (options.cohesion == CohesionScheme::explicit_beta) return true;

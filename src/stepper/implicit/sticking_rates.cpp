@@ -21,7 +21,7 @@ void StickingRates::merge(std::span<const ActivePoint> points, const CornerParti
             return clusters_[n_clusters++];
         };
         for (const Index fan = point->fan; point != points.end() && point->fan == fan; ++point) {
-            if (!point->is_stationary()) continue;
+            if (!point->is_stationary() || !point->support_rate.isZero(0)) continue;
             std::vector<Index>&from = cluster_of(point->sides.before), &to = cluster_of(point->sides.after);
             if (&from == &to) continue;
             to.insert(to.end(), from.begin(), from.end());

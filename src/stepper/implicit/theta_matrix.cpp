@@ -16,10 +16,11 @@ constexpr Eigen::Index half_rows_at_once = 64;       // likewise: their product 
 
 }  // namespace
 
-ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Dashpot> dashpots)
+ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Dashpot> dashpots, PieceFrames* frames)
     : model_(model),
       mass_(mass),
       dashpots_(dashpots),
+      frames_(frames),
       dissection_(dissect(model)),
       factor_(dissection_, 2 * static_cast<std::size_t>(model.mesh.n_corners())),
       points_of_leaf_(dissection_.parts.size(),
@@ -52,8 +53,31 @@ Index ThetaMatrix::leaf_of_point(Index fan_point) const {
 
 ElementMatrix ThetaMatrix::element(Index triangle) const {
     ElementMatrix M_hat = theta_element(model_, triangle, stiffness_factor_, mass_, mass_factor_);
+    if (frames_) {
+        const Rotation& A = frames_->of_triangle(triangle);
+        turn_blocks({A, A, A}, M_hat);
+    }
     if (!dashpots_.empty()) add_dashpots(model_, triangle, dashpots_, std::sqrt(stiffness_factor_), M_hat);
     return M_hat;
+}
+
+/// Along the axes of its nodes. Where dashpots act these are x and y.
+ElementMatrix ThetaMatrix::element_in_frames(Index triangle) const {
+    if (!frames_) return element(triangle);
+    ElementMatrix M_hat = theta_element(model_, triangle, stiffness_factor_, mass_, mass_factor_);
+    if (frames_->is_turned(triangle)) turn_blocks(frames_->along_nodes(triangle), M_hat);
+    if (!dashpots_.empty()) add_dashpots(model_, triangle, dashpots_, std::sqrt(stiffness_factor_), M_hat);
+    return M_hat;
+}
+
+/// True: blocks along the axes of the nodes changed.
+bool ThetaMatrix::touch_frames() {
+    if (!frames_) return false;
+    const std::vector<Index> changed = frames_->take_changed();
+    for (const Index t : changed) factor_.touch(dissection_.leaf_of_triangle[t]);
+    for (const Index i : with_block_) factor_.touch(leaf_of_point(i));
+    for (const PointTangent& contact : contacts_) factor_.touch(leaf_of_corner(contact.sides.leaf_corner));
+    return !changed.empty() || !points_.empty();
 }
 
 double ThetaMatrix::largest_free(const std::vector<Vec2>& of_node, Index node) const {
@@ -76,9 +100,10 @@ bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor, dou
         if (others_meet || active_.empty() || active_[f] != nodes.active[f]) place_fan(model_.fans[f]);
     if (others_meet) place_meetings(meetings), other_nodes = true;
     active_ = nodes.active;
+    const bool other_frames = touch_frames();
     set_all_near();
     if (other_factor || other_nodes) reduced_->forget();
-    return other_factor || other_nodes;
+    return other_factor || other_nodes || other_frames;
 }
 
 void ThetaMatrix::set_all_near() {
@@ -128,7 +153,7 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
     for (const Index t : dissection_.triangles_of(dissection_.parts[leaf])) {
         Element& made = elements.emplace_back(2 * n);
         for (int i = 0; i < 2 * n; ++i) made.unknown[i] = unknown(nodes_->node_of_corner[n * t + i / 2], i % 2);
-        made.matrix = element(t);
+        made.matrix = element_in_frames(t);
     }
     for (const Index i : points_of_leaf_[leaf])
         if (const PointSides at = nodes_->sides(model_, i); at.before != at.after) add_point(at, block_[i], elements);
@@ -141,14 +166,25 @@ void ThetaMatrix::add_point(const PointSides& sides, const Eigen::Matrix2d& bloc
                             std::vector<Element>& elements) const {
     Element& made = elements.emplace_back(0);
     double weights[4];
+    Index nodes[4];
     sides.for_each_node([&](Index node, double weight) {
-        weights[made.n_unknowns / 2] = weight;
+        weights[made.n_unknowns / 2] = weight, nodes[made.n_unknowns / 2] = node;
         for (int k = 0; k < 2; ++k) made.unknown[made.n_unknowns++] = unknown(node, k);
     });
     made.matrix.resize(made.n_unknowns, made.n_unknowns);
     for (int i = 0; i < made.n_unknowns / 2; ++i)
         for (int j = 0; j < made.n_unknowns / 2; ++j)
             made.matrix.block<2, 2>(2 * i, 2 * j) = weights[i] * weights[j] * block;
+    for (int i = 0; frames_ && i < made.n_unknowns / 2; ++i)
+        for (int j = 0; j < made.n_unknowns; ++j) {
+            auto column = made.matrix.block<2, 1>(2 * i, j);
+            column = in_frame(nodes[i], column);
+        }
+    for (int i = 0; frames_ && i < made.n_unknowns / 2; ++i)
+        for (int j = 0; j < made.n_unknowns; ++j) {
+            auto row = made.matrix.block<1, 2>(j, 2 * i);
+            row = in_frame(nodes[i], row.transpose()).transpose();
+        }
 }
 
 void ThetaMatrix::set_block(Index i, const Eigen::Matrix2d& block) {
@@ -204,12 +240,32 @@ void ThetaMatrix::each_unknown(const std::vector<Index>& nodes, const Visit& vis
             if (const Index u = unknown(node, k); u >= 0) visit(u, node, k);
 }
 
-template <class Visit>  // (unknown, component, weight)
+/// (unknown, component in x and y, weight)
+template <class Visit>
 void ThetaMatrix::each_unknown(const PointTangent& point, const Visit& visit) const {
     for (int k = 0; k < 2; ++k)
         point.sides.for_each_node([&](Index node, double weight) {
-            if (is_free(node, k)) visit(unknown(node, k), k, weight);
+            for_each_part(node, k, [&](Index u, double part) { visit(u, k, part * weight); });
         });
+}
+
+/// visit(unknown, its part) of a unit vector at a node along x or y.
+template <class Visit>
+void ThetaMatrix::for_each_part(Index node, int k, const Visit& visit) const {
+    if (!frames_) {
+        if (is_free(node, k)) visit(unknown(node, k), 1);
+        return;
+    }
+    const Vec2 parts = in_frame(node, Vec2::Unit(k));
+    for (int i = 0; i < 2; ++i)
+        if (parts[i] != 0 && is_free(node, i)) visit(unknown(node, i), parts[i]);
+}
+
+/// Vectors along the axes of the unknowns become those along x and y.
+void ThetaMatrix::turn_out(const std::vector<Index>& nodes, std::vector<Vec2>& of_node) const {
+    if (!frames_) return;
+    for (const Index node : nodes)
+        if (is_free(node, 0) && is_free(node, 1)) of_node[node] = out_of_frame(node, of_node[node]);
 }
 
 void ThetaMatrix::find_marked_parts(std::vector<Index>& parts) {
@@ -289,12 +345,13 @@ bool ThetaMatrix::find_reduced_matrix() {
 //     y = L^-1 b,    g = S (L^-T y)_R    condensed;    change_O = (L^-T (L^-1 (g + S change_R) - y))_O
 void ThetaMatrix::condense(std::vector<Vec2>& impulse) {
     if (far_parts_.empty()) return;
-    each_unknown(far_nodes_, [&](Index u, Index node, int k) { x_[u] = impulse[node][k]; });
-    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = impulse[node][k]; });
+    each_unknown(far_nodes_, [&](Index u, Index node, int k) { x_[u] = in_frame(node, impulse[node])[k]; });
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = in_frame(node, impulse[node])[k]; });
     factor_.substitute(far_parts_, x_);
     far_part_ = x_;
     if (is_reduced_) factor_.substitute_back(reduced_parts_, x_);
     each_unknown(near_nodes_, [&](Index u, Index node, int k) { impulse[node][k] = x_[u]; });
+    turn_out(near_nodes_, impulse);
     if (!is_reduced_) return;
     reduced_->multiply(impulse, impulse);
     each_unknown(near_nodes_, [&](Index, Index node, int k) { condensed_[node][k] = impulse[node][k]; });
@@ -312,10 +369,12 @@ void ThetaMatrix::add_change_of_far_nodes(const std::vector<Vec2>& change, std::
         factor_.substitute(reduced_parts_, y_);
         for (const Index u : reduced_unknowns_) x_[u] += y_[u];
     } else {
-        each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = change[node][k]; });
+        each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = in_frame(node, change[node])[k]; });
     }
     factor_.substitute_back(far_parts_, x_);
-    each_unknown(far_nodes_, [&](Index u, Index node, int k) { rate[node][k] += x_[u]; });
+    if (frames_)
+        for (const Index node : far_nodes_) rate[node] += at_node(x_, node);
+    else each_unknown(far_nodes_, [&](Index u, Index node, int k) { rate[node][k] += x_[u]; });
     if (!is_reduced_) return;
     each_unknown(near_nodes_, [&](Index u, Index node, int k) {
         if (!reduced_->has(node, k)) rate[node][k] += x_[u];
@@ -328,7 +387,7 @@ bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& 
         reduced_->solve(right_side, solution);
         return std::ranges::all_of(near_nodes_, [&](Index node) { return solution[node].allFinite(); });
     }
-    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = right_side[node][k]; });
+    each_unknown(near_nodes_, [&](Index u, Index node, int k) { x_[u] = in_frame(node, right_side[node])[k]; });
     if (!is_symmetric()) {
         if (!solve_with_friction()) return false;
     } else {
@@ -342,6 +401,7 @@ bool ThetaMatrix::solve(const std::vector<Vec2>& right_side, std::vector<Vec2>& 
         solution[node][k] = x_[u];
         finite = finite && std::isfinite(x_[u]);
     });
+    turn_out(near_nodes_, solution);
     return finite;
 }
 
@@ -383,7 +443,7 @@ bool ThetaMatrix::find_compliance(std::span<const PointSides> points, const Poin
         if (j == 0 || point_of(j - 1) != point_of(j)) find_parts(points.subspan(point, 1), std::identity{}, path_);
         factor_.set_zero(local_parts_, y_);
         points[point].for_each_node([&](Index node, double weight) {
-            if (is_free(node, k)) y_[unknown(node, k)] += weight;
+            for_each_part(node, k, [&](Index u, double part) { y_[u] += part * weight; });
         });
         factor_.substitute(path_, y_);
         for (Eigen::Index i = 0; i < n_rows; ++i) half(i, j) = y_[local_unknowns_[i]];

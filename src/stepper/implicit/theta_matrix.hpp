@@ -3,7 +3,8 @@
 //
 //     A = (1 + d) M + theta h C + theta^2 h^2 K + G D G',   G': relative velocities of points, D = -d(impulse)/d(rate),
 //
-// factorised and solved. From one factor to the next only what changed is computed anew (frontal_factor.hpp).
+// factorised and solved; with large rotations K in the frames of piece_frames.hpp. From one factor to the next only
+// what changed is computed anew (frontal_factor.hpp).
 #include "base/grouped.hpp"
 #include "element/mass_matrix.hpp"
 #include "element/triangle_matrices.hpp"
@@ -11,6 +12,7 @@
 #include "stepper/implicit/corner_partition.hpp"
 #include "stepper/implicit/frontal_factor.hpp"
 #include "stepper/implicit/gmres.hpp"
+#include "stepper/implicit/piece_frames.hpp"
 #include "stepper/implicit/reduced_matrix.hpp"
 
 #include <memory>
@@ -20,11 +22,13 @@ namespace knap {
 
 class ThetaMatrix {
 public:
-    /// `dashpots`: C, in the order of the corners; they must outlive this.
-    ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Dashpot> dashpots = {});
+    /// `dashpots`: C, in the order of the corners; they must outlive this, as must `frames` [null: none].
+    ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Dashpot> dashpots = {},
+                PieceFrames* frames = nullptr);
 
     /// Nodes, which must outlive their use here, theta^2 h^2 [s2], and M_hat with so many times M. True: M or K or the
-    /// nodes, or who meets whom, have changed. `meetings`: sides of contacts between faces, any two nodes of the body.
+    /// nodes, or who meets whom, have changed; with frames, these. `meetings`: sides of contacts between faces, any two
+    /// nodes of the body.
     bool set(const CornerPartition& nodes, double stiffness_factor, double mass_factor = 1,
              std::span<const PointSides> meetings = {});
     /// False: A without the friction that follows the contact impulses is not positive definite.
@@ -65,7 +69,8 @@ public:
     bool is_symmetric() const { return friction_.empty(); }
     double mass_factor() const { return mass_factor_; }
     const CornerPartition& nodes() const { return *nodes_; }
-    ElementMatrix element(Index triangle) const;  // [kg] of M_hat
+    ElementMatrix element(Index triangle) const;  // [kg] of M_hat, in x and y
+    bool has_frames() const { return frames_ != nullptr; }
     bool is_free(Index node, int component) const { return !nodes_->prescribed[node][component]; }
     /// The free components of a node: the largest one; infinite where one is not a number, which meets no tolerance.
     double largest_free(const std::vector<Vec2>& of_node, Index node) const;
@@ -74,6 +79,23 @@ public:
 private:
     /// Unknowns are numbered by the first corner of their node: they keep their numbers while other fans split.
     Index unknown(Index node, int k) const { return is_free(node, k) ? 2 * nodes_->corner_of_node[node] + k : -1; }
+    /// A vector at a node along the axes of its unknowns, and back.
+    Vec2 in_frame(Index node, const Vec2& a) const {
+        return frames_ ? frames_->of_corner(nodes_->corner_of_node[node]).turned_back(a) : a;
+    }
+    Vec2 out_of_frame(Index node, const Vec2& a) const {
+        return frames_ ? frames_->of_corner(nodes_->corner_of_node[node]).turned(a) : a;
+    }
+    /// Both components of x_ at a node; zero where it is not free.
+    Vec2 at_node(const std::vector<double>& x, Index node) const {
+        Vec2 a = Vec2::Zero();
+        for (int k = 0; k < 2; ++k)
+            if (const Index u = unknown(node, k); u >= 0) a[k] = x[u];
+        return out_of_frame(node, a);
+    }
+    void turn_out(const std::vector<Index>& nodes, std::vector<Vec2>& of_node) const;
+    bool touch_frames();
+    ElementMatrix element_in_frames(Index triangle) const;
     Index leaf_of_corner(Index corner) const { return dissection_.leaf_of_triangle[model_.mesh.triangle_of(corner)]; }
     Index leaf_of_point(Index fan_point) const;
     void place_fan(const Fan& fan);
@@ -86,6 +108,8 @@ private:
     void each_unknown(const std::vector<Index>& nodes, const Visit& visit) const;
     template <class Visit>
     void each_unknown(const PointTangent& point, const Visit& visit) const;
+    template <class Visit>
+    void for_each_part(Index node, int k, const Visit& visit) const;
     /// (marked parts, and all above), ascending
     void find_marked_parts(std::vector<Index>& parts);
     /// (parts that eliminate nodes of `points`, and all above), ascending
@@ -101,6 +125,7 @@ private:
     const Model& model_;
     MassMatrix mass_;
     std::span<const Dashpot> dashpots_;
+    PieceFrames* frames_;
     const CornerPartition* nodes_ = nullptr;
     const Dissection dissection_;
     FrontalFactor factor_;
