@@ -95,8 +95,9 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);
     largest_rotation_work_ = std::max(largest_rotation_work_, std::abs(row_.rotation_work));
     // Psi of constant unloading belongs to the end of a step, works of the leapfrog to its middle; those of secant
-    // unloading both belong to the middle
-    const bool half_later = !end.has_end_velocities() && row_.interface_elastic == 0;
+    // unloading both belong to the middle. Where pieces are rigid works of cohesion go to the end: it falls in islands
+    // alone, whose leapfrog is closed
+    const bool half_later = !end.has_end_velocities() && end.motion != Motion::rigid && row_.interface_elastic == 0;
     const double lag = row_.law_lag + (half_later ? 0.5 * (row_.surface() - surface_before - report.law_change) : 0);
     law_lag_ = lag;
     if (const double now = over_dissipated(lag, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
