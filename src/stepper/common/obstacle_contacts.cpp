@@ -219,28 +219,36 @@ void ObstacleContacts::read_pieces(const State& begin) {
         const auto corners = model_.corners(model_.fans[f]);
         if (model_.has_vanished(mesh.triangle_of(corners[0]))) continue;
         const auto n = static_cast<Index>(corners.size());
-        const auto piece = [&](Index i) { return piece_of(mesh.triangle_of(corners[(i + n) % n])); };
-        Index start = 0;  // of a wedge
-        if (model_.fans[f].closed)
-            while (start < n && piece(start) == piece(start - 1)) ++start;
-        for (Index i = start; i < n + (model_.fans[f].closed ? start : 0) && start < n;) {
+        // a wedge ends at another piece, and at a crack whose sides have parted
+        const auto begins = [&](Index i) {
+            const Index own = corners[i % n], last = corners[(i + n - 1) % n];
+            return piece_of(mesh.triangle_of(own)) != piece_of(mesh.triangle_of(last)) ||
+                   begin.displacement_of(own) != begin.displacement_of(last);
+        };
+        const bool closed = model_.fans[f].closed;
+        Index start = 0;
+        while (closed && start < n && !begins(start)) ++start;
+        for (Index i = start; start < n && i < start + n;) {
             const Index first = i;
-            double angle = 0;
-            for (; i < n + (model_.fans[f].closed ? start : 0) && piece(i) == piece(first); ++i)
-                angle += angle_at(corners[i % n]);
-            if (angle > std::numbers::pi - flat_corner) continue;
-            const Index one = corners[first % n], other = corners[(i - 1) % n];
-            candidates_.push_back({f, one, first});
-            if (begin.displacement_of(one) != begin.displacement_of(other)) candidates_.push_back({f, other, i - 1});
+            double angle = angle_at(corners[i % n]);
+            for (++i; i < start + n && !begins(i); ++i) angle += angle_at(corners[i % n]);
+            if (angle <= std::numbers::pi - flat_corner) candidates_.push_back({f, corners[first % n], first});
         }
     }
     std::ranges::stable_sort(candidates_, {},
                              [&](const Candidate& at) { return piece_of(mesh.triangle_of(at.corner)); });
     for (const auto& [triangle, side, boundary] : mesh.boundary_edges)
         if (!model_.has_vanished(triangle)) add_edges(triangle, side, piece_edges_);
-    for (const Interface& interface : model_.interfaces) {
+    const auto is_open = [&](Index point) {
+        const FanPoint& at = model_.fan_points[model_.fan_point_of[point]];
+        return begin.displacement_of(at.after) != begin.displacement_of(at.before);
+    };
+    for (std::size_t i = 0; i < model_.interfaces.size(); ++i) {
+        const Interface& interface = model_.interfaces[i];
         const auto [a, b] = interface.triangle;
-        if (a == rigid_support || b == rigid_support || piece_of(a) == piece_of(b)) continue;
+        if (a == rigid_support || b == rigid_support) continue;
+        if (const Index p = 2 * static_cast<Index>(i); piece_of(a) == piece_of(b) && !(is_open(p) && is_open(p + 1)))
+            continue;
         for (const Index t : {a, b})
             for (Index k = 0; k < 3; ++k)
                 if (edge_key(mesh.side_vertices(t, k)) == edge_key(interface.vertex)) add_edges(t, k, piece_edges_);

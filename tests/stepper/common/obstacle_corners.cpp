@@ -1,12 +1,16 @@
 // Corners of obstacles against the inside of edges of the body, on both bulks: exact impacts, balances, nothing passes
 // between the nodes.
+#include "stepper/common/obstacle_contacts.hpp"
+#include "support/bodies.hpp"
 #include "support/obstacles.hpp"
+#include "support/pieces.hpp"
 #include "support/relative.hpp"
 #include "support/springs.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace obstacle_corners_test {
 
@@ -122,6 +126,37 @@ TEST_CASE("a sharp boulder that falls between the nodes of a block does not pass
                 CHECK((mu > 0) == (run.ledger.row().friction_work < -1e-9));
                 check_energy_balance(run);
             }
+}
+
+TEST_CASE("the corner of an open crack of a rigid piece meets an obstacle") {
+    // eight triangles round a vertex: three stand with their tip on the ground, five have moved up
+    std::vector<Vec2> outline;
+    for (int i = 0; i < 8; ++i) outline.push_back(turned({1, 0}, 0.25 * i * std::numbers::pi));
+    const Vec2 up = turned({1, 0}, 0.375 * std::numbers::pi);
+    ModelInput input;
+    input.mesh = star_mesh(outline);
+    input.mesh.boundary_names = {"free"};
+    find_edges(input.mesh);
+    input.materials.push_back({.density = 1, .E = 1, .nu = 0.2});
+    input.laws.push_back({.sigma_c = 1, .G_c = 1});
+    input.law_of_pair.assign(1, std::vector<Index>(1, 0));
+    input.obstacles = {platen({0, 0}, up)};
+    const Model model = make_model(input);
+    State state = initial_state(model);
+    for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f)
+        if (model.fans[f].n_points > 0) split(model, f, state);
+    for (Index c = 9; c < model.mesh.n_corners(); ++c) state.displacement[state.node_of_corner[c]] = 2 * up;
+    const auto body = std::make_shared<FrozenBody>();
+    body->piece_of_triangle.assign(8, 0);
+    body->pieces.push_back({.first_triangle = 0, .n_triangles = 8, .radius = 4});
+    state.rigid_pieces.resize(1);
+    ObstacleContacts contacts(model);
+    contacts.set_pieces(body);
+    contacts.find(state, 1e-3, std::vector<Vec3>(1, Vec3::Zero()), {});
+    REQUIRE(contacts.all().size() == 1);
+    CHECK(contacts.all()[0].corner % 3 == 2);
+    CHECK(contacts.all()[0].corner < 9);
+    CHECK(std::abs(contacts.all()[0].gap) < 1e-15);
 }
 
 }  // namespace obstacle_corners_test
