@@ -19,6 +19,7 @@ constexpr double allowed_injection = 2e-4;             // [-] of the losses
 constexpr double at_rest = 1e-10;                      // [-] of the impulses times the speeds
 constexpr double few_edges = 10;                       // [-] D/L up to which sigma_c/(rho c) breaks a piece
 constexpr double lasting_load = 0.5;  // [-] of sigma_c, over an edge, that a piece bears without a blow
+constexpr double deepens = 1e-4;      // [-] of an edge: by less an overlap does not grow
 
 }  // namespace
 
@@ -557,7 +558,8 @@ bool RigidContacts::mark_overlapping(const State& end, double allowed, const std
             if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
             return model_.mesh.corner(corner) + end.displacement_of(corner);
         }));
-        if (gap < std::min(row.gap, 0.0) - allowed * row.length) any = mark_rigid_sides(row, bodies, marked) || any;
+        if (gap < -allowed * row.length && gap < row.gap - deepens * row.length)
+            any = mark_rigid_sides(row, bodies, marked) || any;
     }
     return any;
 }

@@ -50,7 +50,7 @@ public:
     /// Marks [0/1] the pieces that touch deformable ones. Whether there are any, as below.
     bool mark_touching(const std::vector<MovingBody>& bodies, std::vector<std::uint8_t>& marked) const;
     /// Marks those that overlap with deformable ones by more than `allowed` [-] of an edge, and by more than at the
-    /// start of the step, at the places of the state `end`.
+    /// start of the step, at the places of the state `end`: what is deep already must not deepen step by step.
     bool mark_overlapping(const State& end, double allowed, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;
     /// Corrects positions of what overlaps (rigid_places.hpp).
