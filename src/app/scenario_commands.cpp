@@ -18,6 +18,7 @@
 #include "element/triangle_matrices.hpp"
 #include "mesh/mesh_file.hpp"
 #include "microstructure/grain_mesh.hpp"
+#include "model/part_of_body.hpp"
 #include "model/selections.hpp"
 #include "scenario/specimen_strength.hpp"
 #include "scenario/write_scenario.hpp"
@@ -252,6 +253,10 @@ void print_methods(const Scenario& scenario, const Model& model) {
                 bodies.inertia);
     }
     std::printf("  scheme: %s\n", scheme_text(scenario.time, scenario.works().viscosity).c_str());
+    if (breakable && scenario.time.scheme.rigid.active() && !may_be_parted(model))
+        std::printf(
+            "  with supports, held boundaries or free obstacles all pieces become deformable together where a blow may "
+            "break one, and steps cost until it is over what they cost without [rigid]\n");
     if (!scenario.time.start_run.empty())
         std::printf("  starts from the state `%s` of another run; the time counts from 0 again\n",
                     scenario.time.start_run.c_str());

@@ -14,12 +14,18 @@ void refuse_loads(Reading& reading) {
         const Load& load = loads[i];
         if (load.kind == Load::Kind::acceleration) continue;
         if (load.drives()) {
-            const bool holds = load.value[0] == 0. && load.value[1] == 0.;
-            if (!holds)
-                tables[i].error("exclusive-keys", "",
-                                "and [rigid]: a driven boundary deforms its piece, and a rigid one has no stresses",
-                                "an [[obstacle]] that is driven, or no [rigid]; a boundary may be held: displacement = "
-                                "[0, 0]");
+            const auto [x, y] = load.value;
+            if (x == 0. && y == 0.) continue;
+            const bool is_roller = (x == 0. && !y) || (y == 0. && !x);
+            tables[i].error("exclusive-keys", "",
+                            is_roller ? "and [rigid]: a roller leaves its piece one direction, and a rigid piece is "
+                                        "either held or free"
+                                      : "and [rigid]: a driven boundary deforms its piece, and a rigid one has no "
+                                        "stresses",
+                            is_roller ? "an [[obstacle]] without friction, a boundary that is held (displacement = "
+                                        "[0, 0]), or no [rigid]"
+                                      : "an [[obstacle]] that is driven, or no [rigid]; a boundary may be held: "
+                                        "displacement = [0, 0]");
             continue;
         }
         tables[i].error("exclusive-keys", "",

@@ -367,7 +367,7 @@ void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<M
     for (std::size_t i = 0; i < cluster.rows.size(); ++i) rows_[cluster.rows[i]].impulse = problem.contacts[i].impulse;
 }
 
-void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
+RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
     if (work_.size() < n_clusters_) work_.resize(n_clusters_);
     for_blocks(static_cast<std::ptrdiff_t>(n_clusters_),
                [&](std::ptrdiff_t k) { solve(clusters_[k], step, bodies, work_[k]); });
@@ -379,19 +379,21 @@ void RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies
             body.end += body.inverse_mass.cwiseProduct(term.wrench(row.impulse));
         }
     for (MovingBody& body : bodies)
-        if (body.struck_at > 0) body.strike = body.struck_at * (body.free - body.end);
+        if (body.struck_at > 0) body.strike = body.struck_at * (body.flight - body.end);
+    Motion fastest;
     for (Row& row : rows_) {
         row.after = rate(row, bodies, &MovingBody::end);
         if (row.own_N > 0 && row.gap + step.drift_time * row.before.x() < 0 &&
             sides_of(row, bodies) != Sides::deformable) {
             const bool of_faces = row.source == Source::face || row.source == Source::point;
             const double speed = of_faces ? row.before.norm() : -row.before.x();
-            report.contact_motion = std::max(report.contact_motion, step.drift_time * speed / row.length);
+            fastest.at_least({step.drift_time * speed / row.length, row.place});
         }
     }
     if (const auto& refusal = faces_.refusal();
         refusal && refusal->reason == ContactRefusal::Reason::speed && meets_faces())
         report.reject(Rejection::contact_speed, refusal->place, refusal->value);
+    return fastest;
 }
 
 RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,

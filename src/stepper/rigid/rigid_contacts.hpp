@@ -30,8 +30,17 @@ public:
     void renew(const State& begin);
     /// Finds the contacts; wakes bodies that are hit, and those that lie on them. `bodies`: pieces, then obstacles.
     void find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies);
+    /// [-] The largest motion in a step, of faces that meet over their edge, and its place.
+    struct Motion {
+        double value = 0;
+        Vec2 place = Vec2::Zero();
+
+        void at_least(const Motion& other) {
+            if (other.value > value) *this = other;
+        }
+    };
     /// Finds the impulses, end velocities and shifts.
-    void solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
+    Motion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
     /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place;
     /// `of_piece` [-]: likewise of each piece, and of those that it hits, whose waves are part of the blow.
     struct Blow {

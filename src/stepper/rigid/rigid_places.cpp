@@ -22,7 +22,7 @@ double time_of_closing(const RigidRow& row, const RigidStep& step, const std::ve
         for (int k = 0; k < row.n_terms; ++k) {
             const MovingBody& body = bodies[row.terms[k].body];
             const Vec2 arm = row.place - body.centre, n = row.terms[k].along_N.head<2>();
-            const double spin = body.free.z();
+            const double spin = body.flight.z();
             const Vec2 more = Rotation::by(spin * t).turned(arm) - arm;
             gap += n.dot(more - spin * t * turned_left(arm)), speed += spin * n.dot(turned_left(more));
         }
@@ -36,15 +36,20 @@ double time_of_closing(const RigidRow& row, const RigidStep& step, const std::ve
 /// The impulses of a contact act at one place for all of its bodies: where those that are struck have moved it to.
 void find_strikes(const RigidStep& step, std::vector<RigidRow>& rows, std::vector<MovingBody>& bodies) {
     bool any = false;
+    for (MovingBody& body : bodies) body.flight = body.free;
     for (const RigidRow& row : rows)  // what something bears does not fly
-        for (int k = 0; k < row.n_terms && (row.gap <= row.rounding || row.lasting.x() > 0); ++k)
-            bodies[row.terms[k].body].acceleration.setZero(), bodies[row.terms[k].body].kicked.setZero();
+        for (int k = 0; k < row.n_terms && (row.gap <= row.rounding || row.lasting.x() > 0); ++k) {
+            MovingBody& body = bodies[row.terms[k].body];
+            body.acceleration.setZero(), body.kicked.setZero();
+            if (body.is_piece) body.flight = body.before;
+        }
     for (RigidRow& row : rows) {
         ContactLaw& law = row.law;
         if (sides_of(row, bodies) != Sides::rigid) law.restitution = law.tangential = 0;  // they rebound by their waves
         const double push = row.before.x() - row.free.x();
         double approach = -row.before.x();
-        if (row.gap > 0 && law.rebounds() && row.gap + step.drift_time * row.free.x() < 0) {
+        if (row.gap > 0 && law.rebounds() &&
+            row.gap + step.drift_time * rate(row, bodies, &MovingBody::flight).x() < 0) {
             const double a = rate(row, bodies, &MovingBody::acceleration).x(), tau = time_of_closing(row, step, bodies),
                          left = step.drift_time - tau;
             approach = -row.before.x() - rate(row, bodies, &MovingBody::kicked).x() - a * (tau - 0.5 * step.drift_time);
@@ -70,8 +75,8 @@ void find_strikes(const RigidStep& step, std::vector<RigidRow>& rows, std::vecto
         const auto moved = [&](int k) -> Vec2 {  // the place on the body
             const MovingBody& body = bodies[row.terms[k].body];
             if (body.struck_at == 0) return Vec2::Zero();
-            return body.struck_at * body.free.head<2>() + Rotation::by(body.struck_at * body.free.z()).turned(arm(k)) -
-                   arm(k);
+            return body.struck_at * body.flight.head<2>() +
+                   Rotation::by(body.struck_at * body.flight.z()).turned(arm(k)) - arm(k);
         };
         Vec2 place = Vec2::Zero();
         int n_struck = 0;
@@ -80,7 +85,7 @@ void find_strikes(const RigidStep& step, std::vector<RigidRow>& rows, std::vecto
         place /= n_struck;
         for (int k = 0; k < row.n_terms; ++k) {
             const MovingBody& body = bodies[row.terms[k].body];
-            const Vec2 more = place - body.struck_at * body.free.head<2>();
+            const Vec2 more = place - body.struck_at * body.flight.head<2>();
             for (Vec3* along : {&row.terms[k].along_N, &row.terms[k].along_T})
                 along->z() += cross(more, Vec2(along->head<2>()));
         }

@@ -2,9 +2,9 @@
 // When contacts of rigid pieces strike within a step, and corrections of the places of what overlaps.
 //
 // A contact whose faces are apart and rebound (e > 0) is struck within the step, when its gap closes, tau after its
-// start. A body moves freely until the first of its strikes, x+ = x + tau v_free + (h - tau) v+, and its impulses act
-// at the place where it is then. With the acceleration a of the contact by loads, zero where something bears the body,
-// the velocities before and after it are
+// start. A body moves freely until the first of its strikes, x+ = x + tau v_free + (h - tau) v+ (v_free = v- where
+// something bears it), and its impulses act at the place where it is then. With the acceleration a of the contact by
+// loads, zero where something bears the body, the velocities before and after it are
 //
 //     V_- = V- + k/2 a + s a,     V_+ = V+ - k/2 a + s a,     s = tau + (k - h)/2,     k = (h- + h)/2, h-: step before
 //

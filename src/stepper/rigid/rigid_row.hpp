@@ -17,6 +17,8 @@ struct MovingBody {
     Vec3 acceleration = Vec3::Zero();  // [m/s2, m/s2, rad/s2] by loads in free flight; of obstacles 0
     double kick = 0;                   // [s] of a piece, from v- to v+
     Vec3 kicked = Vec3::Zero();        // [m/s, m/s, rad/s] kick times acceleration
+    Vec3 flight = Vec3::Zero();        // [m/s, m/s, rad/s] until something strikes it: v+ without contacts, or v-
+                                       // of a piece that something bears
     Vec3 end = Vec3::Zero();           // [m/s, m/s, rad/s] v+
     Vec3 strike = Vec3::Zero();        // [m, m, rad] beyond h v+, since it moved freely until it was struck
     Vec3 shift = Vec3::Zero();         // [m, m, rad] by which its place is corrected

@@ -80,8 +80,6 @@ StepReport RigidScheme::try_step(const State& begin, double h, std::span<const s
     deformable_.assign(deformable.begin(), deformable.end());
     deformable_.resize(trial_->begin.rigid_pieces.size(), 0);
     find_contacts(report);
-    if (report.rejection == Rejection::none && report.contact_motion > largest_motion)
-        report.reject(Rejection::contact_speed, Vec2::Zero(), report.contact_motion);
     return report;
 }
 
@@ -171,11 +169,12 @@ void RigidScheme::find_contacts(StepReport& report) {
     stays_ = lies_still(step);
     if (stays_) return;
     contacts_.find(step, obstacles_, bodies_);
-    contacts_.solve(step, bodies_, report);
+    RigidContacts::Motion motion = contacts_.solve(step, bodies_, report);
     for (const MovingBody& body : bodies_)
         if (body.kick > 0)
-            report.contact_motion = std::max(report.contact_motion,
-                                             largest_motion * step.drift_time * std::abs(body.end.z()) / largest_turn);
+            motion.at_least({largest_motion * step.drift_time * std::abs(body.end.z()) / largest_turn, body.centre});
+    report.contact_motion = motion.value;
+    if (motion.value > largest_motion) report.reject(Rejection::contact_speed, motion.place, motion.value);
 }
 
 StepReport RigidScheme::end_step(StepReport report, State& end) {
