@@ -341,42 +341,31 @@ void Islands::rebuild_pieces(double end_time, State& end, StepReport& report) co
 /// The mean motions of the deformable pieces.
 void Islands::find_means(State& end) const {
     const FrozenBody& body = *end.frozen;
-    std::vector<Vec2> first(body.pieces.size(), Vec2::Zero()), momentum = first;
-    std::vector<double> angular(body.pieces.size(), 0), inertia = angular, cross_arms = angular, dot_arms = angular;
     const State& start = rigid_.start();
-    const auto for_corners = [&](const auto& visit) {
+    std::vector<Vec2> near;
+    for (const RigidPiece& piece : end.rigid_pieces) near.push_back(piece.centre);
+    const MeanMotions mean = mean_motions(near, [&](const auto& visit) {
         for (Index c = 0; c < part_.model.mesh.n_corners(); ++c) {
             const Index corner = part_.in_whole(c), node = end.node_of_corner[corner];
             visit(body.piece_of_triangle[corner / 3], model_.corner_mass[corner],
                   Vec2(model_.mesh.corner(corner) + end.displacement[node]), end.velocity[node]);
         }
-    };
-    for_corners([&](Index p, double mass, const Vec2& x, const Vec2& v) {
-        first[p] += mass * (x - end.rigid_pieces[p].centre), momentum[p] += mass * v;
     });
-    for (std::size_t p = 0; p < first.size(); ++p) {
-        if (!deformable_[p]) continue;
-        RigidPiece& piece = end.rigid_pieces[p];
-        piece.centre += first[p] / body.pieces[p].mass, piece.velocity = momentum[p] / body.pieces[p].mass;
-        piece.last_step = 0;
-    }
-    for_corners([&](Index p, double mass, const Vec2& x, const Vec2& v) {
-        const Vec2 arm = x - end.rigid_pieces[p].centre;
-        angular[p] += mass * cross(arm, Vec2(v - end.rigid_pieces[p].velocity)), inertia[p] += mass * arm.squaredNorm();
-        end.rigid_pieces[p].struck = struck_[part_.triangle_of_part[body.pieces[p].first_triangle]];
-    });
+    std::vector<double> cross_arms(near.size(), 0), dot_arms(near.size(), 0);
     for (Index c = 0; c < part_.model.mesh.n_corners(); ++c) {  // the turn since the start of the step
         const Index corner = part_.in_whole(c), p = body.piece_of_triangle[corner / 3];
         const Vec2 &X = model_.mesh.corner(corner),
                    before = X + start.displacement_of(corner) - start.rigid_pieces[p].centre,
-                   after = X + end.displacement_of(corner) - end.rigid_pieces[p].centre;
+                   after = X + end.displacement_of(corner) - mean.centre[p];
         cross_arms[p] += model_.corner_mass[corner] * cross(before, after);
         dot_arms[p] += model_.corner_mass[corner] * before.dot(after);
     }
-    for (std::size_t p = 0; p < first.size(); ++p) {
+    for (std::size_t p = 0; p < near.size(); ++p) {
         if (!deformable_[p]) continue;
-        end.rigid_pieces[p].spin = angular[p] / inertia[p];
-        end.rigid_pieces[p].angle += std::atan2(cross_arms[p], dot_arms[p]);
+        RigidPiece& piece = end.rigid_pieces[p];
+        piece.centre = mean.centre[p], piece.velocity = mean.velocity[p], piece.spin = mean.spin[p];
+        piece.angle += std::atan2(cross_arms[p], dot_arms[p]);
+        piece.last_step = 0, piece.struck = struck_[part_.triangle_of_part[body.pieces[p].first_triangle]];
     }
 }
 

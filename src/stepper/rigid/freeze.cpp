@@ -60,7 +60,6 @@ FrozenPieces freeze(const Model& model, State& state) {
         ++piece.n_triangles, piece.area += mesh.area(t);
     }
     frozen.pieces.resize(body->pieces.size());
-    std::vector<Vec2> first_moment(body->pieces.size(), Vec2::Zero());
     const auto for_corners = [&](const auto& visit) {
         for (Index c = 0; c < mesh.n_corners(); ++c) visit(c, body->piece_of_triangle[mesh.triangle_of(c)]);
     };
@@ -68,17 +67,16 @@ FrozenPieces freeze(const Model& model, State& state) {
     std::vector<Vec2> origin;
     for (const FrozenBody::Piece& piece : body->pieces)
         origin.push_back(place_of(model, state, mesh.corners_per_triangle() * piece.first_triangle));
-    for_corners([&](Index c, Index p) {
-        const double m = model.corner_mass[c];
-        body->pieces[p].mass += m;
-        first_moment[p] += m * (place_of(model, state, c) - origin[p]);
-        frozen.pieces[p].velocity += m * state.velocity[state.node_of_corner[c]];
+    const MeanMotions mean = mean_motions(origin, [&](const auto& visit) {
+        for_corners([&](Index c, Index p) {
+            visit(p, model.corner_mass[c], place_of(model, state, c), state.velocity[state.node_of_corner[c]]);
+        });
     });
     for (std::size_t p = 0; p < origin.size(); ++p) {
+        body->pieces[p].mass = mean.mass[p], body->pieces[p].inertia = mean.inertia[p];
         RigidPiece& piece = frozen.pieces[p];
-        piece.centre = origin[p] + first_moment[p] / body->pieces[p].mass;
-        piece.velocity /= body->pieces[p].mass;
-        if (body->pieces[p].held) piece.velocity.setZero();
+        piece.centre = mean.centre[p];
+        if (!body->pieces[p].held) piece.velocity = mean.velocity[p], piece.spin = mean.spin[p];
         piece.slow_since = state.time, piece.last_step = state.last_step;
     }
     body->arm.assign(state.displacement.size(), Vec2::Zero());
@@ -87,13 +85,8 @@ FrozenPieces freeze(const Model& model, State& state) {
         const Index node = state.node_of_corner[c];
         const Vec2 arm = place_of(model, state, c) - frozen.pieces[p].centre;
         body->arm[node] = arm, body->piece_of_node[node] = p;
-        body->pieces[p].inertia += model.corner_mass[c] * arm.squaredNorm();
         body->pieces[p].radius = std::max(body->pieces[p].radius, arm.norm());
-        frozen.pieces[p].spin +=
-            model.corner_mass[c] * cross(arm, Vec2(state.velocity[node] - frozen.pieces[p].velocity));
     });
-    for (std::size_t p = 0; p < origin.size(); ++p)
-        frozen.pieces[p].spin = body->pieces[p].held ? 0 : frozen.pieces[p].spin / body->pieces[p].inertia;
     frozen.vibration.assign(origin.size(), 0);
     for_corners([&](Index c, Index p) {
         const Index node = state.node_of_corner[c];
