@@ -149,14 +149,20 @@ public:
 
     /// [-] Processor time per simulated time until then.
     double cost(double until) {
-        StepControl control(plan_steps(scenario_.time, scenario_.adapt, model_, until).limits);
+        const StepLimits limits = plan_steps(scenario_.time, scenario_.adapt, model_, until).limits;
+        StepControl control(limits);
+        stepper_.resolve_islands(limits);
         if (now_.n_steps == 0) stepper_.begin(now_);
         const double start = now_.time;
         const Stopwatch watch;
         while (!StepControl::has_reached(now_, until)) {
+            if (control.may_freeze(now_)) now_.motion = Motion::rigid;
             const double h = control.next(now_);
-            const StepReport report = stepper_.step(now_, h, next_);
-            if (!control.judge(now_, h, report)) std::swap(now_, next_);
+            const auto cut = control.judge(now_, h, stepper_.step(now_, h, next_));
+            const bool thaws = cut && cut->thaws;
+            if (thaws && !now_.frozen) now_.motion = Motion::thawed;
+            if (thaws && now_.frozen) stepper_.thaw(now_, next_);
+            if (!cut || (thaws && now_.frozen)) std::swap(now_, next_);
         }
         return one_thread_time(watch) / (until - start);
     }
@@ -254,8 +260,13 @@ std::vector<Measurement> measure_contact() {
     rigid.cost(0.6);
     measured.push_back({"rubble in motion: deformable over rigid pieces", stones.cost(0.62) / rigid.cost(0.7)});
     stones.measure(1.5, "rubble at rest", measured);
-    Pieces broken(std::string(breaking) + rock + breakable_rock);
+    Pieces broken(std::string(breaking) + rock + breakable_rock),
+        islands(std::string(breaking) + rock + breakable_rock + "[rigid]\n");
+    measured.push_back({"block that breaks: deformable over rigid pieces", broken.cost(0.1) / islands.cost(0.1)});
     broken.measure(0.5, "broken pieces in motion", measured);
+    islands.cost(0.5);
+    measured.push_back(
+        {"broken pieces in motion: deformable over rigid pieces", broken.cost(0.52) / islands.cost(0.6)});
     broken.measure(1.6, "broken pieces at rest", measured);
     measure_dust(measured);
     measure_ground(measured);
