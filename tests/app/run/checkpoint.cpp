@@ -49,6 +49,12 @@ const std::string changing_specimen =
     "'time.step=0.1 ms' -s 'time.end=12 ms' -s limits.law_lag=none -s 'expect={}' -s output.breaks=true " +
     undrawn;
 
+/// Rigid in flight; from 30 ms on its pieces step by themselves, and become rigid again.
+const std::string boulder_with_islands =
+    "boulder_breaks -q -j 1 -s 'rigid={ hold = 5 }' -s 'time.end=90 ms' -s 'output.every=5 ms' -s 'expect={}' -s "
+    "output.breaks=true " +
+    undrawn;
+
 ino_t inode(const fs::path& path) {
     struct stat found {};
     return stat(path.c_str(), &found) == 0 ? found.st_ino : 0;
@@ -96,19 +102,19 @@ void check_frames(const fs::path& whole, const fs::path& killed) {
             CHECK_MESSAGE(text_of(whole / "fields" / entry.path().filename()) == text_of(entry.path()), entry.path());
 }
 
-void kill_twenty_times(const std::string& block, const Folder& folder) {
+void kill_often(const std::string& block, const Folder& folder, int times = 20) {
     REQUIRE(command("run " + block + "-o " + folder.in_shell("whole")).code == 0);
     const std::string often = block + "-s output.checkpoint_every=0 ";
     knap::Random random(7, "kills");
     int n_kills = 0;
-    for (int i = 0; i < 20; ++i) {
+    for (int i = 0; i < times; ++i) {
         const int status = run_and_stop(often, folder.path / "killed", SIGKILL,
                                         std::chrono::microseconds(static_cast<int>(random.uniform(0, 10000))));
         if (!WIFSIGNALED(status)) break;
         check_frames(folder.path / "whole", folder.path / "killed");
         ++n_kills;
     }
-    CHECK(n_kills > 5);
+    CHECK(n_kills > times / 4);
     const Answer last = command("run " + often + "-o " + folder.in_shell("killed"));
     CAPTURE(last.text);
     CHECK((last.code == 0 || last.has("run-exists")));  // or the last one had come to its end before it was killed
@@ -118,15 +124,19 @@ void kill_twenty_times(const std::string& block, const Folder& folder) {
 }  // namespace
 
 TEST_CASE("a run killed at twenty random moments ends with the same bits") {
-    kill_twenty_times(explicit_block, Folder("killed explicit"));
+    kill_often(explicit_block, Folder("killed explicit"));
+}
+
+TEST_CASE("a run with rigid pieces and islands that is killed ends with the same bits") {
+    kill_often(boulder_with_islands, Folder("killed islands"), 8);
 }
 
 TEST_CASE("runs of other kinds killed at twenty random moments end with the same bits" * doctest::test_suite("slow")) {
-    SUBCASE("with refinements") { kill_twenty_times(refined_block, Folder("killed refined")); }
-    SUBCASE("implicit") { kill_twenty_times(implicit_block, Folder("killed implicit")); }
-    SUBCASE("both schemes") { kill_twenty_times(changing_specimen, Folder("killed both schemes")); }
-    SUBCASE("with heat") { kill_twenty_times(explicit_quench, Folder("killed quench")); }
-    SUBCASE("with heat, implicit") { kill_twenty_times(implicit_quench, Folder("killed implicit quench")); }
+    SUBCASE("with refinements") { kill_often(refined_block, Folder("killed refined")); }
+    SUBCASE("implicit") { kill_often(implicit_block, Folder("killed implicit")); }
+    SUBCASE("both schemes") { kill_often(changing_specimen, Folder("killed both schemes")); }
+    SUBCASE("with heat") { kill_often(explicit_quench, Folder("killed quench")); }
+    SUBCASE("with heat, implicit") { kill_often(implicit_quench, Folder("killed implicit quench")); }
 }
 
 TEST_CASE("an interrupted run goes on when it is started again") {
