@@ -65,8 +65,8 @@ std::vector<std::vector<double>> Breaks::found(const State& now) {
             const Index i = model_.interface_of(point.point);
             const Interface& interface = model_.interfaces[i];
             const Vec2 jump = opening(model_, now, point.point);
-            const double s_c = law.equivalent_opening(jump.x(), jump.y()), slid = law.gamma * std::abs(jump.y());
-            shear_[i] += point.area / (interface.length * model_.thickness) * (s_c > 0 ? slid / s_c : 0);
+            const double slid = law.slip_part(jump.x(), jump.y());
+            shear_[i] += point.area / (interface.length * model_.thickness) * slid;
             if (++n_broken_[i] < model_.points_per_interface()) continue;
             ++(is_shear(shear_[i]) ? n_shear_ : n_tensile_);
             const Vec2 a = model_.mesh.vertices[interface.vertex[0]], b = model_.mesh.vertices[interface.vertex[1]];

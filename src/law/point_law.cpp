@@ -164,6 +164,102 @@ Eigen::Matrix2d ramp_tangent(const PointLaw& law, const Multipliers& at, const P
     return D;
 }
 
+constexpr double imposed_weight = 1e5;  // [-] where both sides are driven, the rate alone decides
+
+/// The norm at the end of the step, with the cohesion beta_theta; the ramp of secant unloading over the step.
+class SofteningNorm final : public NormLaw {
+public:
+    explicit SofteningNorm(const PointLaw& point) : point_(point) {
+        const double h = point.step->h;
+        cohesive = point.strength, gamma = point.material->gamma;
+        contact = point.contact;
+        add_friction_theta(point.friction, sliding);
+        shift = Vec2(point.u_N, point.u_T) / h;
+        ramp = point.ramp / h, start = std::min(ramp, NormLaw::size(shift));
+    }
+    double borne(double size) const { return NormLaw::rho(size); }
+    double steepness(double size) const { return NormLaw::slope_of_rho(size); }
+    double cohesion_theta(double size) const {
+        const double theta = point_.step->theta;
+        return theta * end_cohesion(size) + (1 - theta) * point_.cohesion;
+    }
+    double rho(double size) const override { return cohesion_theta(size) * borne(size); }
+    double slope_of_rho(double size) const override {
+        const ThetaStep& step = *point_.step;
+        const double end = end_cohesion(size), rises = cohesion_theta(size) * steepness(size);
+        if (end == 0 || end >= point_.cohesion) return rises;
+        return rises - borne(size) * step.theta * step.h * point_.material->relaxed_part(step.h) /
+                           point_.material->piece_length(point_.material->piece_at(step.h * size));
+    }
+
+private:
+    double end_cohesion(double size) const {
+        const ThetaStep& step = *point_.step;
+        return step.implicit_beta ? point_.material->next_cohesion(point_.cohesion, step.h * size, 0, step.h)
+                                  : point_.cohesion;
+    }
+    const PointLaw& point_;
+};
+
+/// Stiffness and direction change with the rates: what is within some hundredths has one state.
+std::uint32_t state_of_curved(const PointResponse& r, const Vec2& along) {
+    std::uint32_t state = r.closed | (r.sticks << 1) | (r.softens << 4) | (static_cast<std::uint32_t>(r.piece) << 8);
+    if (r.sticks || r.curvature == 0) return state;
+    const auto angle = static_cast<std::uint32_t>(8 * (std::atan2(along.y(), along.x()) + 4)),
+               size = static_cast<std::uint32_t>(std::clamp(64 + 4 * std::log2(r.curvature), 0.0, 255.0));
+    return state | (angle << 12) | (size << 20);
+}
+
+PointResponse respond_by_norm(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
+    SofteningNorm norm(law);
+    norm.pressed = at.friction_follows ? -1 : at.pressed;
+    const double weight = std::isinf(at.rho_T) ? imposed_weight * at.rho_N : at.rho_N;
+    const Vec2 Q(at.contact - law.strength * law.cohesion - weight * w_N, at.tangential - weight * w_T);
+    const NormLaw::Response found = norm.respond(Q, weight);
+    PointResponse r;
+    update_cohesion(law, found.size * law.step->h, 0, r);
+    const Vec2 W = found.rate + norm.shift, q = found.at.impulse;
+    const bool is_rigid = found.sticks && !found.closed;  // in both components, as what is closed and sticks
+    r.closed = found.closed || is_rigid;
+    r.sticks = found.sticks;
+    r.kink = found.sticks ? found.rate.y() : 0;
+    r.tangential = q.y(), r.friction_part = found.friction, r.friction_sign = found.friction_sign;
+    r.cohesion_sign = W.y() > 0 ? 1 : W.y() < 0 ? -1 : 0;
+    r.opens = W.x() > 0;
+    r.opening_rate = W;
+    r.full_cohesion = r.cohesion_theta, r.ramp_part = norm.borne(found.size), r.on_ramp = r.ramp_part < 1;
+    r.cohesion_theta *= r.ramp_part;
+    const double full = law.strength * r.cohesion_theta;
+    r.pull = full > 0 ? -found.cohesion.x() / full : 0;
+    r.contact = found.closed ? std::max(0.0, q.x() + full * r.pull) : 0;
+    r.curvature = found.size > 0 ? full / (found.size * weight) : 0;
+    r.state = state_of_curved(r, norm.along(W));
+    return r;
+}
+
+Eigen::Matrix2d tangent_of_norm(const PointLaw& law, const Multipliers& at, const PointResponse& r,
+                                Softening softening) {
+    const SofteningNorm norm(law);
+    Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
+    if (std::isinf(at.rho_T)) return D;  // both sides are driven
+    const double weight = at.rho_N;
+    const bool falls =
+        (softening == Softening::now && r.softens) || (softening == Softening::at_all && (r.softens || r.breaks));
+    const double rises = law.strength * r.full_cohesion * norm.steepness(norm.size(r.opening_rate)) / weight,
+                 modulus = falls ? r.ramp_part * softening_modulus(law, r, softening) : 0;
+    const bool is_small = softening == Softening::now && 2 * modulus < weight;  // in the derivative of the projection
+    D = weight * norm.slope(r.opening_rate, r.curvature, rises - (is_small ? modulus / weight : 0), r.closed);
+    if (modulus > 0 && !is_small && !r.sticks) {
+        Vec2 loss = norm.along(r.opening_rate);
+        if (r.closed) loss.x() = 0;
+        D -= modulus * loss * loss.transpose();
+    }
+    if (r.sticks) D.row(1) << 0, weight;
+    else if (r.closed && r.friction_sign != 0 && at.friction_follows && softening != Softening::at_all)
+        D(1, 0) = -law.friction * r.friction_sign * weight * (1 - D(1, 1) / weight);
+    return D;
+}
+
 }  // namespace
 
 void PointLaw::set_staircase() {
@@ -174,6 +270,7 @@ void PointLaw::set_staircase() {
 }
 
 PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
+    if (law.is_curved()) return respond_by_norm(law, at, w_N, w_T);
     if (law.ramp > 0) return respond_on_ramp(law, at, w_N, w_T);
     PointResponse r;
     r.contact = law.contact.may_touch ? std::max(0.0, at.contact - at.rho_N * (w_N - law.contact.rate)) : 0;
@@ -203,6 +300,7 @@ Vec2 loss_direction(const PointLaw& law, const PointResponse& r) {
 }
 
 Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening) {
+    if (law.is_curved()) return tangent_of_norm(law, at, r, softening);
     const bool with_friction = r.closed && law.friction > 0 && at.friction_follows && softening != Softening::at_all;
     if (law.ramp > 0) return ramp_tangent(law, at, r, softening, with_friction ? rubs(law, r) : 0);
     Eigen::Matrix2d D = Eigen::Matrix2d::Zero();

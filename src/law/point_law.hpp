@@ -14,8 +14,12 @@
 // ramp together, of the rates omega = w + (q - q^)/rho: however steep a ramp is, rho bounds its stiffness, and where
 // a slip reverses the force takes every value between those of its two signs. (With the ramp at w it jumped there, and
 // equations with such a point had no solution.)
+//
+// A law that is no staircase (norm_law.hpp) is a projection already: with the multipliers q^ its impulse is
+// project(q^ - rho w), and -dq/dw is rho times its slope.
 #include "base/vec.hpp"
 #include "law/interface_law.hpp"
+#include "law/norm_law.hpp"
 #include "material/cohesive_law.hpp"
 
 #include <Eigen/Core>
@@ -48,6 +52,10 @@ struct PointLaw {
 
     /// The kinks of the tangential law, when the law over the step is known.
     void set_staircase();
+    /// No staircase: its impulse is a projection.
+    bool is_curved() const { return material->coupling != Coupling::sum && strength > 0; }
+    /// The multiplier p^ has the cohesion that is not borne, too.
+    bool holds_cohesion() const { return ramp > 0 || is_curved(); }
     /// With a ramp: its sides may overlap in the middle of the step.
     bool may_overlap() const { return u_N + step->kick() * contact.rate < -1e-12 * material->delta_c(); }
     double ramp_stiffness() const { return ramp > 0 ? strength * cohesion * step->kick() / ramp : 0; }  // [kg]
@@ -55,7 +63,7 @@ struct PointLaw {
 
 /// The iterate of the method of multipliers.
 struct Multipliers {
-    double contact = 0;            // [N s] p^ >= 0; with a ramp that of PointResponse::held
+    double contact = 0;            // [N s] p^ >= 0; where holds_cohesion that of PointResponse::held
     double tangential = 0;         // [N s] t^
     double rho_N = 0, rho_T = 0;   // [kg]; infinite rho_T: the rate itself decides (prescribed on both sides)
     bool friction_follows = true;  // friction is bounded by mu p, else by mu `pressed` (Tresca, a step towards Coulomb)
@@ -78,11 +86,13 @@ struct PointResponse {
     bool closed = false, sticks = false, softens = false, breaks = false, opens = false;
     double friction_sign = 0, cohesion_sign = 0;  // of the two tangential forces, negative; 0 where they are free
     double kink = 0;                              // [m/s] where it sticks
+    Vec2 opening_rate = Vec2::Zero();             // [m/s] of a curved law: W of norm_law.hpp
+    double curvature = 0;                         // [-] likewise: C rho/(|W| weight)
 
     double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta * pull; }  // [N s] q_N
-    /// [N s] What the multiplier p^ becomes: p, with a ramp and the cohesion that is not borne.
+    /// [N s] What the multiplier p^ becomes: p, with a ramp or a curved law and the cohesion that is not borne.
     double held(const PointLaw& law) const {
-        return law.ramp > 0 ? normal(law) + law.strength * law.cohesion : contact;
+        return law.holds_cohesion() ? normal(law) + law.strength * law.cohesion : contact;
     }
 };
 

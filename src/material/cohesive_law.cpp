@@ -24,7 +24,13 @@ std::array<double, 2> CohesiveLaw::friction_range() const {
 }
 
 double CohesiveLaw::equivalent_opening(double u_N, double u_T) const {
+    if (coupling == Coupling::norm) return std::hypot(std::max(u_N, 0.0), gamma * u_T);
     return std::max(u_N, 0.0) + gamma * std::abs(u_T);
+}
+
+double CohesiveLaw::slip_part(double u_N, double u_T) const {
+    const double s = equivalent_opening(u_N, u_T), part = s > 0 ? gamma * std::abs(u_T) / s : 0;
+    return coupling == Coupling::norm ? part * part : part;
 }
 
 double CohesiveLaw::next_cohesion(double cohesion, double u_N, double u_T, double h) const {
@@ -58,7 +64,7 @@ double CohesiveLaw::viscous_dissipation(double before, double after, double s) c
 
 double CohesiveLaw::elastic_energy(double cohesion, double kappa, double s) const {
     if (cohesion == 0) return 0;
-    return cohesion * sigma_c * (s < kappa ? 0.5 * s * s / kappa : s - 0.5 * kappa);
+    return cohesion * sigma_c * stored_opening(kappa, s);
 }
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 #pragma once
 // The extrinsic cohesive law with contact, Coulomb friction and impact (Acary, Collins-Craft, Bourrier).
-//     Psi(u_N, u_T, beta) = beta sigma_c s + w f(beta),     s = u_N + gamma |u_T|,     w = G_c
+//     Psi(u_N, u_T, beta) = beta sigma_c s + w f(beta),     w = G_c
+//     s = u_N + gamma |u_T|   or (coupling norm)   s = sqrt(u_N^2 + gamma^2 u_T^2)
 //     on first loading  beta = B(s sigma_c/w),   and beta never grows
 // Unloading keeps beta and the traction beta sigma_c, or (secant) the traction falls with the opening:
 //     sigma = beta sigma_c min(1, s/kappa),  kappa: the largest s so far
@@ -23,6 +24,9 @@ namespace knap {
 /// What the traction of a damaged point does at openings below its largest one.
 enum class Unloading { constant, secant };
 
+/// How opening and slip make the equivalent opening s: their sum, or their norm.
+enum class Coupling { sum, norm };
+
 /// phi(T) in (0, 1] [-] on sigma_c and G_c, and Coulomb's mu(T) [-]; either may be empty.
 struct StrengthOfTemperature {
     TemperatureTable strength, friction;
@@ -36,6 +40,7 @@ struct CohesiveLaw {
     double restitution = 0;  // [-]    Newton's e
     std::shared_ptr<const SofteningShape> softening = nullptr;  // null: linear; shared by laws that differ in strength
 
+    Coupling coupling = Coupling::sum;
     Unloading unloading = Unloading::constant;
     double relaxation_time = 0;  // [s] tau of delayed softening; 0: the cohesion follows the opening at once
     double incubation_time = 0;  // [s] that an overload needs to break a bond (explicit/incubation.hpp); 0: none
@@ -51,6 +56,9 @@ struct CohesiveLaw {
     static CohesiveLaw unbreakable() { return {.sigma_c = infinity}; }
     bool breakable() const { return sigma_c < infinity; }
 
+    /// [-] Shear strength without pressure, over sigma_c. Friction acts on cohesion with the sum alone.
+    double shear_strength() const { return shear_strength(friction); }
+    double shear_strength(double mu) const { return coupling == Coupling::norm ? gamma : gamma + mu; }
     /// [m] Opening at which the cohesion is lost; 2 G_c/sigma_c of linear softening.
     double delta_c() const {
         if (sigma_c <= 0) return 0;
@@ -89,6 +97,8 @@ struct CohesiveLaw {
     double restitution_at(double cohesion) const { return cohesion > 0 ? 0 : restitution; }
     /// Equivalent opening s [m]; penetration does not count.
     double equivalent_opening(double u_N, double u_T) const;
+    /// [-] Part of the slip in it: gamma |u_T|/s, of the norm its square. 0: opened, 1: slid.
+    double slip_part(double u_N, double u_T) const;
     /// [-] Part of the way to B that the cohesion goes in a step of h [s].
     double relaxed_part(double h) const { return 1 / (1 + relaxation_time / h); }
     /// Cohesion at the end of a step of h [s] that began with `cohesion` and ends at opening (u_N, u_T).
@@ -100,6 +110,8 @@ struct CohesiveLaw {
     double surface_energy(double cohesion, double u_N, double u_T) const;
     /// [J/m2] What a point that closes has lost for good: G_c f(beta), with secant unloading beta sigma_c kappa/2 more.
     double consumed(double cohesion, double kappa) const;
+    /// [m] The energy that the traction beta sigma_c gives back, over it: s, on the ramp up to kappa s^2/(2 kappa).
+    static double stored_opening(double kappa, double s) { return s < kappa ? 0.5 * s * s / kappa : s - 0.5 * kappa; }
     /// [J/m2] Secant unloading: beta sigma_c s^2/(2 kappa), which a point that closes gives back; linear beyond kappa.
     double elastic_energy(double cohesion, double kappa, double s) const;
 };

@@ -17,6 +17,7 @@ constexpr double held = 1e-8;
 void ContactProblem::clear() {
     bodies_.clear(), corners_.clear(), terms_.clear(), rows_.clear();
     cluster_.contacts.clear(), cluster_.bodies.clear(), cluster_.terms.clear();
+    curved_.clear();
     free_of_rigid_.clear();
 }
 
@@ -73,7 +74,8 @@ Index ContactProblem::add_fan(const SolvedFan& solved, Index n_corners, bool stu
         if (!link.unbreakable) {
             if (link.ramp > 0) link.cohesive = result.links[i].cohesive_impulse;
             const Vec2 before = fan.velocity_before(link.after) - fan.velocity_before(link.before);
-            point.law = link_law(link, before, fan.drift_time, rest);
+            if (link.coupling == Coupling::sum) point.law = link_law(link, before, fan.drift_time, rest);
+            else curved_.push_back({cluster_.contacts.size(), norm_law(link, before, fan.drift_time, rest)});
             point.cohesive = link.cohesive;
         }
         point.impulse = {link.normal.dot(result.links[i].impulse), link.tangent().dot(result.links[i].impulse)};
@@ -140,6 +142,7 @@ void ContactProblem::assemble() {
         of_row.inverse_mass = std::max(of_row.inverse_mass, bodies_[body_of(term)].inverse_mass.maxCoeff());
         of_row.along2 += term.along_N.squaredNorm();
     }
+    for (const CurvedRow& curved : curved_) cluster_.contacts[curved.row].other = &curved.law;
     cluster_.find_own();
     for (ContactCoupling& c : cluster_.couplings) {
         if (c.of != c.on) continue;

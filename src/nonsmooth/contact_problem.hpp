@@ -59,6 +59,10 @@ private:
         Index row, corner;
         Vec2 along_N, along_T;
     };
+    struct CurvedRow {
+        std::size_t row;
+        NormLaw law;
+    };
     /// The mobility that a row would have if all of its corners could move as its lightest one.
     struct Mobility {
         double inverse_mass = 0;  // [1/kg] of that corner
@@ -74,8 +78,9 @@ private:
     std::vector<Vec3> free_of_rigid_;  // [m/s, m/s, rad/s]
     std::vector<Mobility> mobility_;   // per row
     std::vector<std::size_t> end_of_body_;
-    std::vector<Index> of_body_;  // places in terms_, of one body after the other
-    std::vector<Index> rows_;     // of the contacts
+    std::vector<Index> of_body_;     // places in terms_, of one body after the other
+    std::vector<Index> rows_;        // of the contacts
+    std::vector<CurvedRow> curved_;  // points of fans whose laws are no staircases
     ContactCluster cluster_;
 };
 

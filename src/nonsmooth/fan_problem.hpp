@@ -21,6 +21,7 @@
 // constant step). The bound b and the two signs of friction make the work of every contact with the mean velocity
 // (V+ + V-)/2 non-positive, as the leapfrog energy requires, and still let a sliding point come to exact rest.
 #include "base/vec.hpp"
+#include "material/cohesive_law.hpp"
 
 #include <cmath>
 #include <vector>
@@ -55,6 +56,8 @@ struct FanLink {
     double ramp_shift = 0;           // [m/s] part of ramp_start: a ramp that is a tangent begins elsewhere than at 0
     double kappa = 0;                // [m] on a ramp
     Vec2 middle = Vec2::Zero();      // [m] on a ramp: (u_N, u_T) in the middle of the last step
+    Coupling coupling = Coupling::sum;
+    Vec2 last_impulse = Vec2::Zero();  // [N s] (N, T) of a curved link in the step before
 
     Vec2 tangent() const { return turned_left(normal); }
     void set_ramp(double h) { ramp = 4 / h * kappa; }
@@ -73,7 +76,8 @@ struct FanProblem {
     std::vector<FanLink>
         links;  // in the order of the chain; of a closed one the first joins the last body to the first
     bool closed = false;
-    bool has_ramps = false;  // of some link
+    bool has_ramps = false;  // of some link whose law is a staircase
+    bool is_curved = false;  // some link has a law that is no staircase (curved_fan.hpp)
     bool turns = false;      // large rotations: its normals turn from step to step
     double drift_time = 0;   // [s] h
 

@@ -22,6 +22,10 @@ FanSolution FanSolver::solve(const FanProblem& problem, FanResult& result, doubl
     using Status = FanSolution::Status;
     problem_ = &problem;
     scales_ = scales_of(problem, rest);
+    if (problem.is_curved) {
+        const CurvedFan::Found found = curved_.solve(problem, scales_, result);
+        return {.bonded = found.bonded, .iterations = found.iterations, .residual = found.residual};
+    }
     now_.states.resize(problem.links.size());
     for (std::size_t i = 0; i < problem.links.size(); ++i) now_.states[i].guess(problem, problem.links[i], scales_);
     linear_.start(problem, scales_.speed_tolerance);

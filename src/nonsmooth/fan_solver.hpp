@@ -5,8 +5,10 @@
 // (link_state.hpp); without a violation the solution is exact. States are guessed from the motion before the step, so
 // that almost every problem takes one linear solve. A chain that sticks all round is decided by find_self_stress
 // (self_stress.hpp). Where the states cycle (friction, degenerate ties), Lemke's method finds them (fan_lcp.hpp) and
-// the active set refines the result; where it fails, combinations of states are tried.
+// the active set refines the result; where it fails, combinations of states are tried. Laws that are no staircases:
+// curved_fan.hpp.
 #include "law/self_stress.hpp"
+#include "nonsmooth/curved_fan.hpp"
 #include "nonsmooth/fan_lcp.hpp"
 #include "nonsmooth/linear_fan.hpp"
 
@@ -59,6 +61,7 @@ private:
     Iterate now_, saved_;
     LinearFan linear_;
     FanLcp lcp_;
+    CurvedFan curved_;
     std::vector<HalfPlane> planes_;
 };
 

@@ -56,6 +56,21 @@ InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h
     return law;
 }
 
+NormLaw norm_law(const FanLink& link, const Vec2& velocity_before, double h, double tolerance) {
+    const double V_N = link.normal.dot(velocity_before), V_T = link.tangent().dot(velocity_before);
+    const double until = link.kappa > 0 ? 0.5 * h : h;  // [s] to the opening that decides
+    NormLaw law;
+    law.cohesive = link.cohesive, law.gamma = link.gamma;
+    law.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h, link.given);
+    add_friction_explicit(link.friction, V_T, tolerance, law.sliding);
+    law.shift = Vec2(link.u_N, link.u_T) / until;
+    for (double& rate : law.shift)
+        if (std::abs(rate) <= tolerance) rate = 0;  // an opening that is the rounding of this step
+    law.ramp = link.kappa / until;
+    law.start = std::min(law.ramp, law.size(link.middle) / until);
+    return law;
+}
+
 void LinkState::set(bool to_closed, int to_tangential_state) {
     closed = to_closed;
     tangential_state = to_tangential_state;

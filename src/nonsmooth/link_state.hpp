@@ -2,6 +2,7 @@
 // The state of a link: closed or open, and its place on the staircase of its tangential law (interface_law.hpp),
 // between two kinks or at one. States are guessed from the motion before the step; a violated law names the next state.
 #include "law/interface_law.hpp"
+#include "law/norm_law.hpp"
 #include "nonsmooth/fan_problem.hpp"
 
 namespace knap {
@@ -25,6 +26,8 @@ FanScales scales_of(const FanProblem& problem, double rest);
 /// The law of a link over the step. The tangential cohesion has the sign of the slip at its end. `tolerance` [m/s]:
 /// kinks that are nearer to each other are merged.
 InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
+/// Likewise, of a curved link. A law that is no staircase either has its name in Coupling and its row here.
+NormLaw norm_law(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
 
 /// How much of its cohesion a link with secant unloading bears: all, a part in proportion to its opening, nothing.
 enum class Bearing { full, part, none };

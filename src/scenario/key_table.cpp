@@ -304,6 +304,10 @@ void add_keys_of_microstructure(KeyTable& t) {
         "to sigma_c and G_c").points().second("").only_with("softening", {"table"}).to(&SofteningOptions::table);
     t.text("csv", "file with lines `opening, traction` instead of a table, relative to the scenario file; # "
         "starts a comment").only_with("softening", {"table"});
+    t.word("coupling", {"sum", "norm"}, "equivalent opening: sum: u_N + gamma |u_T|, as in the reference; norm: "
+        "sqrt(u_N^2 + gamma^2 u_T^2), with a half ellipse as strength and friction on compression alone: slow cracks "
+        "across meshes cost nearly what they cost along a straight path").otherwise("sum")
+        .to(&CohesiveLaw::coupling, {Coupling::sum, Coupling::norm});
     t.word("unloading", {"constant", "secant"}, "traction of a damaged interface that closes: constant beta sigma_c, "
         "or secant: falls to 0 with the opening").otherwise("constant")
         .to(&CohesiveLaw::unloading, {Unloading::constant, Unloading::secant});
@@ -315,7 +319,7 @@ void add_keys_of_microstructure(KeyTable& t) {
         "of that moment. In explicit steps; not on supports and initial cracks. 0: at once")
         .at_least(0).otherwise("0").to(&CohesiveLaw::incubation_time);
     t.number("gamma", "", "shear strength over tensile strength, without friction. Sliding alone costs G_c (1 + "
-        "friction/gamma); 0: cohesion in mode I only").at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
+        "friction/gamma), with coupling = \"norm\" G_c; 0: cohesion in mode I only").at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
     t.number("strength_table", "K", "factor on sigma_c and G_c over temperature as pairs [temperature, factor], with "
         "[heat]: from 0 (no strength, computed as 1e-6) to 1, linear between them and constant outside, at the mean "
         "temperature of the two sides. delta_c stays; what has opened does not heal, what has not opened is as strong "

@@ -1,9 +1,12 @@
 // [material.NAME], [interface.NAME] and [[support]]: which law acts between which materials and under which support.
 #include "scenario/reading.hpp"
 
+#include "base/formatted.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 namespace knap {
@@ -58,6 +61,7 @@ CohesiveLaw read_law(const Table& table) {
     if (!table.get<bool>("breakable").value_or(true)) {
         if (table.given("softening") && table.text("softening") != "linear")
             table.error("exclusive-keys", "softening", "belongs to a law that never breaks");
+        if (table.given("coupling")) table.error("exclusive-keys", "coupling", "belongs to a law that never breaks");
         law.sigma_c = CohesiveLaw::unbreakable().sigma_c;
         law.of_temperature = read_of_temperature(table, false);
         return law;
@@ -78,6 +82,17 @@ CohesiveLaw read_law(const Table& table) {
     if (law.relaxation_time > 0 && law.softening && std::isinf(law.softening->slope(law.softening->n_pieces() - 1)))
         table.exclude("relaxation_time", "relaxation_time", "plateau = 1",
                       "a slope at the end of the softening, for example plateau = 0.9");
+    if (law.coupling == Coupling::norm) {
+        const std::string cure = "gamma = 1 or more, or coupling = \"sum\"";
+        if (!has_cohesion)
+            table.error("exclusive-keys", "coupling", "belongs to a law with cohesion, and this one has no strength");
+        if (law.gamma == 0) table.exclude("coupling", "coupling = \"norm\"", "gamma = 0", cure);
+        if (law.softening && std::isinf(law.softening->steepest()))
+            table.exclude("coupling", "coupling = \"norm\"", "plateau = 1", "plateau = 0.9, or coupling = \"sum\"");
+        if (law.incubation_time > 0)
+            table.exclude("coupling", "coupling = \"norm\"", "incubation_time",
+                          "relaxation_time, or coupling = \"sum\"");
+    }
     for (const char* key : {"relaxation_time", "incubation_time"})
         if (table.number(key).value_or(0) > 0 && !has_cohesion)
             table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has no strength");
@@ -205,7 +220,38 @@ void read_materials(Reading& reading) {
         reading.table("material").error("missing-key", "", "has no material", "write [material.NAME]");
 }
 
+/// [-] Of sigma_c: under a tension a facet inclined by t is damaged at 1/(cos t sqrt(cos^2 t + sin^2 t/gamma^2)).
+static double strength_of_facet(double gamma) {
+    constexpr double t = 25 * std::numbers::pi / 180;  // the mean of the facets along a crack through a random mesh
+    return 1 / (std::cos(t) * std::hypot(std::cos(t), std::sin(t) / gamma));
+}
+
+/// Laws with cohesion must have one coupling, and the scheme must know it.
+static void check_coupling(Reading& reading) {
+    const auto& laws = reading.scenario.laws;
+    const auto is_sum = [](const NamedLaw& named) {
+        return named.law.breakable() && named.law.sigma_c > 0 && named.law.coupling == Coupling::sum;
+    };
+    std::size_t i = 0;
+    for (const Table& table : reading.list("interface")) {
+        const CohesiveLaw& law = laws[i++].law;
+        if (law.coupling != Coupling::norm || !law.breakable()) continue;
+        if (std::ranges::any_of(laws, is_sum))
+            table.exclude("coupling", "coupling = \"norm\"", "coupling = \"sum\"",
+                          "the same coupling in all laws with cohesion");
+        if (law.gamma > 0 && law.gamma < 1)
+            table.warning(
+                "weak", "gamma",
+                formatted(
+                    "below 1 makes random meshes too weak with coupling = \"norm\": a facet that is inclined by 25 "
+                    "degrees to a tension is damaged at %.2g of sigma_c",
+                    strength_of_facet(law.gamma)),
+                "gamma = 1 or more");
+    }
+}
+
 void check_softening(Reading& reading) {
+    check_coupling(reading);
     if (!reading.scenario.time.scheme.takes_explicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)

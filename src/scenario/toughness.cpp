@@ -35,11 +35,11 @@ bool same_kind(const MeshedLaw& a, const MeshedLaw& b) {
 }  // namespace
 
 std::string softening_words(const Node& law) {
-    const Node* softening = law.find("softening");
-    if (!softening || !softening->valid) return "linear";
-    std::string text = softening->text;
+    const Node *softening = law.find("softening"), *coupling = law.find("coupling");
+    std::string text = softening && softening->valid ? softening->text : "linear";
     for (const char* parameter : {"plateau", "exponent"})
         if (const Node* node = law.find(parameter); node && node->valid) text += formatted(" %.4g", node->number);
+    if (coupling && coupling->valid && coupling->text == "norm") text += " norm";
     return text;
 }
 

@@ -500,6 +500,8 @@ quiet_below = 1e-3
 quiet_for = "3 ms"
 )";
 
+const std::string norm = samples::changed("G_c = 3\n", "G_c = 3\ncoupling = \"norm\"\n");
+
 const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
 softening = "power"
 exponent = 3
@@ -1037,6 +1039,7 @@ const Case cases[] = {
     {mesh_file, "mesh.joint[0].interface", "\"default\""},
     {rock, "interface.default.softening", "\"power\""},
     {rock, "interface.default.exponent", "3"},
+    {norm, "interface.default.coupling", "\"norm\""},
     {rock, "interface.default.unloading", "\"secant\""},
     {rock, "interface.default.relaxation_time", "1e-06"},
     {rock, "interface.default.incubation_time", "2e-06"},

@@ -338,6 +338,15 @@ const Case cases[] = {
     {"incubation in implicit steps",
      changed("G_c = 3", "G_c = 3\nincubation_time = 1e-6", with("bulk = \"implicit\"\n")), "exclusive-keys", 14, 1, 15,
      "longer than the overload lasts"},
+    {"a norm without slip", changed("G_c = 3", "G_c = 3\ncoupling = \"norm\"\ngamma = 0"), "exclusive-keys", 14, 1, 8,
+     "gamma = 1 or more"},
+    {"a norm that drops", changed("G_c = 3", "G_c = 3\nsoftening = \"trapezoid\"\nplateau = 1\ncoupling = \"norm\""),
+     "exclusive-keys", 16, 1, 8, "plateau = 0.9"},
+    {"a norm beside a sum",
+     changed("G_c = 3", "G_c = 3\ncoupling = \"norm\"\n[interface.glass-glass]\nsigma_c = 1e6\nG_c = 3"),
+     "exclusive-keys", 14, 1, 8, "the same coupling"},
+    {"a norm without strength", changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0\ncoupling = \"norm\""),
+     "exclusive-keys", 13, 1, 8, "no strength"},
     {"softening without strength", changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0\nsoftening = \"power\""),
      "exclusive-keys", 13, 1, 9, "no strength"},
     {"softening that drops",
@@ -478,7 +487,8 @@ TEST_CASE("mistakes: as the user sees them") {
           "   |\n"
           "12 | sigmac  = 3.08e6\n"
           "   | ^^^^^^ did you mean `sigma_c`?\n"
-          "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, unloading, "
+          "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, coupling, "
+          "unloading, "
           "relaxation_time, incubation_time, gamma, "
           "strength_table, friction_table, friction, restitution, scatter\n");
 }

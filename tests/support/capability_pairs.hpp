@@ -16,7 +16,7 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 38> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 39> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
                                                           {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
@@ -48,6 +48,7 @@ inline constexpr std::array<Capability, 38> capabilities{{{"rotation = \"large\"
                                                           {"[[initial]]", ""},
                                                           {"scatter", ""},
                                                           {"unloading = \"secant\"", ""},
+                                                          {"coupling = \"norm\"", ""},
                                                           {"softening = \"petersson\"", ""},
                                                           {"plateau = 1", ""},
                                                           {"relaxation_time", ""},
@@ -138,6 +139,7 @@ inline std::string scene_of(const CapabilityPair& pair) {
     text += has("strength = \"as measured\"") ? energy + "\n" : "30\n";
     add(has("strength_table"), "strength_table = [[0, 1], [100, 0.5]]\n");
     add(has("unloading = \"secant\""), "unloading = \"secant\"\n");
+    add(has("coupling = \"norm\""), "coupling = \"norm\"\n");
     add(has("softening = \"petersson\""), "softening = \"petersson\"\n");
     add(has("plateau = 1"), "softening = \"trapezoid\"\nplateau = 1\n");
     add(has("relaxation_time"), "relaxation_time = 1e-6\n");

@@ -40,11 +40,12 @@ std::string beyond_linear(const NamedLaw& named) {
     return text;
 }
 
-/// What sliding alone costs, G_c (1 + mu/gamma), without any pressure: friction acts on the cohesion, too.
+/// What sliding alone costs, G_c (1 + mu/gamma), without any pressure: friction acts on the cohesion, too, but
+/// with the norm.
 std::string mode_II_text(const CohesiveLaw& law) {
     const auto [low, high] = law.friction_range();
     if (law.gamma <= 0) return "never breaks";  // sliding alone opens nothing
-    const auto cost = [&](double mu) { return law.G_c * (1 + mu / law.gamma); };
+    const auto cost = [&](double mu) { return law.G_c * law.shear_strength(mu) / law.gamma; };
     return low == high ? formatted("%.4g", cost(high)) : formatted("%.4g to %.4g", cost(low), cost(high));
 }
 

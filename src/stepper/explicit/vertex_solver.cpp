@@ -76,6 +76,20 @@ double crossing_loss(const FanLink& link, const LinkResult& found, double V_T_be
     return work - link.gamma * found.cohesive_impulse / step.kick_time * (std::abs(to) - std::abs(from));
 }
 
+/// [J] Likewise of a curved link, in both components: its force has the direction of one opening of the step. No less
+/// than zero by the convexity of s where this is the middle of the step (norm_law.hpp).
+double convexity_loss(const FanLink& link, const CohesiveLaw& law, const LinkResult& found, const Vec2& before,
+                      const Vec2& after, const ExplicitStep& step) {
+    if (link.cohesive == 0) return 0;
+    const Vec2 mean = 0.5 * (before + after), to = Vec2(link.u_N, link.u_T) + 0.5 * step.drift_time * after,
+               from = to - step.kick_time * mean;
+    const auto stored = [&](const Vec2& at) {
+        return CohesiveLaw::stored_opening(link.kappa, law.equivalent_opening(at.x(), at.y()));
+    };
+    const Vec2 force(found.cohesive_impulse, found.friction_part - found.tangential);
+    return force.dot(mean) - link.cohesive / step.kick_time * (stored(to) - stored(from));
+}
+
 }  // namespace
 
 /// The dashpot of a corner of mass m acts at the mean velocity of the step: per component
@@ -108,7 +122,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     const auto corners = model_.corners(fan);
     const auto points = model_.points(fan);
     problem.closed = fan.closed;
-    problem.has_ramps = false;
+    problem.has_ramps = problem.is_curved = false;
     problem.turns = model_.large_rotation;
     problem.drift_time = step.drift_time;
     problem.bodies.clear();
@@ -159,6 +173,10 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                                  .restitution = retired ? 0 : law.restitution_at(beta),
                                  .unbreakable = sticks});
         FanLink& link = problem.links.back();
+        if (law.coupling != Coupling::sum && !sticks) {
+            link.coupling = law.coupling;
+            problem.is_curved = problem.is_curved || beta > 0;
+        }
         if (frame.sine != 0 && beta > 0)
             for (double* u : {&link.u_N, &link.u_T}) *u = closed_below(law.softening_length(), *u);
         if (const double kappa = law.ramp(beta, largest_opening(f, i, begin)); kappa > 0) {
@@ -167,11 +185,16 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                        half = 0.5 * begin.last_step * Vec2(link.normal.dot(rate), link.tangent().dot(rate));
             link.kappa = kappa;
             link.middle = u - half;
-            link.set_ramp(step.drift_time);
-            link.ramp_start =
-                2 / step.drift_time * Vec2(2 * u.x() - half.x() + law.gamma * std::abs(link.middle.y()), u.y());
-            problem.has_ramps = true;
+            if (link.coupling == Coupling::sum) {
+                link.set_ramp(step.drift_time);
+                link.ramp_start =
+                    2 / step.drift_time * Vec2(2 * u.x() - half.x() + law.gamma * std::abs(link.middle.y()), u.y());
+                problem.has_ramps = true;
+            }
         }
+        if (link.coupling != Coupling::sum && begin.split_rank[f] >= 0)
+            link.last_impulse =
+                step.kick_time * point.area * begin.points[begin.first_point[begin.split_rank[f]] + i].traction;
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;
         const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
         const double pressure =
@@ -351,7 +374,11 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                 continue;
             }
             report.cohesive_work += found.cohesive_impulse * mean_N - (found.tangential - found.friction_part) * mean_T;
-            report.crossing_loss += crossing_loss(link, found, t.dot(before), t.dot(after), step);
+            if (link.coupling == Coupling::sum)
+                report.crossing_loss += crossing_loss(link, found, t.dot(before), t.dot(after), step);
+            else
+                report.crossing_loss += convexity_loss(link, law, found, {n.dot(before), t.dot(before)},
+                                                       {n.dot(after), t.dot(after)}, step);
             const double beta = point.cracked ? 0 : cohesion_before(model_, f, i, step.begin);
             state.cohesion = law.next_cohesion(beta, u_N, u_T, step.drift_time);
             const double middle = law.equivalent_opening(u_N - 0.5 * step.drift_time * n.dot(after),
@@ -377,7 +404,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                          .rate_T = mean_T,
                          .rate_error = rate_error,
                          .opening = overlap,
-                         .cohesive = found.cohesive_impulse},
+                         .cohesive = link.coupling == Coupling::sum ? found.cohesive_impulse : 0},
                         report);
     }
 }

@@ -94,7 +94,7 @@ void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
         along[1] = along[1] || prescribed[1 - k] || std::abs(point.normal[k]) < 1e-9;
     }
     if (along[0]) point.law.contact.may_touch = false, point.is_held = true;
-    if (along[1]) point.multipliers.rho_T = infinity;
+    if (along[1] && (along[0] || !point.law.is_curved())) point.multipliers.rho_T = infinity;
 }
 
 }  // namespace knap

@@ -58,7 +58,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     first_ = newton_.x, newton_.final_augmentation = kind_.faces ? face_augmentation : full_augmentation;
     sweeps_ = points.size() >= min_points;
     // on ramps of secant unloading the active set found other solutions with friction than the method of multipliers
-    kind_.has_pieces = sweeps_ && std::ranges::none_of(points, [](const ActivePoint& p) { return p.law.ramp > 0; });
+    kind_.has_pieces = sweeps_ && std::ranges::none_of(points, [](const ActivePoint& p) { return p.law.holds_cohesion(); });
     pieces_ = ActiveSet::Result::cycling;
 
     newton_.precision = Precision::full;
@@ -254,7 +254,7 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
 bool AugmentedLagrangian::iterate_friction() {
     for (ActivePoint& point : newton_.x.points) {
         point.multipliers.friction_follows = false;
-        point.multipliers.pressed = point.law.ramp > 0 ? point.response.contact : point.multipliers.contact;
+        point.multipliers.pressed = point.law.holds_cohesion() ? point.response.contact : point.multipliers.contact;
     }
     double goal = 1e-4;
     bool near_enough = false;

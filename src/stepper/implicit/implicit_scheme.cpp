@@ -417,6 +417,7 @@ void ImplicitScheme::check_residual(StepReport& report) const {
     // the laws at the merged rates with an augmentation of 1: the natural residual, over the scale of the impulses
     const double unit = solver_.unit();
     for (const ActivePoint& point : x_.points) {
+        if (point.law.is_curved() && point.is_held && std::isinf(point.multipliers.rho_T)) continue;  // driven
         const Vec2 w = point.rate_at(x_.rate);
         Multipliers multipliers = point.softened();
         multipliers.contact = point.response.held(point.law), multipliers.tangential = point.response.tangential;
@@ -467,6 +468,15 @@ void ImplicitScheme::account_points(StepReport& report) const {
                         report);
         if (point.fan < 0) continue;
         report.rotation_work += Vec2(q.normal(law), q.tangential).dot(point.support_rate) / theta;
+        if (law.is_curved()) {  // the force has the direction at the end of the step
+            const auto stored = [&](double N, double T) {
+                return CohesiveLaw::stored_opening(law.ramp, law.material->equivalent_opening(N, T));
+            };
+            report.crossing_loss +=
+                (cohesive_N * w.x() + cohesive_T * w.y()) / theta -
+                law.strength * q.full_cohesion / step_.kick() * (stored(u_N, u_T) - stored(law.u_N, law.u_T));
+            continue;
+        }
         if (law.ramp > 0) {  // secant unloading: the works of both components, where the slip changes its sign
             const double s = law.material->equivalent_opening(law.u_N, law.u_T),
                          s_end = law.material->equivalent_opening(u_N, u_T);

@@ -58,7 +58,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             const Multipliers& multipliers = point.multipliers;
             is_rigid = is_rigid && !point.response.on_ramp;
             if (d.cwiseAbs().maxCoeff() < least) continue;
-            if ((point.response.closed || law.ramp > 0) && d.x() < 0)
+            if ((point.response.closed || law.holds_cohesion()) && d.x() < 0)
                 to_bound = std::min(to_bound, multipliers.contact / -d.x());
             if (!point.response.sticks || d.y() == 0) continue;
             const double bound =

@@ -140,9 +140,10 @@ TEST_CASE("the corner of an open crack of a rigid piece meets an obstacle") {
     input.materials.push_back({.density = 1, .E = 1, .nu = 0.2});
     input.laws.push_back({.sigma_c = 1, .G_c = 1});
     input.law_of_pair.assign(1, std::vector<Index>(1, 0));
-    input.obstacles = {platen({0, 0}, up)};
+    input.obstacles = {platen(-2 * up, up)};
     const Model model = make_model(input);
     State state = initial_state(model);
+    state.obstacles[0].pose.position = {0, 0};
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f)
         if (model.fans[f].n_points > 0) split(model, f, state);
     for (Index c = 9; c < model.mesh.n_corners(); ++c) state.displacement[state.node_of_corner[c]] = 2 * up;

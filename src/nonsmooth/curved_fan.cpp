@@ -1,0 +1,266 @@
+#include "nonsmooth/curved_fan.hpp"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <cmath>
+
+namespace knap {
+namespace {
+
+constexpr double eps = 1e-7;  // [-]
+constexpr int most_newton_steps = 20, most_descents = 40, most_halvings = 12, n_rounds = 7;
+constexpr double round_weights[n_rounds] = {1, 1, 30, 1000, 1, 30, 1000};
+constexpr double multiplier_weights[] = {10,  10,  10,  30,  30,
+                                         100, 100, 1e3, 1e4, 1e5};  // [-] of the method of multipliers
+constexpr double driven_weight = 1e3;  // [-] where both sides are driven, the rate alone decides
+constexpr double no_mobility = 1e-12;  // [-] of a component, over that of both
+constexpr Eigen::Index max_unknowns = 32;
+
+}  // namespace
+
+Vec2 CurvedFan::rate(std::size_t i, const FanVelocities& motion) const {
+    const FanLink& link = problem_->links[i];
+    const Vec2 V = motion.across(link);
+    return {link.normal.dot(V), link.tangent().dot(V)};
+}
+
+/// [1/kg] By which the impulse of a link changes its own rate.
+Eigen::Matrix2d CurvedFan::mobility(std::size_t i) const {
+    const FanLink& link = problem_->links[i];
+    const Vec2 w = problem_->inverse_mass(link.after) + problem_->inverse_mass(link.before), T = link.tangent();
+    Eigen::Matrix2d W;
+    W(0, 0) = link.normal.dot(w.cwiseProduct(link.normal)), W(1, 1) = T.dot(w.cwiseProduct(T));
+    W(0, 1) = W(1, 0) = T.dot(w.cwiseProduct(link.normal));
+    return W;
+}
+
+/// What is driven on both sides along its normal has no contact.
+void CurvedFan::start() {
+    const std::vector<FanLink>& links = problem_->links;
+    rows_.resize(links.size()), at_.resize(links.size());
+    flexible_.resize(links.size()), stiff_.resize(links.size());
+    for (std::size_t i = 0; i < links.size(); ++i) {
+        const FanLink& link = links[i];
+        const Eigen::Matrix2d W = mobility(i);
+        Row& row = rows_[i];
+        row.unbreakable = link.unbreakable;
+        row.r = W.trace() > 0 ? 1 / W.trace() : driven_weight * scales_.impulse / scales_.speed;
+        row.impulse = W.trace() > 0 ? link.last_impulse : Vec2::Zero();
+        if (link.unbreakable) continue;
+        const Vec2 before = problem_->velocity_before(link.after) - problem_->velocity_before(link.before);
+        row.law = norm_law(link, before, problem_->drift_time, scales_.rest);
+        if (W(0, 0) <= no_mobility * W.trace()) row.law.contact.may_touch = false;
+    }
+    find_velocities();
+}
+
+void CurvedFan::find_velocities() {
+    motion_.velocity.clear();
+    for (const FanBody& body : problem_->bodies) motion_.velocity.push_back(body.free_velocity);
+    for (std::size_t i = 0; i < rows_.size(); ++i) apply(i, rows_[i].impulse);
+}
+
+void CurvedFan::apply(std::size_t i, const Vec2& impulse) {
+    const FanLink& link = problem_->links[i];
+    const Vec2 P = link.vector(impulse.x(), impulse.y());
+    if (link.after >= 0) motion_.velocity[link.after] += problem_->bodies[link.after].inverse_mass.cwiseProduct(P);
+    if (link.before >= 0) motion_.velocity[link.before] -= problem_->bodies[link.before].inverse_mass.cwiseProduct(P);
+}
+
+/// The projection of a link with so many times its weight.
+NormLaw::Response CurvedFan::respond(std::size_t i, double weight) const {
+    const Row& row = rows_[i];
+    const double r = weight * row.r;
+    const Vec2 Q = row.impulse - r * rate(i);
+    if (!row.unbreakable) return row.law.respond(Q, r);
+    return {.at = {.impulse = Q, .slope = Eigen::Matrix2d::Identity()}, .sticks = true};
+}
+
+/// The projections of all links; returns the largest distance from them [N s].
+double CurvedFan::find_gaps(double weight) {
+    double largest = 0;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        at_[i] = respond(i, weight).at;
+        largest = std::max(largest, (at_[i].impulse - rows_[i].impulse).norm());
+    }
+    return largest;
+}
+
+/// change_ = (M + H' stiff_ H)^-1 force_, of velocities that are not prescribed.
+template <int max>
+bool CurvedFan::solve_change() {
+    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max, max>;
+    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max, 1>;
+    const std::vector<FanBody>& bodies = problem_->bodies;
+    const auto n = static_cast<Eigen::Index>(2 * bodies.size());
+    Matrix A = Matrix::Zero(n, n);
+    Vector b(n);
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const FanLink& link = problem_->links[i];
+        Eigen::Matrix2d axes;
+        axes << link.normal, link.tangent();
+        const Eigen::Matrix2d K = axes * stiff_[i] * axes.transpose();
+        for (const Index body : {link.after, link.before})
+            if (body >= 0) A.template block<2, 2>(2 * body, 2 * body) += K;
+        if (link.after < 0 || link.before < 0) continue;
+        A.template block<2, 2>(2 * link.after, 2 * link.before) -= K;
+        A.template block<2, 2>(2 * link.before, 2 * link.after) -= K;
+    }
+    for (Eigen::Index row = 0; row < n; ++row) {
+        const double inverse_mass = bodies[row / 2].inverse_mass[row % 2];
+        b[row] = inverse_mass > 0 ? force_[row / 2][row % 2] : 0;
+        if (inverse_mass > 0) A(row, row) += 1 / inverse_mass;
+        else A.row(row).setZero(), A.col(row).setZero(), A(row, row) = 1;
+    }
+    const Vector found = Eigen::PartialPivLU<Matrix>(A).solve(b);
+    change_.velocity.resize(bodies.size());
+    for (std::size_t k = 0; k < bodies.size(); ++k) change_.velocity[k] = found.template segment<2>(2 * k);
+    return found.allFinite();
+}
+
+bool CurvedFan::find_change() {
+    const bool is_small = 2 * problem_->bodies.size() <= max_unknowns;
+    return is_small ? solve_change<max_unknowns>() : solve_change<Eigen::Dynamic>();
+}
+
+void CurvedFan::add_force(std::size_t i, const Vec2& impulse) {
+    const FanLink& link = problem_->links[i];
+    const Vec2 P = link.vector(impulse.x(), impulse.y());
+    if (link.after >= 0) force_[link.after] += P;
+    if (link.before >= 0) force_[link.before] -= P;
+}
+
+/// A step of Newton's method from the projections at_.
+bool CurvedFan::step(double weight) {
+    const Eigen::Matrix2d one = Eigen::Matrix2d::Identity();
+    force_.assign(problem_->bodies.size(), Vec2::Zero());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        flexible_[i] = (one - (1 - eps) * at_[i].slope).inverse();
+        stiff_[i] = weight * rows_[i].r * flexible_[i] * at_[i].slope;
+        add_force(i, flexible_[i] * (at_[i].impulse - rows_[i].impulse));
+    }
+    if (!find_change()) return false;
+    for (std::size_t i = 0; i < rows_.size(); ++i)
+        rows_[i].impulse +=
+            flexible_[i] * (at_[i].impulse - rows_[i].impulse - weight * rows_[i].r * at_[i].slope * rate(i, change_));
+    find_velocities();
+    return true;
+}
+
+/// What the velocities lack to the balance with the projections of heavier weights, of which it is the derivative of a
+/// convex function (without friction): force_ = H' project(P - weight r V) - M (v - v_free).
+void CurvedFan::find_lack(double weight) {
+    find_gaps(weight);
+    force_.resize(problem_->bodies.size());
+    for (std::size_t b = 0; b < force_.size(); ++b) {
+        const FanBody& body = problem_->bodies[b];
+        force_[b] = -body.mass().cwiseProduct(motion_.velocity[b] - body.free_velocity);
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) add_force(i, at_[i].impulse);
+    for (std::size_t b = 0; b < force_.size(); ++b)
+        for (int k = 0; k < 2; ++k)
+            if (problem_->bodies[b].inverse_mass[k] == 0) force_[b][k] = 0;
+}
+
+/// The method of multipliers: a minimum over the velocities by Newton's method with a line search, then the projections
+/// become the impulses.
+void CurvedFan::approach() {
+    const auto along = [&] {
+        double sum = 0;
+        for (std::size_t b = 0; b < force_.size(); ++b) sum += force_[b].dot(change_.velocity[b]);
+        return sum;
+    };
+    const auto move = [&](double length, double weight) {
+        for (std::size_t b = 0; b < force_.size(); ++b) motion_.velocity[b] += length * change_.velocity[b];
+        find_lack(weight);
+    };
+    for (const double weight : multiplier_weights) {
+        find_lack(weight);
+        bool is_found = false;
+        for (int k = 0; k < most_descents; ++k) {
+            for (std::size_t i = 0; i < rows_.size(); ++i) stiff_[i] = weight * rows_[i].r * at_[i].slope;
+            if (!find_change()) break;
+            const double falls = along();
+            double length = 1;
+            move(length, weight);
+            for (int half = 0; half < most_halvings && along() < -0.3 * falls; ++half)
+                length *= 0.5, move(-length, weight);
+            double largest = 0;
+            for (const Vec2& force : force_) largest = std::max(largest, force.norm());
+            is_found = largest <= 0.01 * scales_.impulse_tolerance;
+            if (is_found) break;
+        }
+        if (!is_found && weight > multiplier_weights[0]) break;  // too stiff: what was found stays
+        for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].impulse = at_[i].impulse;
+    }
+    find_velocities();
+}
+
+/// Newton's steps to rounding; the best impulses of them stay.
+bool CurvedFan::settle(double weight, int& iterations) {
+    double best = infinity;
+    int since = 0;
+    for (int k = 0; k < most_newton_steps; ++k) {
+        const double gap = find_gaps(weight);
+        if (gap < best) {
+            best = gap, since = 0;
+            best_.clear();
+            for (const Row& row : rows_) best_.push_back(row.impulse);
+        } else if (++since >= 2 && best <= scales_.impulse_tolerance) {
+            break;
+        }
+        if (best <= 0.01 * scales_.impulse_tolerance) break;
+        ++iterations;
+        if (!step(weight)) break;
+    }
+    for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].impulse = best_[i];
+    find_velocities();
+    return best <= scales_.impulse_tolerance;
+}
+
+void CurvedFan::join_what_sticks() {
+    clusters_.start(*problem_);
+    known_.assign(rows_.size(), 1), impulse_.resize(rows_.size());
+    bool is_consistent = true;
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const FanLink& link = problem_->links[i];
+        impulse_[i] = link.vector(rows_[i].impulse.x(), rows_[i].impulse.y());
+        const NormLaw::Response found = respond(i, 1);
+        if (!found.sticks) continue;
+        known_[i] = 0;
+        const Vec2 V = link.vector(found.rate.x(), found.rate.y());
+        is_consistent = clusters_.join(link, V, 10 * scales_.speed_tolerance) && is_consistent;
+    }
+    if (!is_consistent || !clusters_.find_velocities(impulse_, known_, 10 * scales_.speed_tolerance)) return;
+    for (std::size_t b = 0; b < motion_.velocity.size(); ++b)
+        motion_.velocity[b] = clusters_.velocity_of(static_cast<Index>(b));
+}
+
+CurvedFan::Found CurvedFan::solve(const FanProblem& problem, const FanScales& scales, FanResult& result) {
+    problem_ = &problem, scales_ = scales;
+    start();
+    Found found{.bonded = true};
+    // heavier weights go more by the rates where they find the states of the links
+    for (int round = 0; !settle(round_weights[round], found.iterations) && round + 1 < n_rounds; ++round) approach();
+    join_what_sticks();
+    result.velocity = motion_.velocity;
+    result.links.resize(rows_.size());
+    for (std::size_t i = 0; i < rows_.size(); ++i) {
+        const NormLaw::Response at = respond(i, 1);
+        const Vec2& P = rows_[i].impulse;
+        if (mobility(i).trace() > 0)  // else nothing is to be decided
+            found.residual = std::max(found.residual, (at.at.impulse - P).norm() / scales.impulse);
+        found.bonded = found.bonded && at.sticks;
+        const double pull = rows_[i].unbreakable ? 0 : -at.cohesion.x();
+        result.links[i] = {.impulse = problem.links[i].vector(P.x(), P.y()),
+                           .cohesive_impulse = pull,
+                           .contact = at.closed ? std::max(0.0, P.x() + pull) : 0,
+                           .tangential = P.y(),
+                           .friction_part = at.friction,
+                           .stuck = at.sticks};
+    }
+    return found;
+}
+
+}  // namespace knap

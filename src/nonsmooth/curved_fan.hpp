@@ -1,0 +1,67 @@
+#pragma once
+// The problem of one fan (fan_problem.hpp) whose laws are no staircases: every link has a projection (law/row_law.hpp).
+// Newton's method for the impulses, from which the velocities follow, v = v_free + M^-1 H' P:
+//
+//     M dv = H' dP,     (I - (1 - eps) slope) dP + r slope H dv = project(P - r V) - P     per link
+//
+// The impulses are eliminated link by link. eps keeps the matrix definite where links that stick are redundant, as all
+// round a vertex: it leaves a part eps of their errors from step to step, and what is undetermined in their impulses
+// stays near that of the last step. Where these steps do not settle, sweeps of Gauss-Seidel come nearer. At last bodies
+// that links hold together get one velocity, to the bit.
+#include "nonsmooth/fan_clusters.hpp"
+#include "nonsmooth/link_state.hpp"
+
+#include <Eigen/Core>
+
+namespace knap {
+
+/// Keeps its memory from one problem to the next.
+class CurvedFan {
+public:
+    struct Found {
+        int iterations = 0;
+        double residual = 0;  // of the laws, relative
+        bool bonded = false;  // every link sticks
+    };
+    /// `scales` as of the fan solver. The search starts from FanLink::last_impulse.
+    Found solve(const FanProblem& problem, const FanScales& scales, FanResult& result);
+
+private:
+    struct Row {
+        NormLaw law;  // not of an unbreakable link
+        bool unbreakable = false;
+        double r = 0;                 // [kg] of its projection
+        Vec2 impulse = Vec2::Zero();  // [N s] (N, T)
+    };
+
+    void start();
+    NormLaw::Response respond(std::size_t i, double weight) const;
+    void find_velocities();
+    void apply(std::size_t i, const Vec2& impulse);
+    bool settle(double weight, int& iterations);
+    bool step(double weight);
+    void approach();
+    double find_gaps(double weight);
+    void find_lack(double weight);
+    void add_force(std::size_t i, const Vec2& impulse);
+    bool find_change();
+    template <int max>
+    bool solve_change();
+    void join_what_sticks();
+    Vec2 rate(std::size_t i) const { return rate(i, motion_); }
+    Vec2 rate(std::size_t i, const FanVelocities& motion) const;
+    Eigen::Matrix2d mobility(std::size_t i) const;
+
+    const FanProblem* problem_ = nullptr;
+    FanScales scales_;
+    std::vector<Row> rows_;  // per link
+    std::vector<RowLaw::Projection> at_;
+    std::vector<Vec2> best_, impulse_;  // [N s] (N, T); (x, y)
+    std::vector<std::uint8_t> known_;
+    std::vector<Eigen::Matrix2d> flexible_, stiff_;  // [-], [kg] per link: dP = flexible_ gap - stiff_ dV
+    std::vector<Vec2> force_;                        // [N s] per body
+    FanVelocities motion_, change_;
+    FanClusters clusters_;
+};
+
+}  // namespace knap
