@@ -10,10 +10,8 @@
 namespace knap {
 namespace {
 
-// [-] of an edge. Gaps that differ by less do not decide which of two contacts stays: their rounding would do it anew
-// in every step, and what rests would never have the same forces twice.
-constexpr double even_planes = 1e-9;   // of two planes
-constexpr double even_pairs = 1e-5;    // of duplicate pairs, whose edges turn a little
+constexpr double even_planes = 1e-9;   // [-] of an edge: gaps to two planes that differ by less do not decide (ties)
+constexpr double even_pairs = 1e-5;    // [-] likewise of duplicate pairs, whose edges turn a little
 constexpr double deep_in_steps = 2;    // distances covered in a step, for a penetration without a history
 constexpr double beyond_end = 0.25;    // [-] of an edge
 constexpr double reflex_turn = -0.02;  // sine of a turn to the right that still counts as flat
@@ -305,9 +303,7 @@ FaceContacts::Corner FaceContacts::corner(Index e, bool at_end) const {
     return {is_outer ? edges[e].entering : edges[e].prev, e, is_outer};
 }
 
-/// [m] How far beyond the end of an edge a point x may be and beside no edge: in half the mouth of a crack that live
-/// points close, or deep in a reflex corner (-gap where it is a right angle, and more in a sharper one). Behind both of
-/// its faces it belongs to the deeper one at any distance: ends that an open crack has parted are not where faces meet.
+/// [m] How far beyond the end of an edge a point x may be and beside no edge (mouths and notches).
 double FaceContacts::overrun(Index e, const Vec2& x, double gap, double share) const {
     if (share >= 0 && share <= 1) return 0;
     const Corner at = corner(e, share > 1);
@@ -358,8 +354,7 @@ bool FaceContacts::meets_nearer(Index j, const Vertex& at, double gap, const Sta
     });
 }
 
-/// [m] -g, or less where the vertex overlaps less with a convex corner at an end of the edge: along the normals of the
-/// edges at both (separating axis theorem).
+/// [m] -g, or less where the vertex overlaps less with a convex corner at an end of the edge (deep pairs).
 double FaceContacts::overlap(const FreeEdge& edge, const Vertex& at, double gap, const State& begin) const {
     double least = -gap;
     for (const Index j : {edge.piece_start, edge.piece_end}) {
@@ -372,9 +367,7 @@ double FaceContacts::overlap(const FreeEdge& edge, const Vertex& at, double gap,
     return least;
 }
 
-/// At a convex or flat corner between two edges. Where the vertex is not deeper than a rounding error in either, it
-/// goes on along the face on which it slides, or passes the corner on the side that it approaches less: so flush faces
-/// have no seams. Else the edge with the larger gap is nearer.
+/// At a convex or flat corner between two edges: the one with the larger gap, but for seams.
 bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at, double h) const {
     const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
     const Vec2 n_1 = outward(t_1), n_2 = outward(t_2), across = across_corner(t_1, t_2);
@@ -421,9 +414,7 @@ const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const
     return nullptr;
 }
 
-/// The vertex was in contact with the edge or a neighbour of it, or an end of the edge with an edge at the vertex; or
-/// the vertex is where an end of the edge was in the undeformed body: their fan kept them apart until its point
-/// retired. Any corner of a fan counts, since a vertex that falls into pieces has been all of them.
+/// Rule 5. Any corner of a fan counts, since a vertex that falls into pieces has been all of them.
 bool FaceContacts::was_beside(const State& begin, const NearbyEdge& pair) const {
     const auto edges = boundary_.edges();
     const FreeEdge& edge = edges[pair.edge];

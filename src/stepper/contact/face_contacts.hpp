@@ -58,32 +58,7 @@ struct ContactRefusal {
     Vec2 place;    // [m]
 };
 
-/// A pair is a contact if all of this holds:
-///
-/// 1 near      g <= reach = 1e-3 L + 4 h |v_rel|, and beyond an end of the edge by at most L/4 and reach + max(-g, 0);
-///             in a reflex corner sharper than a right angle by more; where a crack begins whose points hold, by half
-///             its mouth
-/// 2 convex    the vertex is no reflex one
-/// 3 cones     -n lies within the outward normals of the vertex, widened by 15 degrees on both sides
-/// 4 corners   of two edges with a convex corner the one with the larger gap, also beyond its end, and at a tip sharper
-///             than 26 degrees the one from which the edges at the vertex are further; of two edges with a reflex
-///             corner both, unless the point lies behind the prolonged edge and beside the other one
-/// 5 deep      deeper than 1e-3 L + 2 h |v_rel| + half the slip at which points retire only where the pair, the vertex
-///             with a neighbour of the edge, or an end of the edge with an edge at the vertex was a contact in the step
-///             before, or where both were neighbours in the undeformed body: a vertex beside a thin piece does not
-///             touch it from behind. And deeper than 0.1 L only where the corners at the vertex and at the ends of the
-///             edge overlap
-/// 6 depth     at most 0.35 of the altitude of the triangle; the step before should have been rejected
-///
-/// At a corner, an edge outside the cones of the vertex takes no contact away from its neighbour: there the plane that
-/// the other side offers decides, end of the edge against edge at the vertex. A vertex that slides on flush faces, a
-/// rounding error (1e-3 L) deep, passes the seam.
-///
-/// Redundant contacts are pruned, since solvers cycle on them. Duplicate pairs: of (i on an edge that ends at j) and (j
-/// on an edge that ends at i), side by side and with opposite normals, the one with the smaller gap stays; with other
-/// normals they are planes that may separate two corners, and the one with the larger gap stays, as in 4. In between: a
-/// flat vertex i on a-b is dropped where a and b are in contact with the two edges at i, as near: the four have one
-/// constraint too many.
+/// README.md has the rules by which a pair is a contact, and which contacts are redundant: solvers cycle on them.
 class FaceContacts {
 public:
     explicit FaceContacts(const Model& model);

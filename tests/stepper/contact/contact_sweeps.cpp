@@ -44,6 +44,16 @@ Ring star_outline(Random& random, int n) {
     return all;
 }
 
+/// A star with spikes.
+Ring spiky_outline(Random& random, int n) {
+    Ring all;
+    const double thin = random.uniform(0.02, 0.6);
+    for (int i = 0; i < n; ++i)
+        all.push_back(0.5 * (i % 2 == 1 ? thin : 1) * random.uniform(0.5, 1) *
+                      turned({1, 0}, 2 * std::numbers::pi * (i + 0.6 * random.uniform()) / n));
+    return all;
+}
+
 /// Calls visit(a, b) for every edge of a polygon.
 template <class Visit>
 void for_edges(const Ring& polygon, const Visit& visit) {
@@ -127,6 +137,16 @@ public:
     double step;  // [m] motion in a step
 };
 
+/// [m] How deep a vertex of one of them lies in the other one.
+double depth_of(const Approach& at) {
+    double depth = 0;
+    for (const Vec2& x : at.b)
+        if (contains(at.a, x)) depth = std::max(depth, distance(x, at.a));
+    for (const Vec2& x : at.a)
+        if (contains(at.b, x)) depth = std::max(depth, distance(x, at.b));
+    return depth;
+}
+
 double smallest_gap(const std::vector<FaceContact>& contacts) {
     double gap = 1e300;
     for (const FaceContact& contact : contacts) gap = std::min(gap, contact.gap);
@@ -170,11 +190,7 @@ TEST_CASE("bodies with notches touch where they overlap and nowhere else") {
              b = star_outline(random, 4 + int(random.uniform(0, 8)));
         Approach at(random, std::move(a), std::move(b));
         for (int i = 0; i < 200; ++i, at.advance()) {
-            double depth = 0;
-            for (const Vec2& x : at.b)
-                if (contains(at.a, x)) depth = std::max(depth, distance(x, at.a));
-            for (const Vec2& x : at.a)
-                if (contains(at.b, x)) depth = std::max(depth, distance(x, at.b));
+            const double depth = depth_of(at);
             if (depth > 3 * at.step + 0.3 * tolerance || at.apart() > 0.1) break;
             const auto contacts = at.scene.contacts(h);
             at.scene.remember(contacts);
@@ -188,6 +204,42 @@ TEST_CASE("bodies with notches touch where they overlap and nowhere else") {
         }
     }
     CHECK(n_touching > 1000);
+}
+
+TEST_CASE("spikes that pass each other touch along no plane that one of them reaches behind") {
+    // of 1 500 scenes those in which one of two planes at their corners would stay that separates neither
+    int n_near = 0;
+    for (const int seed : {255, 1165}) {
+        CAPTURE(seed);
+        Random random(seed, "spiky");
+        Ring a = spiky_outline(random, 2 * (2 + int(random.uniform(0, 4)))),
+             b = spiky_outline(random, 2 * (2 + int(random.uniform(0, 4))));
+        Approach at(random, std::move(a), std::move(b));
+        for (int i = 0; i < 200 && at.apart() < 0.1 && !crosses(at.a, at.b); ++i, at.advance()) {
+            const auto contacts = at.scene.contacts(h);
+            at.scene.remember(contacts);
+            n_near += contacts.size() > 0;
+            for (const FaceContact& contact : contacts) CHECK(contact.gap > -1.01 * tolerance * contact.length);
+        }
+    }
+    CHECK(n_near > 10);
+}
+
+TEST_CASE("the line of an edge goes on behind a body and what lies there is not deep in it") {
+    // without a look at the corners a vertex would lie deeper than a tenth of the edge
+    Random random(24, "star");
+    Ring a = star_outline(random, 4 + int(random.uniform(0, 8))),
+         b = star_outline(random, 4 + int(random.uniform(0, 8)));
+    Approach at(random, std::move(a), std::move(b));
+    FaceContacts contacts(at.scene.model);
+    int n_touching = 0;
+    for (int i = 0; i < 200 && depth_of(at) < 0.02 && at.apart() < 0.1; ++i, at.advance()) {
+        contacts.find(at.scene.state, h);
+        at.scene.remember({contacts.all().begin(), contacts.all().end()});
+        n_touching += depth_of(at) > 0;
+        CHECK_FALSE(contacts.refusal());
+    }
+    CHECK(n_touching > 2);
 }
 
 TEST_CASE("a block that slides along flush blocks meets no seam") {

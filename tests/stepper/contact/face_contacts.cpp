@@ -249,6 +249,38 @@ TEST_CASE("a thin piece is not touched from behind and a deep contact keeps its 
     CHECK(n_between(scene, scene.contacts(h)) == 0);
 }
 
+TEST_CASE("the inner vertex of a hollow face is no contact between its two ends") {
+    // it cannot close before these, and would be one contact too many of two rigid sides
+    for (const double depth : {0., 1e-4, 5e-4}) {
+        Mesh hollow = block(2, 1, 0.1, 0.1, {1.5, 1 - depth});
+        for (Vec2& x : hollow.vertices)
+            if (std::abs(x.x() - 1.55) < 1e-12) x.y() += 8e-4;  // turns right by 0.032
+        const Pieces scene({block(1, 1, 3, 1), hollow});
+        const auto contacts = scene.contacts(h);
+        CHECK(contacts.size() == 2);
+        for (const FaceContact& contact : contacts) CHECK(contact.gap == doctest::Approx(-depth));
+    }
+}
+
+TEST_CASE("a tip in a sharp notch touches a face that it lies behind beyond the end of this face") {
+    // notch of a = 10 degrees, its faces from (0, 0.5) upwards; a tip of 4 degrees behind the right one by g
+    const double half = 5 * std::numbers::pi / 180, g = 4e-4;
+    const Vec2 bottom(0, 0.5), up(std::sin(half), std::cos(half)), n(-std::cos(half), std::sin(half));
+    const double width = 0.5 * std::tan(half), thin = 0.4 * std::tan(half * 0.4);
+    Pieces scene({star_mesh({{-1, -1}, {1, -1}, {1, 1}, {width, 1}, bottom, {-width, 1}, {-1, 1}}),
+                  star_mesh({{0, 0}, {thin, 0.4}, {-thin, 0.4}})});
+    for (const double beyond : {0., 1., 2., 3., 4., 5.}) {  // in g; in front of the left face up to cot a = 5.7
+        CAPTURE(beyond);
+        scene.put(1, bottom - g * (beyond * up + n));
+        const auto contacts = scene.contacts(h);
+        const auto of_tip = std::ranges::find_if(contacts, [&](const FaceContact& contact) {
+            return scene.body_of(contact.vertex[0]) == 1 && contact.normal.dot(n) > 0.999;
+        });
+        REQUIRE(of_tip != contacts.end());
+        CHECK(of_tip->gap == doctest::Approx(-g));
+    }
+}
+
 TEST_CASE("steps that move a contact too far or find it too deep are refused with the place") {
     Pieces scene({block(2, 1, 2, 1), tip({0.7, 1.0}, 0.3, 0.5)});
     FaceContacts contacts(scene.model);
