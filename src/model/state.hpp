@@ -196,6 +196,12 @@ inline Vec2 force_of(const Model& model, const CornerLoad& load, const State& st
     return load.depends_on_state() ? model.state_forces[load.state_force](state) : load.force;
 }
 
+/// [m] Of a corner of the mesh, or of a vertex of the ground.
+inline Vec2 place_of(const Model& model, const State& state, Index corner) {
+    if (const GroundVertex* ground = model.ground_at(corner)) return ground->place;
+    return model.mesh.corner(corner) + state.displacement_of(corner);
+}
+
 /// The law of a point at the temperature of this moment.
 inline const CohesiveLaw& law_of(const Model& model, const State& state, const FanPoint& point) {
     if (model.laws_follow_temperature) return state.temperature->laws[point.point];

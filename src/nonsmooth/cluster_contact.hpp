@@ -23,14 +23,18 @@ struct ClusterBody {
     Vec3 change = Vec3::Zero();  // [m/s, m/s, rad/s] by the impulses
 };
 
-/// Of a contact on a rigid body: V += (along_N . c, along_T . c).
-struct ClusterTerm {
+/// Of a row on something that moves with the velocities v: V += (along_N . v, along_T . v), and the impulse P acts on
+/// it with the wrench p along_N + P_T along_T. So along = n, t of a corner, and (n, arm x n), (t, arm x t) of a rigid
+/// body.
+template <class Velocities>
+struct RowTerm {
     Index body;
-    Vec3 along_N, along_T;
-    Vec2 counted = Vec2::Zero();  // [m/s] what the velocity of the contact has of it
+    Velocities along_N, along_T;
 
-    Vec2 rate(const Vec3& c) const { return {along_N.dot(c), along_T.dot(c)}; }  // [m/s]
-    Vec3 wrench(const Vec2& P) const { return P.x() * along_N + P.y() * along_T; }
+    Vec2 rate(const Velocities& v) const { return {along_N.dot(v), along_T.dot(v)}; }
+    Velocities wrench(const Vec2& P) const { return P.x() * along_N + P.y() * along_T; }
 };
+using CornerTerm = RowTerm<Vec2>;
+using ClusterTerm = RowTerm<Vec3>;  // of a rigid body
 
 }  // namespace knap

@@ -167,10 +167,10 @@ void ContactCluster::apply(Index i, const Vec2& impulse) {
 
 /// The velocity of a contact takes what its rigid bodies have changed since it was counted last.
 void ContactCluster::count_bodies(Index i) {
-    for (ClusterTerm& term : terms_of(i)) {
-        const Vec2 now = term.rate(bodies[term.body].change);
-        contacts[i].velocity += now - term.counted;
-        term.counted = now;
+    for (Index k = contacts[i].first_term; k < contacts[i].last_term; ++k) {
+        const Vec2 now = terms[k].rate(bodies[terms[k].body].change);
+        contacts[i].velocity += now - counted_[k];
+        counted_[k] = now;
     }
 }
 
@@ -192,7 +192,7 @@ double ContactCluster::sweep() {
 void ContactCluster::find_velocities() {
     for (ClusterContact& c : contacts) c.velocity = c.free;
     for (ClusterBody& body : bodies) body.change.setZero();
-    for (ClusterTerm& term : terms) term.counted.setZero();
+    counted_.assign(terms.size(), Vec2::Zero());
     for (Index i = 0; i < size(); ++i)
         if (!contacts[i].impulse.isZero(0)) apply(i, contacts[i].impulse);
     for (Index i = 0; i < size() && !bodies.empty(); ++i) count_bodies(i);

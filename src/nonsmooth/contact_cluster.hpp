@@ -142,6 +142,7 @@ private:
     std::vector<Eigen::Matrix2d> own_, exact_own_;  // [1/kg] per contact: its own block, with and without alpha D
     std::vector<Eigen::Matrix2d> own_coupling_;     // [1/kg] of exact_own_ without rigid bodies
     std::vector<Vec2> free_;                        // [m/s] V_free without alpha D
+    std::vector<Vec2> counted_;                     // [m/s] per term: what the velocity of its contact has of it
     std::vector<LinkState> states_;
     std::vector<RowLaw::Tangent> tangents_;  // per contact with a law of its own, at its place; empty: there is none
     std::vector<std::uint8_t> tried_;        // states of one attempt after the other

@@ -81,8 +81,8 @@ Index ContactProblem::add_fan(const SolvedFan& solved, Index n_corners, bool stu
         point.impulse = {link.normal.dot(result.links[i].impulse), link.tangent().dot(result.links[i].impulse)};
         const auto row = static_cast<Index>(cluster_.contacts.size());
         cluster_.contacts.push_back(point);
-        if (link.after >= 0) terms_.push_back({row, first + link.after, link.normal, link.tangent()});
-        if (link.before >= 0) terms_.push_back({row, first + link.before, -link.normal, -link.tangent()});
+        if (link.after >= 0) terms_.push_back({{first + link.after, link.normal, link.tangent()}, row});
+        if (link.before >= 0) terms_.push_back({{first + link.before, -link.normal, -link.tangent()}, row});
     }
     return first;
 }
@@ -98,19 +98,15 @@ void ContactProblem::add_contact(const Vec2& impulse, const Vec2& given) {
     cluster_.contacts.push_back({.free = given, .impulse = impulse});
 }
 
-void ContactProblem::add_term(Index corner, const Vec2& along_N, const Vec2& along_T) {
-    terms_.push_back({rows_.back(), corner, along_N, along_T});
-}
-
-void ContactProblem::add_rigid_term(Index body, const Vec3& along_N, const Vec3& along_T) {
-    cluster_.contacts[rows_.back()].free += Vec2(along_N.dot(free_of_rigid_[body]), along_T.dot(free_of_rigid_[body]));
-    cluster_.add_term(rows_.back(), {body, along_N, along_T});
+void ContactProblem::add_term(const ClusterTerm& term) {
+    cluster_.contacts[rows_.back()].free += term.rate(free_of_rigid_[term.body]);
+    cluster_.add_term(rows_.back(), term);
 }
 
 /// W = sum over the bodies of along' M^-1 along, and V_free likewise. A vertex that moves as one with the end of the
 /// edge that it touches is no contact, nor are two that are held: without a mobility it keeps its impulse, zero.
 void ContactProblem::assemble() {
-    const auto body_of = [&](const Term& term) { return corners_[term.corner].body; };
+    const auto body_of = [&](const Term& term) { return corners_[term.body].body; };
     std::vector<std::size_t>& end = end_of_body_;
     end.assign(bodies_.size() + 1, 0);
     for (const Term& term : terms_) ++end[body_of(term) + 1];
@@ -120,8 +116,7 @@ void ContactProblem::assemble() {
     cluster_.couplings.clear();
     for (const Term& term : terms_) {
         const Index b = body_of(term);
-        const Vec2 free = bodies_[b].free + corners_[term.corner].offset;
-        cluster_.contacts[term.row].free += Vec2(term.along_N.dot(free), term.along_T.dot(free));
+        cluster_.contacts[term.row].free += term.rate(bodies_[b].free + corners_[term.body].offset);
         const Vec2 by_N = bodies_[b].inverse_mass.cwiseProduct(term.along_N),
                    by_T = bodies_[b].inverse_mass.cwiseProduct(term.along_T);
         for (std::size_t k = b == 0 ? 0 : end[b - 1]; k < end[b]; ++k) {
@@ -164,9 +159,8 @@ double ContactProblem::solve(double speed, double rounding, ClusterEffort effort
     const double residual = cluster_.solve(speed, rounding, effort);
     for (Body& body : bodies_) body.end = body.free;
     for (const Term& term : terms_) {
-        Body& body = bodies_[corners_[term.corner].body];
-        const Vec2& P = cluster_.contacts[term.row].impulse;
-        body.end += body.inverse_mass.cwiseProduct(P.x() * term.along_N + P.y() * term.along_T);
+        Body& body = bodies_[corners_[term.body].body];
+        body.end += body.inverse_mass.cwiseProduct(term.wrench(cluster_.contacts[term.row].impulse));
     }
     return residual;
 }

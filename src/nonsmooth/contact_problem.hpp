@@ -22,10 +22,9 @@ public:
     Index add_rigid_body(const Vec3& free, const Vec3& inverse_mass);
     /// A contact that starts with this impulse; its terms follow. `given` [m/s]: its rate by what moves as prescribed.
     void add_contact(const Vec2& impulse, const Vec2& given = Vec2::Zero());
-    /// On the last contact: V += (along_N . v, along_T . v) of a corner.
-    void add_term(Index corner, const Vec2& along_N, const Vec2& along_T);
-    /// Likewise of a rigid body.
-    void add_rigid_term(Index body, const Vec3& along_N, const Vec3& along_T);
+    /// Of the last contact, on a corner or on a rigid body.
+    void add_term(const CornerTerm& term) { terms_.push_back({term, rows_.back()}); }
+    void add_term(const ClusterTerm& term);
     /// When all is added: finds W and V_free.
     void assemble();
 
@@ -55,9 +54,8 @@ private:
         Index body;
         Vec2 offset;  // [m/s] its velocity less that of the body
     };
-    struct Term {
-        Index row, corner;
-        Vec2 along_N, along_T;
+    struct Term : CornerTerm {
+        Index row;
     };
     struct CurvedRow {
         std::size_t row;

@@ -22,22 +22,20 @@ double smaller(double a, double b) { return a * b > 0 ? std::copysign(std::min(s
 /// Calls visit(contact, corner, force) for the corners on which the contacts between free faces acted [N] in a step, as
 /// in contact/face_contacts.hpp.
 void visit_contact_forces(const Model& model, const State& begin, const State& end, const auto& visit) {
-    const auto place = [&](Index c) -> Vec2 {
-        const GroundVertex* ground = model.ground_at(c);
-        return ground ? ground->place : Vec2(model.mesh.corner(c) + begin.displacement_of(c));
-    };
     for (const FaceContactState& contact : end.face_contacts) {
         const GroundVertex* ground = model.ground_at(contact.edge);
         const Index a = contact.edge, b = ground ? model.mesh.n_corners() + ground->next : next_in_triangle(a);
-        const Vec2 x_a = place(a), along = place(b) - x_a, away = place(contact.vertex) - x_a;
+        const Vec2 x_a = place_of(model, begin, a), along = place_of(model, begin, b) - x_a,
+                   away = place_of(model, begin, contact.vertex) - x_a;
         const double length = along.norm();
-        const Vec2 t = along / length, n = outward(t);
-        const double share = t.dot(away) / length, gap = n.dot(away);
-        const Vec2 force = (contact.contact * n + contact.tangential * t) / end.last_step,
-                   couple = gap / length * contact.tangential / end.last_step * n;
-        visit(contact, contact.vertex, force);
-        visit(contact, a, Vec2(-(1 - share) * force - couple));
-        visit(contact, b, Vec2(-share * force + couple));
+        const FaceContact at{.vertex = {contact.entering, contact.vertex},
+                             .edge = {a, b},
+                             .normal = outward(along / length),
+                             .length = length,
+                             .share = along.dot(away) / (length * length),
+                             .gap = outward(along / length).dot(away)};
+        const Vec2 force = Vec2(contact.contact, contact.tangential) / end.last_step;
+        at.visit_terms([&](const CornerTerm& term) { visit(contact, term.body, term.wrench(force)); });
     }
 }
 

@@ -205,6 +205,7 @@ void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& 
                  .arm = {middle - (x_1 + 0.5 * h * v[one].head<2>()), middle - (x_2 + 0.5 * h * v[two].head<2>())},
                  .normal = normal,
                  .gap = without_rounding(at.gap, x_1.norm() + x_2.norm()),
+                 .size = size,
                  .support = pair[1] < n ? nullptr : &supports_[pair[1] - n]});
         }
     }

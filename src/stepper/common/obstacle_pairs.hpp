@@ -19,6 +19,7 @@ struct ObstaclePairContact {
     std::array<Vec2, 2> arm;        // [m] from the origin of each to the one point of contact
     Vec2 normal;                    // out of the first
     double gap;                     // [m]
+    double size;                    // [m] by which a corner of an obstacle counts as rounded in contacts with others
     const Obstacle* support = nullptr;
 
     /// [m/s, m/s, rad/s] Of one of them at the start of the step.
@@ -42,12 +43,6 @@ public:
     /// All contacts that may close in a step of h [s]; `rate` [m/s, m/s, rad/s]: of the obstacles without contacts.
     void find(const State& begin, double h, const std::vector<Vec3>& rate);
     const std::vector<ObstaclePairContact>& all() const { return contacts_; }
-    /// [m] By which a corner of an obstacle counts as rounded in contacts with others.
-    double size(const ObstaclePairContact& contact) const {
-        double smallest = infinity;
-        for (const Index o : contact.obstacle) smallest = std::min(smallest, o < 0 ? infinity : half_width_[o]);
-        return smallest;
-    }
 
 private:
     const Model& model_;

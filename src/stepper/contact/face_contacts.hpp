@@ -8,6 +8,7 @@
 //     i: P = p_N n + p_T t         a: -(1-s) P - Q         b: -s P + Q                 Q = (g/L) p_T n
 //
 // These are the rates of invariants of position, so every pair of impulses has zero resultant and zero moment.
+#include "nonsmooth/cluster_contact.hpp"
 #include "stepper/contact/nearby_edges.hpp"
 #include "stepper/contact/nearby_pieces.hpp"
 
@@ -34,6 +35,13 @@ struct FaceContact {
     Vec2 jump(const auto& of_corner) const {
         return 0.5 * (of_corner(vertex[0]) + of_corner(vertex[1])) - (1 - share) * of_corner(edge[0]) -
                share * of_corner(edge[1]);
+    }
+    /// Calls visit(term) for the corners: the rates and impulses above. Those of the ground do not move.
+    void visit_terms(const auto& visit) const {
+        const Vec2 n = normal, t = turned_left(n), turn = gap / length * n;
+        for (const Index corner : vertex) visit(CornerTerm{corner, 0.5 * n, 0.5 * t});
+        visit(CornerTerm{edge[0], -(1 - share) * n, -(1 - share) * t - turn});
+        visit(CornerTerm{edge[1], -share * n, -share * t + turn});
     }
 };
 

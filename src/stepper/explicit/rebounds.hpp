@@ -1,7 +1,7 @@
 #pragma once
 // How a deformable piece rebounds with R_N, and R_T of its slip (ContactLaw::Rebound::of_bodies): the surface that it
-// hits gives way (README.md#rebound). With the rates V_N, V_T of the contact point that the rigid motion of the pieces
-// has, V_N0 and V_T0 of them at the first touch,
+// hits gives way (stepper/README.md#rebound-of-bodies). With the rates V_N, V_T of the contact point that the rigid
+// motion of the pieces has, V_N0 and V_T0 of them at the first touch,
 //
 //     V_N < 0             the surface gives way with alpha |V_N|,  alpha = 1 - (R_N/e_0)^2:   loss alpha 1/2 m V_N0^2
 //     V_N >= R_N V_N0     it pushes no more

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace knap {
 namespace {
@@ -36,35 +35,12 @@ Index VertexContacts::touched_index_of(Index fan) {
     return touched_of_fan_[fan] = touched_index;
 }
 
-void VertexContacts::add_term(Index contact, Index corner, const Vec2& along_N, const Vec2& along_T) {
-    const Index touched_index = touched_index_of(model_.fan_of_corner[corner]);
+void VertexContacts::add_term(const CornerTerm& term) {
+    const Index touched_index = touched_index_of(model_.fan_of_corner[term.body]);
     std::vector<Index>& corners = touched_[touched_index].corners;
-    const Index place = place_among(corners, corner);
-    if (place == std::ssize(corners)) corners.push_back(corner);
-    terms_.push_back({contact, touched_index, place, along_N, along_T});
-}
-
-void VertexContacts::add_obstacle_term(Index contact, Index obstacle, const Vec2& arm, double sign,
-                                       const Vec2& normal) {
-    obstacle_terms_.push_back(
-        {contact, obstacle, wrench_of(sign * normal, arm), wrench_of(sign * turned_left(normal), arm)});
-}
-
-void VertexContacts::end_terms() {
-    first_term_.push_back(terms_.size());
-    first_obstacle_term_.push_back(obstacle_terms_.size());
-}
-
-void VertexContacts::add_terms(Index contact) {
-    const FaceContact& c = contacts_.all()[contact];
-    const Vec2 n = c.normal, t = turned_left(n), turn = c.gap / c.length * n;
-    const auto add = [&](Index corner, const Vec2& along_N, const Vec2& along_T) {
-        if (model_.ground_at(corner) == nullptr) add_term(contact, corner, along_N, along_T);
-    };
-    for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
-    add(c.edge[0], -(1 - c.share) * n, -(1 - c.share) * t - turn);
-    add(c.edge[1], -c.share * n, -c.share * t + turn);
-    end_terms();
+    const Index place = place_among(corners, term.body);
+    if (place == std::ssize(corners)) corners.push_back(term.body);
+    terms_.push_back({term, touched_index, place});
 }
 
 /// [m/s] By which the forces of the step alone would make the sides approach: of the fans as a whole, and of obstacles.
@@ -79,53 +55,60 @@ double VertexContacts::approach_by_forces(Index contact, const ExplicitStep& ste
                 if (motion->component[k]) force[k] = 0;
         push -= step.kick_time / fan.mass * term.along_N.dot(force);
     }
-    for (const ObstacleTerm& term : obstacle_terms_of(contact))
-        if (is_free(term.obstacle))
-            push -= term.along_N.dot(obstacles_.motion.rate()[term.obstacle] -
-                                     step.begin.obstacles[term.obstacle].velocity);
+    for (const ClusterTerm& term : obstacle_terms_of(contact))
+        if (is_free(term.body))
+            push -= term.along_N.dot(obstacles_.motion.rate()[term.body] - step.begin.obstacles[term.body].velocity);
     return push;
 }
 
-/// A contact of the body with an obstacle.
-void VertexContacts::add_row(const ObstacleContact& contact, const ExplicitStep& step) {
-    const auto row = static_cast<Index>(rows_.size());
+void VertexContacts::add_row(const FaceContact& contact, const ExplicitStep& step) {
+    // a force lasts; a start in equilibrium has forces
+    const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);
+    Row row{row_of(model_, step.begin, contact, scale), rebound_depth * contact.length};
+    row.gives = obstacles_.rebounds.find(contact, row.law, step.begin);
+    if (row.law.rebound == ContactLaw::Rebound::of_bodies) row.deep = Rebounds::depth_of_faces() * contact.length;
+    row.law = of_deformable(row.law);
+    contact.visit_terms([&](const CornerTerm& term) {
+        if (model_.ground_at(term.body) == nullptr) add_term(term);
+    });
+    add_row(row, step.begin);
+}
+
+void VertexContacts::add_row(const ObstacleContact& contact, const Vec2& impulse, const ExplicitStep& step) {
     const Vec2 n = contact.normal, t = turned_left(n),
                x = step.begin.obstacles[contact.obstacle].pose.position + contact.arm;
-    add_term(row, contact.corner, (1 - contact.share) * n, (1 - contact.share) * t);
-    if (contact.is_on_edge()) add_term(row, contact.second_corner, contact.share * n, contact.share * t);
-    add_obstacle_term(row, contact.obstacle, contact.arm, -1, n);
-    add_row({.gap = contact.gap,
-             .deep = infinity,
+    add_term({contact.corner, (1 - contact.share) * n, (1 - contact.share) * t});
+    if (contact.is_on_edge()) add_term({contact.second_corner, contact.share * n, contact.share * t});
+    obstacle_terms_.push_back(term_on(contact.obstacle, -n, contact.arm));
+    Row row{{.gap = contact.gap,
              .rounding = position_rounding * (x.norm() + contact.arm.norm()),
              .law = of_deformable(obstacles_.contacts.law_of(contact, step.begin)),
              .place = x,
-             .gives = obstacles_.given_at(contact)},
-            step);
+             .impulse = impulse}};
+    row.gives = obstacles_.given_at(contact);
+    add_row(row, step.begin);
+    settle_law(step);
 }
 
 void VertexContacts::add_row(const ObstaclePairContact& contact, const ExplicitStep& step) {
-    const auto row = static_cast<Index>(rows_.size());
-    const Vec2 x = contact.place(step.begin);
-    for (const int k : {0, 1})
-        if (contact.obstacle[k] >= 0)
-            add_obstacle_term(row, contact.obstacle[k], contact.arm[k], k == 0 ? -1 : 1, contact.normal);
-    add_row({.gap = contact.gap,
-             .deep = rebound_depth * obstacles_.pairs.size(contact),
-             .rounding = position_rounding * (x.norm() + contact.arm[0].norm() + contact.arm[1].norm()),
-             .law = law_between(model_, contact, step.begin),
-             .place = x},
-            step);
+    visit_terms(contact, [&](const ClusterTerm& term) { obstacle_terms_.push_back(term); });
+    add_row({row_of(model_, step.begin, contact), rebound_depth * contact.size}, step.begin);
+    settle_law(step);
 }
 
 /// When all its terms are added.
-void VertexContacts::add_row(const Row& row, const ExplicitStep& step) {
-    end_terms();
-    const auto number = static_cast<Index>(rows_.size());
+void VertexContacts::add_row(const Row& row, const State& begin) {
+    first_term_.push_back(terms_.size());
+    first_obstacle_term_.push_back(obstacle_terms_.size());
     rows_.push_back(row);
-    before_.push_back(rate(number, step.begin));
-    impulse_.push_back(Vec2::Zero()), residual_.push_back(0);
+    rows_.back().before = rate(static_cast<Index>(rows_.size()) - 1, begin);
+}
+
+/// Of the last row: what comes to rest under its load does not rebound.
+void VertexContacts::settle_law(const ExplicitStep& step) {
     ContactLaw& law = rows_.back().law;
-    const double approach = -before_.back().x(), push = approach_by_forces(number, step);
+    const double approach = -rows_.back().before.x(),
+                 push = approach_by_forces(static_cast<Index>(rows_.size()) - 1, step);
     if (rests_under(law.restitution, approach, push)) law.restitution = 0;
     if (approach <= push) law.tangential = 0;  // no impact
 }
@@ -136,10 +119,7 @@ void VertexContacts::begin_obstacles(const ExplicitStep& step) {
     const double scale = step.begin.last_step > 0 ? step.kick_time / step.begin.last_step : 0;
     ImpulsesBefore before(step.begin);
     for (const ObstacleContact& contact : obstacles_.contacts.all())
-        if (!solver_.is_within_fan(contact)) {
-            add_row(contact, step);
-            impulse_.back() = scale * before.next(contact);
-        }
+        if (!solver_.is_within_fan(contact)) add_row(contact, scale * before.next(contact), step);
     for (const ObstaclePairContact& contact : obstacles_.pairs.all()) add_row(contact, step);
     obstacle_velocity_ = obstacles_.motion.rate();
     find_clusters();
@@ -161,91 +141,39 @@ void VertexContacts::begin(const ExplicitStep& step, StepReport& report) {
             report.reject(Rejection::contact_speed, refusal->place, refusal->value);
         else report.add_depth(refusal->value, refusal->place);
     }
-    const Index n = n_faces();
-    impulse_.resize(n), before_.resize(n), residual_.assign(n, 0);
-    // a force lasts; a start in equilibrium has forces
-    const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);
-    for (Index i = 0; i < n; ++i) {
-        const FaceContact& c = contacts_.all()[i];
-        rows_.push_back({.gap = c.gap,
-                         .deep = rebound_depth * c.length,
-                         .rounding = position_rounding * (place_of_corner(c.edge[0], step.begin).norm() + c.length),
-                         .law = law_between_faces(model_, c),
-                         .place = place_of_corner(c.vertex[1], step.begin)});
-        Row& row = rows_.back();
-        row.gives = obstacles_.rebounds.find(c, row.law, step.begin);
-        if (row.law.rebound == ContactLaw::Rebound::of_bodies) row.deep = Rebounds::depth_of_faces() * c.length;
-        row.law = of_deformable(row.law);
-        add_terms(i);
-        impulse_[i] = scale * Vec2(c.contact, c.tangential);
-        before_[i] = rate(i, step.begin);
-        report.add_approach(c.gap, step.drift_time, before_[i].x(), rows_[i].place);
+    for (const FaceContact& contact : contacts_.all()) {
+        add_row(contact, step);
+        report.add_approach(contact.gap, step.drift_time, rows_.back().before.x(), rows_.back().place);
     }
 }
 
 /// [m/s] The part of a rate that is by obstacles, under the present impulses.
 Vec2 VertexContacts::rate_of_obstacles(Index contact) const {
     Vec2 V = Vec2::Zero();
-    for (const ObstacleTerm& term : obstacle_terms_of(contact)) V += term.rate(obstacle_velocity_[term.obstacle]);
+    for (const ClusterTerm& term : obstacle_terms_of(contact)) V += term.rate(obstacle_velocity_[term.body]);
     return V;
 }
 
 /// [m/s] (V_N, V_T) of a contact, by the velocities of the body in a state.
 Vec2 VertexContacts::rate(Index contact, const State& state) const {
     Vec2 V = rate_of_obstacles(contact);
-    for (const Term& term : terms_of(contact))
-        V += term.rate(state.velocity[state.node_of_corner[touched_[term.touched_index].corners[term.place]]]);
+    for (const Term& term : terms_of(contact)) V += term.rate(state.velocity[state.node_of_corner[term.body]]);
     return V;
 }
 
-/// Contacts that share a fan or a free obstacle, in the order of their first contact; the contacts of a cluster in
-/// their order.
+/// Contacts that share a fan or a free obstacle.
 void VertexContacts::find_clusters() {
-    const auto n = static_cast<Index>(rows_.size()), n_fans = static_cast<Index>(fans_.size()),
-               n_obstacles = static_cast<Index>(model_.obstacles.size());
+    lists_.find(static_cast<Index>(rows_.size()),
+                {static_cast<Index>(fans_.size()), static_cast<Index>(model_.obstacles.size())},
+                [&](Index contact, const auto& visit) {
+                    for (const Term& term : terms_of(contact)) visit(0, term.touched_index);
+                    for (const ClusterTerm& term : obstacle_terms_of(contact))
+                        if (is_free(term.body)) visit(1, term.body);
+                });
     clusters_.clear();
-    if (n == 0) return;
-    joined_.start(n_fans + n_obstacles);
-    const auto for_members = [&](Index contact, const auto& visit) {
-        for (const Term& term : terms_of(contact)) visit(term.touched_index);
-        for (const ObstacleTerm& term : obstacle_terms_of(contact))
-            if (is_free(term.obstacle)) visit(n_fans + term.obstacle);
-    };
-    const auto first_member = [&](Index contact) {
-        Index first = -1;
-        for_members(contact, [&](Index member) { first = first < 0 ? member : first; });
-        return first;
-    };
-    for (Index i = 0; i < n; ++i)
-        for_members(i, [&, first = first_member(i)](Index member) { joined_.join(first, member); });
-    cluster_of_member_.assign(n_fans + n_obstacles, -1);  // of representatives, then of all
-    cluster_of_contact_.resize(n);
-    for (Index i = 0; i < n; ++i) {
-        Index& found = cluster_of_member_[joined_.find(first_member(i))];
-        if (found < 0) found = static_cast<Index>(clusters_.size()), clusters_.emplace_back();
-        cluster_of_contact_[i] = found;
-    }
-    for (Index member = 0; member < n_fans + n_obstacles; ++member)
-        cluster_of_member_[member] = cluster_of_member_[joined_.find(member)];
-    const auto members = std::span(cluster_of_member_);
-    list_members(cluster_of_contact_, contacts_of_clusters_, &Cluster::contacts);
-    list_members(members.first(n_fans), touched_of_clusters_, &Cluster::touched);
-    list_members(members.subspan(n_fans), obstacles_of_clusters_, &Cluster::obstacles);
-    rigid_body_.resize(n_obstacles);
-}
-
-/// The numbers that belong to each cluster, in their order; -1: to none.
-void VertexContacts::list_members(std::span<const Index> cluster_of, std::vector<Index>& lists,
-                                  std::span<const Index> Cluster::*list) {
-    end_of_list_.assign(clusters_.size() + 1, 0);
-    for (const Index k : cluster_of)
-        if (k >= 0) ++end_of_list_[k + 1];
-    std::partial_sum(end_of_list_.begin(), end_of_list_.end(), end_of_list_.begin());
-    lists.resize(end_of_list_.back());
-    for (Index i = 0; i < std::ssize(cluster_of); ++i)
-        if (cluster_of[i] >= 0) lists[end_of_list_[cluster_of[i]]++] = i;
-    for (std::size_t k = 0, first = 0; k < clusters_.size(); first = end_of_list_[k++])
-        clusters_[k].*list = std::span(lists).subspan(first, end_of_list_[k] - first);
+    for (std::size_t k = 0; k < lists_.size(); ++k)
+        clusters_.push_back({lists_.rows(k), lists_.members(0, k), lists_.members(1, k)});
+    rigid_body_.resize(model_.obstacles.size());
 }
 
 /// The problem of a cluster, with the impulses found last as its start.
@@ -272,13 +200,13 @@ void VertexContacts::assemble(const Cluster& cluster, const ExplicitStep& step, 
         rigid_body_[o] = problem.add_rigid_body(obstacles_.motion.rate()[o], obstacles_.motion.inverse_mass(o));
     for (const Index i : cluster.contacts) {
         Vec2 given = Vec2::Zero();
-        for (const ObstacleTerm& term : obstacle_terms_of(i))
-            if (!is_free(term.obstacle)) given += term.rate(obstacle_velocity_[term.obstacle]);
-        problem.add_contact(impulse_[i], given);
+        for (const ClusterTerm& term : obstacle_terms_of(i))
+            if (!is_free(term.body)) given += term.rate(obstacle_velocity_[term.body]);
+        problem.add_contact(rows_[i].impulse, given);
         for (const Term& term : terms_of(i))
-            problem.add_term(touched_[term.touched_index].body[term.place], term.along_N, term.along_T);
-        for (const ObstacleTerm& term : obstacle_terms_of(i))
-            if (is_free(term.obstacle)) problem.add_rigid_term(rigid_body_[term.obstacle], term.along_N, term.along_T);
+            problem.add_term(CornerTerm{touched_[term.touched_index].body[term.place], term.along_N, term.along_T});
+        for (const ClusterTerm& term : obstacle_terms_of(i))
+            if (is_free(term.body)) problem.add_term(ClusterTerm{rigid_body_[term.body], term.along_N, term.along_T});
     }
     problem.assemble();
 }
@@ -288,9 +216,7 @@ void VertexContacts::spread(const Cluster& cluster) {
     for (const Index s : cluster.touched)
         for (const Index corner : touched_[s].corners) corner_impulse_[corner].setZero();
     for (const Index i : cluster.contacts)
-        for (const Term& term : terms_of(i))
-            corner_impulse_[touched_[term.touched_index].corners[term.place]] +=
-                impulse_[i].x() * term.along_N + impulse_[i].y() * term.along_T;
+        for (const Term& term : terms_of(i)) corner_impulse_[term.body] += term.wrench(rows_[i].impulse);
 }
 
 /// [m/s] (V_N, V_T) of a contact under the present impulses.
@@ -314,7 +240,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     assemble(cluster, step, true, work);
     double speed = 0, error = 0;
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
-        speed = std::max({speed, before_[cluster.contacts[k]].norm(), problem.contact(k).free.norm()});
+        speed = std::max({speed, rows_[cluster.contacts[k]].before.norm(), problem.contact(k).free.norm()});
         error = std::max(error, rows_[cluster.contacts[k]].rounding / step.drift_time);
     }
     const bool meets_obstacles =
@@ -332,14 +258,14 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
             const Row& row = rows_[cluster.contacts[k]];
             const double of_gap = cluster.contacts[k] < n_faces() ? error : 0;  // else ObstacleContacts clears it
             const bool rubs = row.gives.rubs && problem.may_slip(k);
-            problem.contact(k).law = contact_law(row.gap, before_[cluster.contacts[k]], rubs ? row.law.friction : 0,
-                                                 row.law.restitution, step.drift_time, row.deep,
-                                                 kink_tolerance * speed + of_gap, row.law.tangential, row.gives.rate);
+            problem.contact(k).law =
+                contact_law(row.gap, row.before, rubs ? row.law.friction : 0, row.law.restitution, step.drift_time,
+                            row.deep, kink_tolerance * speed + of_gap, row.law.tangential, row.gives.rate);
             if (!row.gives.pushes) problem.contact(k).law.contact.may_touch = false;
         }
         residual = problem.solve(speed, error, effort_of(round));
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k)
-            impulse_[cluster.contacts[k]] = problem.contact(k).impulse;
+            rows_[cluster.contacts[k]].impulse = problem.contact(k).impulse;
         for (const Index o : cluster.obstacles) obstacle_velocity_[o] = problem.velocity_of_rigid_body(rigid_body_[o]);
         spread(cluster);
         more_jointly = false;
@@ -362,7 +288,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         if (residual < 0.5 * least) least = residual, last_progress = round;
         if (residual <= relative_tolerance * speed + error || round - last_progress > patience) break;
     }
-    for (const Index i : cluster.contacts) residual_[i] = residual + error;
+    cluster.error = residual + error;
     cluster.residual = speed > 0 ? std::max(0.0, residual - error) / speed : 0;
     cluster.worst = cluster.contacts[cluster.residual > relative_tolerance ? problem.worst() : 0];
     double before = 0, after = 0, energy = 0, lost = 0, injected = 0;
@@ -379,7 +305,8 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
         energy += kinetic_energy(model_.obstacles[o], step.begin.obstacles[o].velocity);
     before = std::max(before, speed);  // also of what is driven, or falls on what rests
     for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
-        const Vec2 P = impulse_[cluster.contacts[k]], mean = 0.5 * (before_[cluster.contacts[k]] + work.rate[k]);
+        const Row& row = rows_[cluster.contacts[k]];
+        const Vec2 P = row.impulse, mean = 0.5 * (row.before + work.rate[k]);
         injected += positive_work(P, mean), lost += positive_work(-P, mean);
     }
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
@@ -396,10 +323,8 @@ void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& 
 }
 
 void VertexContacts::add_wrenches(std::vector<Vec3>& wrench) const {
-    for (const ObstacleTerm& term : obstacle_terms_) {
-        const Vec2& P = impulse_[term.contact];
-        wrench[term.obstacle] += P.x() * term.along_N + P.y() * term.along_T;
-    }
+    for (Index i = 0; i < static_cast<Index>(rows_.size()); ++i)
+        for (const ClusterTerm& term : obstacle_terms_of(i)) wrench[term.body] += term.wrench(rows_[i].impulse);
 }
 
 VertexSolver::Known* VertexContacts::motion_of(Index rank, const ExplicitStep& step) {
@@ -407,11 +332,6 @@ VertexSolver::Known* VertexContacts::motion_of(Index rank, const ExplicitStep& s
     if (!touches(fan) || !step.end.incubation.empty()) return nullptr;
     TouchedFan& touched = touched_[touched_of_fan_[fan]];
     return touched.solved_jointly ? &touched.known : nullptr;
-}
-
-Vec2 VertexContacts::place_of_corner(Index corner, const State& state) const {
-    if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
-    return model_.mesh.corner(corner) + state.displacement_of(corner);
 }
 
 /// The rates of obstacles are those that their impulses give them, as in the state.
@@ -424,27 +344,28 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
     step.end.obstacle_contacts.clear();
     for (Index row = n_faces(); const ObstacleContact& contact : obstacles_.contacts.all())
         if (!solver_.is_within_fan(contact)) {
-            const Vec2 P = lasting * impulse_[row++];
+            const Vec2 P = lasting * rows_[row++].impulse;
             const bool may_be_one_of_two = model_.obstacles[contact.obstacle].outline.line != nullptr;
             if (may_be_one_of_two || !P.isZero(0))
                 step.end.obstacle_contacts.push_back(
                     {contact.corner, contact.second_corner, contact.obstacle, P.x(), P.y()});
         }
     for (Index i = 0; i < static_cast<Index>(rows_.size()); ++i) {
-        const Vec2 after = rate(i, step.end), mean = 0.5 * (before_[i] + after), P = impulse_[i];
+        const Row& row = rows_[i];
+        const Vec2 after = rate(i, step.end), mean = 0.5 * (row.before + after), P = row.impulse;
         account_contact(
             {.contact = P.x(),
              .friction = P.y(),
              .rate_N = mean.x(),
              .rate_T = mean.y(),
-             .rate_error = residual_[i] + rate_rounding * (before_[i].norm() + after.norm()),
+             .rate_error = clusters_[lists_.of_row(i)].error + rate_rounding * (row.before.norm() + after.norm()),
              // of faces contact_depth has it
-             .opening = i < n_faces() || rows_[i].gives.lies_deep ? 0 : rows_[i].gap + step.drift_time * after.x()},
+             .opening = i < n_faces() || row.gives.lies_deep ? 0 : row.gap + step.drift_time * after.x()},
             report);
         report.contact_injection += positive_work(P, mean);
         if (i >= n_faces()) continue;
         const FaceContact& c = contacts_.all()[i];
-        report.add_depth((c.depth - step.drift_time * after.x()) / c.length, rows_[i].place);
+        report.add_depth((c.depth - step.drift_time * after.x()) / c.length, row.place);
         step.end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], lasting * P.x(), lasting * P.y()});
     }
     for (const Cluster& cluster : clusters_) report.add_contact_residual(cluster.residual, rows_[cluster.worst].place);

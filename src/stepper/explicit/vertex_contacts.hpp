@@ -1,13 +1,7 @@
 #pragma once
-// Contacts that reach beyond a fan, next to the explicit bulk. Each has two sides: corners of the body, a point of an
-// edge between two corners, or a point of an obstacle. Its impulses P have no resultant force and no resultant moment.
-// Of a vertex i and an edge a-b of free faces:
-//
-//     V_N = n . (v_i - (1 - s) v_a - s v_b),                    the rate of the gap g
-//     V_T = t . (v_i - (1 - s) v_a - s v_b) + (g/L) n . (v_b - v_a),      slip past the material point
-//
-// v_i is the mean of the two corners at the vertex. Of a corner or a point of an edge of the body, at `arm` from the
-// origin of an obstacle with the velocity v and the spin w:
+// Contacts that reach beyond a fan, next to the explicit bulk. Of free faces the rates are those of
+// contact/face_contacts.hpp; of a corner or a point of an edge of the body, at `arm` from the origin of an obstacle
+// with the velocity v and the spin w
 //
 //     V = (n, t) . ((1 - s) v_a + s v_b - v - w turned_left(arm))
 //
@@ -15,8 +9,8 @@
 // A fan whose parts stay as they are answers with the masses of its parts; the points of any other fan are solved
 // together with the contacts (ContactProblem). Then each of these fans is solved by itself under the impulses
 // found (vertex_solver.hpp): that is the motion that it will have, and the contacts are judged by it.
-#include "base/union_find.hpp"
-#include "stepper/contact/face_contacts.hpp"
+#include "stepper/contact/contact_clusters.hpp"
+#include "stepper/contact/contact_row.hpp"
 #include "stepper/explicit/touched_fan.hpp"
 
 #include <span>
@@ -53,48 +47,31 @@ public:
     void finish(const ExplicitStep& step, StepReport& report);
 
 private:
-    struct Row {
-        double gap;       // [m]
-        double deep;      // [m] a deeper penetration is reduced by a rebound
-        double rounding;  // [m] of its places
-        ContactLaw law;
-        Vec2 place;  // [m]
+    struct Row : ContactRow {
+        double deep = infinity;  // [m] a deeper penetration is reduced by a rebound
         GivingWay gives = {};
     };
-    /// A contact acts on a corner: V = sum of (along_N . v, along_T . v), up to four terms a contact; the ground, which
-    /// does not move, has none.
-    struct Term {
-        Index contact, touched_index, place;  // place: of the corner in the touched corners of its fan
-        Vec2 along_N, along_T;
-
-        Vec2 rate(const Vec2& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s] its part of V
-    };
-    /// Likewise on an obstacle.
-    struct ObstacleTerm {
-        Index contact, obstacle;
-        Vec3 along_N, along_T;
-
-        Vec2 rate(const Vec3& v) const { return {along_N.dot(v), along_T.dot(v)}; }  // [m/s]
+    /// On a corner; the ground, which does not move, has none.
+    struct Term : CornerTerm {
+        Index touched_index, place;  // place: of the corner in the touched corners of its fan
     };
     struct Cluster {
         std::span<const Index> contacts, touched, obstacles;  // obstacles: free ones
         double residual = 0;                                  // [-] of the last solution, over the speeds
-        Index worst = 0;                                      // the contact that has it
+        double error = 0;                                     // [m/s] of its rates
+        Index worst = 0;                                      // the contact that has the residual
     };
 
     Index touched_index_of(Index fan);
     Index n_faces() const { return static_cast<Index>(contacts_.all().size()); }
-    void add_term(Index contact, Index corner, const Vec2& along_N, const Vec2& along_T);
-    void add_obstacle_term(Index contact, Index obstacle, const Vec2& arm, double sign, const Vec2& normal);
-    void end_terms();
-    void add_terms(Index contact);
-    void add_row(const ObstacleContact& contact, const ExplicitStep& step);
+    void add_term(const CornerTerm& term);
+    void add_row(const FaceContact& contact, const ExplicitStep& step);
+    void add_row(const ObstacleContact& contact, const Vec2& impulse, const ExplicitStep& step);
     void add_row(const ObstaclePairContact& contact, const ExplicitStep& step);
-    void add_row(const Row& row, const ExplicitStep& step);
+    void add_row(const Row& row, const State& begin);
+    void settle_law(const ExplicitStep& step);
     double approach_by_forces(Index contact, const ExplicitStep& step) const;
     void find_clusters();
-    void list_members(std::span<const Index> cluster_of, std::vector<Index>& lists,
-                      std::span<const Index> Cluster::*list);
     void solve_cluster(Cluster& cluster, const ExplicitStep& step, std::vector<std::uint8_t>& splits,
                        ThreadWorkspace& work, StepReport& report);
     void assemble(const Cluster& cluster, const ExplicitStep& step, bool stuck_stays, ThreadWorkspace& work);
@@ -105,12 +82,11 @@ private:
     std::span<const Term> terms_of(Index contact) const {
         return {terms_.data() + first_term_[contact], terms_.data() + first_term_[contact + 1]};
     }
-    std::span<const ObstacleTerm> obstacle_terms_of(Index contact) const {
+    std::span<const ClusterTerm> obstacle_terms_of(Index contact) const {
         return {obstacle_terms_.data() + first_obstacle_term_[contact],
                 obstacle_terms_.data() + first_obstacle_term_[contact + 1]};
     }
     bool is_free(Index obstacle) const { return model_.obstacles[obstacle].is_free(); }
-    Vec2 place_of_corner(Index corner, const State& state) const;  // [m]
 
     const Model& model_;
     const VertexSolver& solver_;
@@ -122,18 +98,12 @@ private:
     std::vector<Index> touched_of_fan_;  // per fan: into fans_, or -1
     std::vector<Row> rows_;              // per contact: those between free faces, then those with obstacles
     std::vector<Term> terms_;
-    std::vector<ObstacleTerm> obstacle_terms_;
+    std::vector<ClusterTerm> obstacle_terms_;
     std::vector<std::size_t> first_term_, first_obstacle_term_;  // per contact, and the end
     std::vector<Vec3> obstacle_velocity_;  // [m/s, m/s, rad/s] per obstacle, under the present impulses
     std::vector<Index> rigid_body_;        // per free obstacle of a cluster: its number in the problem
     std::vector<Cluster> clusters_;
-    UnionFind joined_;                       // touched fans, then obstacles
-    std::vector<Index> cluster_of_member_;   // likewise: its number, or -1
-    std::vector<Index> cluster_of_contact_;  // its number
-    std::vector<Index> contacts_of_clusters_, touched_of_clusters_, obstacles_of_clusters_;
-    std::vector<std::size_t> end_of_list_;  // per cluster, of one of these
-    std::vector<Vec2> impulse_, before_;    // [N s], [m/s] per contact: (N, T)
-    std::vector<double> residual_;          // [m/s] per contact: of its cluster
+    ContactClusters lists_;  // of touched fans and of free obstacles
     std::vector<StepReport> partial_;
 };
 

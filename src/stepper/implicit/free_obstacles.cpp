@@ -54,15 +54,11 @@ bool FreeObstacles::begin(const StepContext& step) {
     const State& begin = *step.begin;
     pairs_.find(begin, step.h, motion_.rate());
     for (const ObstaclePairContact& at : pairs_.all()) {
-        rows_.push_back({.contact = -1,
-                         .obstacle = at.obstacle,
-                         .arm = at.arm,
-                         .normal = at.normal,
-                         .gap = at.gap,
-                         .law = law_between(model_, at, begin)});
+        Row& row = rows_.emplace_back(Row{row_of(model_, begin, at), -1});
+        visit_terms(at, [&](const ClusterTerm& term) { row.add(term); });
         const Vec2 v_1 = velocity_at(at.velocity(0, begin), at.arm[0]),
                    v_2 = velocity_at(at.velocity(1, begin), at.arm[1]);
-        rows_.back().before = {normal_rate(at.normal, v_1, v_2), turned_left(at.normal).dot(v_2 - v_1)};
+        row.before = {normal_rate(at.normal, v_1, v_2), turned_left(at.normal).dot(v_2 - v_1)};
     }
     return !rows_.empty() || std::ranges::any_of(contacts_.all(), [&](const ObstacleContact& at) {
         return model_.obstacles[at.obstacle].is_free();
@@ -79,32 +75,23 @@ void FreeObstacles::add_held(const Body& body) {
         const ActivePoint& point = body.points[i];
         if (!point.is_held || !obstacle.is_free()) continue;
         const ContactLaw& law = contacts_.law_of(at, begin);
-        rows_.push_back({.contact = static_cast<Index>(i),
-                         .obstacle = {at.obstacle, -1},
-                         .arm = {at.arm, at.arm},
-                         .normal = at.normal,
-                         .gap = at.gap,
-                         .law = {.friction = std::isinf(point.multipliers.rho_T) ? law.friction : 0,
-                                 .restitution = law.restitution}});
+        Row& row = rows_.emplace_back(Row{{.gap = at.gap,
+                                           .law = {.friction = std::isinf(point.multipliers.rho_T) ? law.friction : 0,
+                                                   .restitution = law.restitution}},
+                                          static_cast<Index>(i)});
+        row.add(term_on(at.obstacle, -at.normal, at.arm));
         const auto rate = [&](Index c) -> Vec2 { return body.rate[body.nodes.node_of_corner[c]]; };
         const Vec2 of_body = at.of_body([&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; }),
                    of_obstacle = velocity_at(begin.obstacles[at.obstacle].velocity, at);
-        rows_.back().given = point.in_frame(at.of_body(rate));
-        rows_.back().before = {normal_rate(at.normal, of_obstacle, of_body),
-                               turned_left(at.normal).dot(of_body - of_obstacle)};
+        row.given = point.in_frame(at.of_body(rate));
+        row.before = {normal_rate(at.normal, of_obstacle, of_body), turned_left(at.normal).dot(of_body - of_obstacle)};
     }
-}
-
-/// V of a row by the velocities of the obstacle on this side.
-ClusterTerm FreeObstacles::term(const Row& row, int side) {
-    const Vec2 n = side == 0 ? Vec2(-row.normal) : row.normal;
-    return {row.obstacle[side], wrench_of(n, row.arm[side]), wrench_of(turned_left(n), row.arm[side])};
 }
 
 /// [m/s] (V_N, V_T)
 Vec2 FreeObstacles::rate_of(const Row& row, const std::vector<Vec3>& velocity) {
     Vec2 V = row.given;
-    for_obstacles(row, [&](const ClusterTerm& term) { V += term.rate(velocity[term.body]); });
+    for (const ClusterTerm& term : row.on_obstacles()) V += term.rate(velocity[term.body]);
     return V;
 }
 
@@ -124,14 +111,14 @@ void FreeObstacles::solve_rows(const Matrix& B, const Vector& x_free) {
         ClusterContact& made = cluster_.contacts.emplace_back();
         made.free = rate_of(row, under_);
         speed = std::max({speed, row.before.norm(), made.free.norm()});
-        for_obstacles(row, [&](const ClusterTerm& term) {
+        for (const ClusterTerm& term : row.on_obstacles()) {
             for (int k = 0; k < 3; ++k)
                 if (const Index c = place_[term.body][k]; c >= 0) {
                     along_(c, 2 * i) += term.along_N[k] / free_[c].root_mass;
                     along_(c, 2 * i + 1) += term.along_T[k] / free_[c].root_mass;
                 }
             if (!is_touched(term.body) && model_.obstacles[term.body].is_free()) cluster_.add_term(i, term);
-        });
+        }
     }
     for (Index i = 0; i < n_rows; ++i)
         cluster_.contacts[i].law =
@@ -155,7 +142,7 @@ void FreeObstacles::solve_rows(const Matrix& B, const Vector& x_free) {
         const Vec2& P = cluster_.contacts[i].impulse;
         x += answer_.middleCols<2>(2 * i) * P;
         pressed_ += step_->theta * (along_.middleCols<2>(2 * i) * P);
-        for_obstacles(rows_[i], [&](const ClusterTerm& term) { row_wrench_[term.body] += term.wrench(P); });
+        for (const ClusterTerm& term : rows_[i].on_obstacles()) row_wrench_[term.body] += term.wrench(P);
     }
     for (std::size_t o = 0; o < under_.size(); ++o) under_[o] += cluster_.bodies[o].change;
     for (Eigen::Index i = 0; i < x.size(); ++i)
@@ -173,8 +160,8 @@ void FreeObstacles::subtract_impulses(const CornerPartition& nodes, std::vector<
         const Row& row = rows_[i];
         if (row.contact < 0) continue;
         const Vec2& P = cluster_.contacts[i].impulse;
-        const Vec2 impulse = step_->theta * (P.x() * row.normal + P.y() * turned_left(row.normal));
         const ObstacleContact& at = contacts_.all()[row.contact];
+        const Vec2 impulse = step_->theta * (P.x() * at.normal + P.y() * turned_left(at.normal));
         of_node[nodes.node_of_corner[at.corner]] -= (1 - at.share) * impulse;
         if (at.is_on_edge()) of_node[nodes.node_of_corner[at.second_corner]] -= at.share * impulse;
     }

@@ -10,7 +10,7 @@
 #include "nonsmooth/contact_cluster.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
-#include "stepper/common/obstacle_pairs.hpp"
+#include "stepper/contact/contact_row.hpp"
 #include "stepper/implicit/active_point.hpp"
 
 #include <functional>
@@ -52,15 +52,14 @@ public:
     void account(StepReport& report) const;
 
 private:
-    struct Row {
-        Index contact;                  // with the body: into the contacts; -1: of two obstacles, or a support
-        std::array<Index, 2> obstacle;  // -1: the body, a support
-        std::array<Vec2, 2> arm;        // [m]
-        Vec2 normal;                    // out of the first
-        double gap;                     // [m]
-        ContactLaw law;
-        Vec2 given = Vec2::Zero();   // [m/s] of the body, (N, T)
-        Vec2 before = Vec2::Zero();  // [m/s] (V_N, V_T) at the start of the step
+    struct Row : ContactRow {
+        Index contact;              // with the body: into the contacts; -1: of two obstacles, or a support
+        Vec2 given = Vec2::Zero();  // [m/s] V of the body
+        int n_terms = 0;
+        std::array<ClusterTerm, 2> terms;
+
+        void add(const ClusterTerm& term) { terms[n_terms++] = term; }
+        std::span<const ClusterTerm> on_obstacles() const { return std::span(terms).first(n_terms); }
     };
     using Matrix = Eigen::MatrixXd;
     using Vector = Eigen::VectorXd;
@@ -74,12 +73,6 @@ private:
     void solve_rows(const Matrix& B, const Vector& x_free);
     bool is_touched(Index obstacle) const {
         return std::ranges::any_of(place_[obstacle], [](Index c) { return c >= 0; });
-    }
-    static ClusterTerm term(const Row& row, int side);
-    template <class Visit>
-    static void for_obstacles(const Row& row, const Visit& visit) {
-        for (int side = 0; side < 2; ++side)
-            if (row.obstacle[side] >= 0) visit(term(row, side));
     }
     static Vec2 rate_of(const Row& row, const std::vector<Vec3>& velocity);
     template <int max_components>

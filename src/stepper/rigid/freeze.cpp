@@ -11,10 +11,6 @@
 namespace knap {
 namespace {
 
-Vec2 place_of(const Model& model, const State& state, Index corner) {
-    return model.mesh.corner(corner) + state.displacement[state.node_of_corner[corner]];
-}
-
 /// [m/s] The particle velocity of a wave whose stress breaks a point now, and that stress [Pa]; infinite where nothing
 /// can.
 struct Weakness {

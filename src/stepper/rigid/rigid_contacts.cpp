@@ -46,20 +46,19 @@ void RigidContacts::renew(const State& begin) {
     had_points_ = !points_.empty();
 }
 
-void RigidContacts::add_term(Row& row, Index body, const Vec2& along_N, const Vec2& along_T, const Vec2& arm) const {
-    const Vec3 N = wrench_of(along_N, arm), T = wrench_of(along_T, arm);
+void RigidContacts::add_term(Row& row, const ClusterTerm& term) {
     for (int k = 0; k < row.n_terms; ++k)
-        if (row.terms[k].body == body) {
-            row.terms[k].along_N += N, row.terms[k].along_T += T;
+        if (row.terms[k].body == term.body) {
+            row.terms[k].along_N += term.along_N, row.terms[k].along_T += term.along_T;
             return;
         }
-    row.terms[row.n_terms++] = {body, N, T};
+    row.terms[row.n_terms++] = term;
 }
 
 /// When all its terms are there.
 void RigidContacts::add_row(Row& row, const std::vector<MovingBody>& bodies) {
     row.before = rate(row, bodies, &MovingBody::before);
-    row.impulse = row.lasting;
+    row.lasting = row.impulse;
     row.apart = row.source == Source::face && row.gap < 0 ? -faces_.all()[row.number].depth : row.gap;
     rows_.push_back(row);
 }
@@ -74,7 +73,6 @@ bool RigidContacts::can_break(Index body) const {
     return body < n_pieces_ && knap::can_break(begin_->frozen->pieces[body], options_);
 }
 
-/// The terms of an impulse at the place of a corner: along n and t of the contact.
 void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBody>& bodies) {
     row_of_face_.clear();
     if (!meets_faces()) return;
@@ -83,29 +81,20 @@ void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBod
     row_of_face_.assign(faces_.all().size(), -1);
     for (Index i = 0; i < static_cast<Index>(faces_.all().size()); ++i) {
         const FaceContact& c = faces_.all()[i];
-        const Vec2 n = c.normal, t = turned_left(n), turn = c.gap / c.length * n;
-        const GroundVertex* ground = model_.ground_at(c.vertex[1]);
-        Row row{.source = Source::face,
-                .number = i,
-                .gap = c.gap,
-                .length = c.length,
-                .rounding = 0,
-                .law = {},
-                .place = ground ? ground->place : place_of(c.vertex[1]),
-                .lasting = scale * Vec2(c.contact, c.tangential)};
-        row.rounding = position_rounding * (row.place.norm() + c.length);
-        bool breaks = false;
-        const auto add = [&](Index corner, const Vec2& along_N, const Vec2& along_T) {
-            if (model_.ground_at(corner) != nullptr) return;
-            const Index piece = piece_of(corner);
+        Row row{row_of(model_, step.begin, c, scale), Source::face, i};
+        bool breaks = false, on_ground = false;
+        c.visit_terms([&](const CornerTerm& term) {
+            if (model_.ground_at(term.body) != nullptr) {
+                on_ground = true;
+                return;
+            }
+            const Index piece = piece_of(term.body);
+            const Vec2 arm = place_of(term.body) - bodies[piece].centre;
             breaks = breaks || can_break(piece);
-            add_term(row, piece, along_N, along_T, place_of(corner) - bodies[piece].centre);
-        };
-        for (const Index corner : c.vertex) add(corner, 0.5 * n, 0.5 * t);
-        add(c.edge[0], -(1 - c.share) * n, -(1 - c.share) * t - turn);
-        add(c.edge[1], -c.share * n, -c.share * t + turn);
-        if (row.n_terms == 1 && !model_.ground_at(c.edge[0]) && !ground) continue;  // of one piece with itself
-        row.law = law_for(law_between_faces(model_, c), breaks);
+            add_term(row, {piece, wrench_of(term.along_N, arm), wrench_of(term.along_T, arm)});
+        });
+        if (row.n_terms == 1 && !on_ground) continue;  // of one piece with itself
+        row.law = law_for(row.law, breaks);
         row_of_face_[i] = static_cast<Index>(rows_.size());
         add_row(row, bodies);
     }
@@ -118,19 +107,18 @@ void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<Movin
     ImpulsesBefore before(begin);
     for (Index i = 0; i < static_cast<Index>(obstacle_contacts_.all().size()); ++i) {
         const ObstacleContact& c = obstacle_contacts_.all()[i];
-        const Vec2 n = c.normal, t = turned_left(n);
         const Index piece = piece_of(c.corner);
         const Vec2 x = c.of_body([&](Index corner) { return place_of(corner); });
-        Row row{.source = Source::obstacle,
-                .number = i,
-                .gap = c.gap,
-                .length = begin.frozen->pieces[piece].edge(),
-                .rounding = position_rounding * (x.norm() + c.arm.norm()),
-                .law = law_for(obstacle_contacts_.law_of(c, begin), can_break(piece)),
-                .place = x};
-        row.lasting = scale * before.next(c);
-        add_term(row, piece, n, t, x - bodies[piece].centre);
-        add_term(row, body_of_obstacle(c.obstacle), -n, -t, c.arm);
+        Row row{{.gap = c.gap,
+                 .length = begin.frozen->pieces[piece].edge(),
+                 .rounding = position_rounding * (x.norm() + c.arm.norm()),
+                 .law = law_for(obstacle_contacts_.law_of(c, begin), can_break(piece)),
+                 .place = x,
+                 .impulse = scale * before.next(c)},
+                Source::obstacle,
+                i};
+        add_term(row, term_on(piece, c.normal, x - bodies[piece].centre));
+        add_term(row, term_on(body_of_obstacle(c.obstacle), -c.normal, c.arm));
         add_row(row, bodies);
     }
     keep_hull(first);
@@ -183,17 +171,11 @@ void RigidContacts::keep_hull(std::size_t first) {
 /// Of two obstacles: with the geometric means of what each has against the body.
 void RigidContacts::add_pairs(const RigidStep& step, const std::vector<MovingBody>& bodies) {
     for (Index i = 0; i < static_cast<Index>(pairs_.all().size()); ++i) {
-        const ObstaclePairContact& c = pairs_.all()[i];
-        const Vec2 x = step.begin.obstacles[c.obstacle[0]].pose.position + c.arm[0], n = c.normal, t = turned_left(n);
-        Row row{.source = Source::pair,
-                .number = i,
-                .gap = c.gap,
-                .length = pairs_.size(c),
-                .rounding = position_rounding * (x.norm() + c.arm[0].norm() + c.arm[1].norm()),
-                .law = law_between(model_, c, step.begin),
-                .place = x};
-        add_term(row, body_of_obstacle(c.obstacle[0]), -n, -t, c.arm[0]);
-        add_term(row, body_of_obstacle(c.obstacle[1]), n, t, c.arm[1]);
+        Row row{row_of(model_, step.begin, pairs_.all()[i]), Source::pair, i};
+        visit_terms(pairs_.all()[i], [&](ClusterTerm term) {
+            term.body = body_of_obstacle(term.body);
+            add_term(row, term);
+        });
         add_row(row, bodies);
     }
 }
@@ -207,17 +189,15 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
         const FanPoint& point = model_.points(model_.fans[points_[i].fan])[points_[i].place];
         const CohesiveLaw& law = law_of(model_, begin, point);
         const Rotation frame = point_frame(model_, begin, point);
-        const Vec2 n = frame.turned(point.normal), t = turned_left(n);
+        const Vec2 n = frame.turned(point.normal);
         const PointState& state = begin.points[begin.first_point[begin.split_rank[points_[i].fan]] + points_[i].place];
         const double gap = begin.opening_of(point, frame).x();
-        Row row{.source = Source::point,
-                .number = i,
-                .gap = std::abs(gap) <= touching_gap(model_, begin, point) ? 0 : gap,
-                .length = 2 * point.area / model_.thickness,
-                .rounding = 0,
-                .law = {},
-                .place = place_of(point.corner()),
-                .lasting = step.kick_time * point.area * state.traction};
+        Row row{{.gap = std::abs(gap) <= touching_gap(model_, begin, point) ? 0 : gap,
+                 .length = 2 * point.area / model_.thickness,
+                 .place = place_of(point.corner()),
+                 .impulse = step.kick_time * point.area * state.traction},
+                Source::point,
+                i};
         row.rounding = position_rounding * (row.place.norm() + row.length);
         // the same point for both sides, so that the impulse has no moment
         if (!point.on_support()) row.place = 0.5 * (place_of(point.before) + place_of(point.after));
@@ -226,7 +206,7 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
             if (corner == rigid_support) return;
             const Index piece = piece_of(corner);
             breaks = breaks || can_break(piece);
-            add_term(row, piece, sign * n, sign * t, row.place - bodies[piece].centre);
+            add_term(row, term_on(piece, sign * n, row.place - bodies[piece].centre));
         };
         add(point.after, 1), add(point.before, -1);
         row.law =
@@ -284,57 +264,37 @@ void RigidContacts::find(const RigidStep& step, const ObstacleMotion& obstacles,
     find_clusters(bodies);
 }
 
-/// Contacts that share a body which moves, in the order of their first contact.
+/// Contacts that share a body which moves.
 void RigidContacts::find_clusters(const std::vector<MovingBody>& bodies) {
-    joined_.start(bodies.size());
-    const auto first_mover = [&](const Row& row) {
-        for (int k = 0; k < row.n_terms; ++k)
-            if (bodies[row.terms[k].body].moves()) return row.terms[k].body;
-        return Index(-1);
-    };
-    for (const Row& row : rows_)
-        for (int k = 0; k < row.n_terms; ++k)
-            if (bodies[row.terms[k].body].moves()) joined_.join(first_mover(row), row.terms[k].body);
-    cluster_of_body_.assign(bodies.size(), -1);
-    n_clusters_ = 0;
-    for (Index r = 0; r < static_cast<Index>(rows_.size()); ++r) {
-        const Index mover = first_mover(rows_[r]);
-        if (mover < 0) continue;
-        Index& found = cluster_of_body_[joined_.find(mover)];
-        if (found < 0) {
-            found = static_cast<Index>(n_clusters_++);
-            if (clusters_.size() < n_clusters_) clusters_.emplace_back();
-            clusters_[found].rows.clear(), clusters_[found].bodies.clear();
-        }
-        clusters_[found].rows.push_back(r);
-        rows_[r].cluster = found;
-    }
-    for (Index b = 0; b < static_cast<Index>(bodies.size()); ++b) {
-        const Index cluster = cluster_of_body_[joined_.find(b)];
-        if (cluster < 0 || !bodies[b].moves()) continue;
-        cluster_of_body_[b] = cluster;
-        clusters_[cluster].bodies.push_back(b);
-    }
+    lists_.find(static_cast<Index>(rows_.size()), {static_cast<Index>(bodies.size()), 0},
+                [&](Index r, const auto& visit) {
+                    for (int k = 0; k < rows_[r].n_terms; ++k)
+                        if (const Index body = rows_[r].terms[k].body; bodies[body].moves()) visit(0, body);
+                });
+    clusters_.assign(lists_.size(), {});
+    for (std::size_t r = 0; r < rows_.size(); ++r) rows_[r].cluster = lists_.of_row(static_cast<Index>(r));
 }
 
-void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work) {
+void RigidContacts::solve(std::size_t number, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work) {
+    Cluster& cluster = clusters_[number];
+    const std::span<const Index> rows = lists_.rows(number);
     ContactCluster& problem = work.cluster;
     problem.contacts.clear(), problem.couplings.clear(), problem.bodies.clear(), problem.terms.clear();
     work.body.resize(bodies.size());
-    for (const Index b : cluster.bodies) {
+    for (const Index b : lists_.members(0, number)) {
         work.body[b] = static_cast<Index>(problem.bodies.size());
         problem.bodies.push_back({bodies[b].inverse_mass});
     }
     double error = 0;
     cluster.speed = 0;
-    for (const Index r : cluster.rows) {
+    for (const Index r : rows) {
         const Row& row = rows_[r];
         cluster.speed = std::max({cluster.speed, row.before.norm(), row.free.norm()});
         error = std::max(error, row.rounding / step.drift_time);
     }
     const double tolerance = cluster.tolerance = kink_tolerance * cluster.speed + error;
-    for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
-        Row& row = rows_[cluster.rows[i]];
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        Row& row = rows_[rows[i]];
         const auto contact = static_cast<Index>(i);
         problem.contacts.push_back({.free = row.free, .impulse = row.impulse});
         for (int k = 0; k < row.n_terms; ++k) {
@@ -353,9 +313,9 @@ void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<M
     cluster.residual = problem.solve(cluster.speed, error, ClusterEffort::sweeps);
     const auto injects = [&] {
         double positive = 0, losses = 0, scale = 0;  // [J]
-        for (std::size_t i = 0; i < cluster.rows.size(); ++i) {
+        for (std::size_t i = 0; i < rows.size(); ++i) {
             const ClusterContact& c = problem.contacts[i];
-            const Row& row = rows_[cluster.rows[i]];
+            const Row& row = rows_[rows[i]];
             const Vec2 mean = 0.5 * (c.velocity + row.before) + rate(row, bodies, &MovingBody::gained);
             const double now = positive_work(c.impulse, mean);
             positive += now, losses += now - c.impulse.dot(mean), scale += c.impulse.x() * cluster.speed;
@@ -364,13 +324,12 @@ void RigidContacts::solve(Cluster& cluster, const RigidStep& step, std::vector<M
     };
     for (int k = 0; k < more_rounds && injects(); ++k)
         cluster.residual = problem.sweep_bodies(cluster.speed, sweeps_of_round);
-    for (std::size_t i = 0; i < cluster.rows.size(); ++i) rows_[cluster.rows[i]].impulse = problem.contacts[i].impulse;
+    for (std::size_t i = 0; i < rows.size(); ++i) rows_[rows[i]].impulse = problem.contacts[i].impulse;
 }
 
 RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
-    if (work_.size() < n_clusters_) work_.resize(n_clusters_);
-    for_blocks(static_cast<std::ptrdiff_t>(n_clusters_),
-               [&](std::ptrdiff_t k) { solve(clusters_[k], step, bodies, work_[k]); });
+    if (work_.size() < clusters_.size()) work_.resize(clusters_.size());
+    for_blocks(std::ssize(clusters_), [&](std::ptrdiff_t k) { solve(k, step, bodies, work_[k]); });
     for (MovingBody& body : bodies) body.end = body.free;
     for (const Row& row : rows_)
         for (int k = 0; k < row.n_terms; ++k) {
@@ -511,12 +470,8 @@ void RigidContacts::impulses_on_deformable(const std::vector<MovingBody>& bodies
     for (const Row& row : rows_) {
         if (row.impulse.isZero(0) || sides_of(row, bodies) != Sides::mixed) continue;
         if (row.source == Source::face) {
-            const FaceContact& c = faces_.all()[row.number];
-            const Vec2 n = c.normal, P = row.impulse.x() * n + row.impulse.y() * turned_left(n),
-                       turn = c.gap / c.length * row.impulse.y() * n;
-            for (const Index corner : c.vertex) add(corner, 0.5 * P);
-            add(c.edge[0], -(1 - c.share) * P - turn);
-            add(c.edge[1], -c.share * P + turn);
+            faces_.all()[row.number].visit_terms(
+                [&](const CornerTerm& term) { add(term.body, term.wrench(row.impulse)); });
         } else {
             const FanPoint& point = model_.points(model_.fans[points_[row.number].fan])[points_[row.number].place];
             for (int k = 0; k < row.n_terms; ++k) {
@@ -556,10 +511,7 @@ bool RigidContacts::mark_overlapping(const State& end, double allowed, const std
     for (const Row& row : rows_) {
         if (row.source != Source::face || sides_of(row, bodies) != Sides::mixed) continue;
         const FaceContact& c = faces_.all()[row.number];
-        const double gap = c.normal.dot(c.jump([&](Index corner) -> Vec2 {
-            if (const GroundVertex* ground = model_.ground_at(corner)) return ground->place;
-            return model_.mesh.corner(corner) + end.displacement_of(corner);
-        }));
+        const double gap = c.normal.dot(c.jump([&](Index corner) { return knap::place_of(model_, end, corner); }));
         if (gap < -allowed * row.length && gap < row.gap - deepens * row.length)
             any = mark_rigid_sides(row, bodies, marked) || any;
     }

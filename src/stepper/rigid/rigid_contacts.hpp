@@ -7,13 +7,12 @@
 // Their places are those of the start of the step, so that the impulses of a contact have no resultant and no moment.
 // Sources: corners of free faces (stepper/contact), corners and edges at obstacles (stepper/common), and broken points
 // whose sides have not parted yet.
-#include "base/union_find.hpp"
 #include "nonsmooth/contact_cluster.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/obstacle_pairs.hpp"
 #include "stepper/common/step_scheme.hpp"
-#include "stepper/contact/face_contacts.hpp"
+#include "stepper/contact/contact_clusters.hpp"
 #include "stepper/rigid/rigid_row.hpp"
 
 #include <array>
@@ -88,7 +87,6 @@ private:
         Index fan, place;
     };
     struct Cluster {
-        std::vector<Index> rows, bodies;
         double residual = 0;   // [m/s]
         double speed = 0;      // [m/s] scale of its rates
         double tolerance = 0;  // [m/s] nearer kinks of the friction are one
@@ -103,21 +101,19 @@ private:
     void add_pairs(const RigidStep& step, const std::vector<MovingBody>& bodies);
     void add_points(const RigidStep& step, const std::vector<MovingBody>& bodies);
     void keep_hull(std::size_t first);
-    void add_term(Row& row, Index body, const Vec2& along_N, const Vec2& along_T, const Vec2& arm) const;
+    static void add_term(Row& row, const ClusterTerm& term);
     void add_row(Row& row, const std::vector<MovingBody>& bodies);
     /// One piece alone does not meet itself.
     bool meets_faces() const { return n_pieces_ > 1 || !model_.ground.vertices.empty(); }
     Index piece_of(Index corner) const { return begin_->frozen->piece_of_triangle[model_.mesh.triangle_of(corner)]; }
     Index body_of_obstacle(Index o) const { return n_pieces_ + o; }
-    Vec2 place_of(Index corner) const {
-        return model_.mesh.corner(corner) + begin_->displacement[begin_->node_of_corner[corner]];
-    }
+    Vec2 place_of(Index corner) const { return knap::place_of(model_, *begin_, corner); }
     bool can_break(Index body) const;
     void wake(std::vector<MovingBody>& bodies) const;
     /// Pieces that cannot break rebound as the scenario says; others stay together in an impact that they bear.
     ContactLaw law_for(ContactLaw law, bool breaks) const;
     void find_clusters(const std::vector<MovingBody>& bodies);
-    void solve(Cluster& cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);
+    void solve(std::size_t cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);
     bool mark_rigid_sides(const Row& row, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;
 
@@ -134,10 +130,8 @@ private:
     std::vector<Row> rows_;
     std::vector<Index> row_of_face_;             // per contact of faces_: its row, or -1
     std::vector<std::size_t> hull_, by_bodies_;  // rows
-    UnionFind joined_;
-    std::vector<Index> cluster_of_body_;
+    ContactClusters lists_;                      // of bodies that move
     std::vector<Cluster> clusters_;
-    std::size_t n_clusters_ = 0;
     std::vector<Workspace> work_;
 };
 

@@ -1,8 +1,7 @@
 #pragma once
 // Bodies and contacts in one step of rigid pieces (rigid_contacts.hpp).
-#include "law/contact_law.hpp"
 #include "model/state.hpp"
-#include "nonsmooth/cluster_contact.hpp"
+#include "stepper/contact/contact_row.hpp"
 
 #include <array>
 #include <vector>
@@ -42,22 +41,16 @@ struct RigidStep {
 };
 
 /// Of two bodies or more.
-struct RigidRow {
+struct RigidRow : ContactRow {
     enum class Source : std::uint8_t { face, obstacle, pair, point };
     Source source;
-    Index number;     // in the list of its source
-    double gap;       // [m]
-    double length;    // [m] of the edge in contact
-    double rounding;  // [m] of its places
-    ContactLaw law;
-    Vec2 place;                   // [m]
-    Vec2 impulse = Vec2::Zero();  // [N s]
-    Vec2 lasting = Vec2::Zero();  // [N s] what it would be under the force of the step before
-    Vec2 before = Vec2::Zero(), free = Vec2::Zero(), after = Vec2::Zero();  // [m/s]
-    double apart = 0;             // [m] the gap; of faces that overlap less where corners do
-    double own_N = 0, own_T = 0;  // [1/kg]
-    bool is_struck = false;       // within the step
-    Index cluster = -1;           // none: nothing that it joins moves
+    Index number;                                    // in the list of its source
+    Vec2 lasting = Vec2::Zero();                     // [N s] the impulse under the force of the step before
+    Vec2 free = Vec2::Zero(), after = Vec2::Zero();  // [m/s] V without and with the impulses
+    double apart = 0;                                // [m] the gap; of faces less where corners overlap less
+    double own_N = 0, own_T = 0;                     // [1/kg]
+    bool is_struck = false;                          // within the step
+    Index cluster = -1;                              // none: nothing that it joins moves
     int n_terms = 0;
     std::array<ClusterTerm, 4> terms;
 };
