@@ -2,6 +2,7 @@
 
 #include "base/union_find.hpp"
 #include "mesh/polygon.hpp"
+#include "model/body_edges.hpp"
 #include "model/obstacle_gap.hpp"
 #include "model/selections.hpp"
 
@@ -22,14 +23,6 @@ std::vector<ObstacleSurface> surfaces_of(const Model& model, const State* state)
     return surfaces;
 }
 
-/// Calls visit(a, b) with the corners at the ends of a side of a triangle; of second order for both halves.
-void visit_side(const Mesh& mesh, Index triangle, Index side, const auto& visit) {
-    const Index first = mesh.corners_per_triangle() * triangle, a = first + side, b = first + (side + 1) % 3;
-    if (mesh.order == 1) return visit(a, b);
-    const Index middle = first + 3 + side;
-    visit(a, middle), visit(middle, b);
-}
-
 void visit_boundary(const Mesh& mesh, const auto& visit) {
     for (const BoundaryEdge& edge : mesh.boundary_edges) visit_side(mesh, edge.triangle, edge.side, visit);
 }
@@ -40,11 +33,8 @@ void visit_open_faces(const Model& model, const State& state, const auto& visit)
         for (const FanPoint& point : model.points(model.fans[f])) {
             if (point.on_support() || state.displacement_of(point.after) == state.displacement_of(point.before))
                 continue;
-            const Interface& interface = model.interfaces[model.interface_of(point.point)];
-            for (const Index t : interface.triangle)
-                for (Index k = 0; k < 3; ++k)
-                    if (edge_key(model.mesh.side_vertices(t, k)) == edge_key(interface.vertex))
-                        visit_side(model.mesh, t, k, visit);
+            visit_faces(model.mesh, model.interfaces[model.interface_of(point.point)],
+                        [&](Index t, Index k) { visit_side(model.mesh, t, k, visit); });
         }
 }
 

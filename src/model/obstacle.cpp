@@ -103,6 +103,14 @@ SurfaceDistance ObstacleSurface::distance_to(const Vec2& point, const Vec2& moti
     return distance_to(point);
 }
 
+Vec2 ObstacleSurface::furthest(const Vec2& direction) const {
+    if (outline_->kind == Outline::Kind::disc) return position_ + outline_->radius * direction;
+    Vec2 best = place(0);
+    for (std::size_t i = 1; i < outline_->points.size(); ++i)
+        if (const Vec2 other = place(i); direction.dot(other - best) > 0) best = other;
+    return best;
+}
+
 bool ObstacleSurface::may_reach(const Vec2& point, double reach) const {
     const Vec2 away = point - position_;
     if (outline_->kind == Outline::Kind::half_plane) return normal_.dot(away) <= reach;

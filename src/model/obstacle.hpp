@@ -99,6 +99,32 @@ public:
     }
     /// Place [m] of a point of the outline.
     Vec2 place(std::size_t i) const { return position_ + rotation_.turned(outline_->points[i]); }
+    /// A side of a polygon, from point i to the next one.
+    struct Side {
+        Vec2 start, end, outward;  // [m], [m], unit vector
+    };
+    Side side(std::size_t i) const {
+        const Vec2 start = place(i), end = place((i + 1) % outline_->points.size());
+        return {start, end, -turned_left((end - start).normalized())};
+    }
+    /// The point of a disc or polygon that is furthest in a direction.
+    Vec2 furthest(const Vec2& direction) const;
+    /// The side of a polygon in front of which something is furthest; nearest(outward): its point that is nearest to a
+    /// side.
+    struct FurthestSide {
+        std::size_t number;
+        double gap;  // [m]
+        Vec2 nearest;
+    };
+    FurthestSide furthest_side(const auto& nearest) const {
+        FurthestSide found{0, -infinity, position_};
+        for (std::size_t i = 0; i < outline_->points.size(); ++i) {
+            const Side at = side(i);
+            const Vec2 x = nearest(at.outward);
+            if (const double gap = at.outward.dot(x - at.start); gap > found.gap) found = {i, gap, x};
+        }
+        return found;
+    }
     /// From point i to those before and after it; none beyond the ends of a polyline.
     template <class Visit>
     bool any_side_at(std::size_t i, const Visit& is_so) const {

@@ -7,33 +7,14 @@ namespace {
 
 using Kind = Outline::Kind;
 
-/// [m] The place of corner i of a polygon.
-Vec2 corner_of(const ObstacleSurface& polygon, std::size_t i) {
-    const std::vector<Vec2>& points = polygon.outline().points;
-    return polygon.position() + polygon.rotation().turned(points[i % points.size()]);
-}
-
-/// The point of a disc or polygon that is furthest in a direction.
-Vec2 furthest(const ObstacleSurface& of, const Vec2& direction) {
-    if (of.outline().kind == Kind::disc) return of.position() + of.outline().radius * direction;
-    Vec2 best = corner_of(of, 0);
-    for (std::size_t i = 1; i < of.outline().points.size(); ++i)
-        if (const Vec2 other = corner_of(of, i); direction.dot(other - best) > 0) best = other;
-    return best;
-}
-
 /// Gap between a disc or polygon and the side of a half plane or polygon that it is furthest from.
 ObstacleGap beyond_sides(const ObstacleSurface& sides, const ObstacleSurface& other) {
-    ObstacleGap largest{-infinity, other.position()};
-    const auto look = [&](const Vec2& at, const Vec2& outward) {
-        const Vec2 nearest = furthest(other, -outward);
-        if (const double gap = outward.dot(nearest - at); gap > largest.gap) largest = {gap, nearest};
-    };
-    const Outline& outline = sides.outline();
-    if (outline.kind == Kind::half_plane) look(sides.position(), sides.rotation().turned(outline.normal));
-    for (std::size_t i = 0; i < outline.points.size(); ++i)
-        look(corner_of(sides, i), -turned_left((corner_of(sides, i + 1) - corner_of(sides, i)).normalized()));
-    return largest;
+    if (sides.outline().kind == Kind::half_plane) {
+        const Vec2 normal = sides.rotation().turned(sides.outline().normal), nearest = other.furthest(-normal);
+        return {normal.dot(nearest - sides.position()), nearest};
+    }
+    const auto found = sides.furthest_side([&](const Vec2& outward) { return other.furthest(-outward); });
+    return {found.gap, found.nearest};
 }
 
 /// Gap between a polygon and a polyline: the smallest of the points of each to the other.
@@ -69,7 +50,7 @@ std::array<double, 2> extent(const Obstacle& obstacle, int k, bool turns) {
     double radius = outline.radius;
     for (const Vec2& p : outline.points) radius = std::max(radius, p.norm());
     if (turns) return {at - radius, at + radius};
-    return {furthest(surface, -along)[k], furthest(surface, along)[k]};
+    return {surface.furthest(-along)[k], surface.furthest(along)[k]};
 }
 
 bool may_meet(const Obstacle& a, const Obstacle& b) {
@@ -143,11 +124,11 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
     double before = infinity, behind = infinity;  // [m] of the corners, the edge
     Vec2 deepest = a;
     for (std::size_t i = 0; i < outline.points.size(); ++i) {
-        const Vec2 p = corner_of(surface, i);
+        const auto [p, end, normal] = surface.side(i);
         const double height = outward.dot(p - a);
         if (height < before) before = height, deepest = p;
         behind = std::min(behind, -height);
-        side(p, -turned_left((corner_of(surface, i + 1) - p).normalized()));
+        side(p, normal);
     }
     if (behind >= 0) return {std::max(behind, largest.gap), deepest};
     return before > largest.gap ? ObstacleGap{before, deepest} : largest;

@@ -7,7 +7,8 @@ namespace knap {
 constexpr double contact_reach_in_steps = 4;  // distances covered in a step at the speeds of its start
 constexpr double near_contact = 0.02;   // [-] of the size of what meets an obstacle: nearer is a candidate at any speed
 constexpr double touching_part = 1e-3;  // [-] of an edge: gaps and penetrations that count as rounding of the geometry
-constexpr double rounding_of_gap = 1e-12;  // [-] of the coordinates whose difference is a gap
+constexpr double max_depth_in_altitudes = 0.35;  // of a triangle: the step before should have been rejected
+constexpr double rounding_of_gap = 1e-12;        // [-] of the coordinates whose difference is a gap
 
 /// [m] `of`: the coordinates.
 inline double without_rounding(double gap, double of) { return std::abs(gap) <= rounding_of_gap * of ? 0 : gap; }

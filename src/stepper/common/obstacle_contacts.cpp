@@ -1,5 +1,6 @@
 #include "stepper/common/obstacle_contacts.hpp"
 
+#include "model/body_edges.hpp"
 #include "stepper/common/contact_search.hpp"
 
 #include <numbers>
@@ -12,7 +13,6 @@ constexpr double almost_as_near = 0.05;  // [-] of an edge: both ends touch as n
 constexpr double flat_arc = 0.008;  // [-] edge over radius: an arc rises by less than 1e-3 of the edge between its ends
 constexpr double corner_cone = 0.26;      // [-] sine of 15 degrees, by which directions out of a corner may differ
 constexpr double flat_corner = 1e-4;      // [rad] by which a corner protrudes that is none
-constexpr double largest_depth = 0.35;    // [-] of the altitude of a triangle
 constexpr double at_the_corner = 1e-9;    // [-] of the distance from the origin of an obstacle
 constexpr double rounded_up = 1 + 1e-12;  // more than the rounding of a bound
 
@@ -53,12 +53,9 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
 
 /// The edge of a triangle, of second order in two halves.
 void ObstacleContacts::add_edges(Index triangle, Index side, std::vector<Edge>& edges) const {
-    const Mesh& mesh = model_.mesh;
-    const Index first = mesh.corners_per_triangle() * triangle, a = first + side, b = first + (side + 1) % 3;
-    const double depth = largest_depth * 2 * mesh.area(triangle) / (mesh.corner(b) - mesh.corner(a)).norm();
-    if (mesh.order == 1) return edges.push_back({a, b, depth});
-    const Index middle = first + 3 + side;
-    edges.push_back({a, middle, depth}), edges.push_back({middle, b, depth});
+    const double depth =
+        max_depth_in_altitudes * 2 * model_.mesh.area(triangle) / model_.mesh.side_vector(triangle, side).norm();
+    visit_side(model_.mesh, triangle, side, [&](Index from, Index to) { edges.push_back({from, to, depth}); });
 }
 
 /// Both faces of an interface near an obstacle whose sides are apart, if the vertices at both ends have split.
@@ -71,16 +68,11 @@ void ObstacleContacts::add_open_faces(Index f, const State& begin) {
     for (const FanPoint& point : model_.points(model_.fans[f])) {
         if (point.on_support() || point.point % 2 != 0) continue;  // each interface once
         if (begin.displacement_of(point.after) == begin.displacement_of(point.before)) continue;
-        const Interface& interface = model_.interfaces[model_.interface_of(point.point)];
-        for (const Index t : interface.triangle)
-            for (Index k = 0; k < 3; ++k) {
-                if (edge_key(model_.mesh.side_vertices(t, k)) != edge_key(interface.vertex)) continue;
-                const Index first = model_.mesh.corners_per_triangle() * t;
-                const auto has_split = [&](Index corner) {
-                    return begin.split_rank[model_.fan_of_corner[corner]] >= 0;
-                };
-                if (has_split(first + k) && has_split(first + (k + 1) % 3)) add_edges(t, k, open_faces_);
-            }
+        visit_faces(model_.mesh, model_.interfaces[model_.interface_of(point.point)], [&](Index t, Index k) {
+            const Index first = model_.mesh.corners_per_triangle() * t;
+            const auto has_split = [&](Index corner) { return begin.split_rank[model_.fan_of_corner[corner]] >= 0; };
+            if (has_split(first + k) && has_split(first + (k + 1) % 3)) add_edges(t, k, open_faces_);
+        });
     }
 }
 
@@ -249,9 +241,7 @@ void ObstacleContacts::read_pieces(const State& begin) {
         if (a == rigid_support || b == rigid_support) continue;
         if (const Index p = 2 * static_cast<Index>(i); piece_of(a) == piece_of(b) && !(is_open(p) && is_open(p + 1)))
             continue;
-        for (const Index t : {a, b})
-            for (Index k = 0; k < 3; ++k)
-                if (edge_key(mesh.side_vertices(t, k)) == edge_key(interface.vertex)) add_edges(t, k, piece_edges_);
+        visit_faces(mesh, interface, [&](Index t, Index k) { add_edges(t, k, piece_edges_); });
     }
     std::ranges::stable_sort(piece_edges_, {}, [&](const Edge& edge) { return piece_of(mesh.triangle_of(edge.a)); });
     for (std::size_t k = 0; k < candidates_.size(); ++k) {

@@ -145,9 +145,7 @@ private:
                            const State& begin, double h);
     bool is_in_front_of_next(const Edge& edge, const PlacedEdge& at, const Vec2& x, const State& begin) const;
     void add_on_edge(const ObstacleContact& contact, double length, const State& begin, double h);
-    Vec2 place(Index corner, const State& begin) const {
-        return model_.mesh.corner(corner) + begin.displacement_of(corner);
-    }
+    Vec2 place(Index corner, const State& begin) const { return place_of(model_, begin, corner); }
     bool is_carried(Index corner, double gap, const State& begin) const;
     bool meets_beside(const Candidate& at, Index obstacle, const Vec2& x, const SurfaceDistance& distance,
                       const State& begin) const;

@@ -23,44 +23,21 @@ struct Facing {
     double gap;   // [m]
 };
 
-Vec2 corner_of(const ObstacleSurface& polygon, std::size_t i) {
-    return polygon.place(i % polygon.outline().points.size());
-}
 std::size_t n_corners(const ObstacleSurface& polygon) { return polygon.outline().points.size(); }
-
-Vec2 outward_of_side(const ObstacleSurface& polygon, std::size_t i) {
-    return -turned_left((corner_of(polygon, i + 1) - corner_of(polygon, i)).normalized());
-}
-
-struct FurthestSide {
-    std::size_t number;
-    double gap;  // [m] of the other polygon
-};
-
-/// The side of a polygon from which another one is furthest.
-FurthestSide furthest_side(const ObstacleSurface& polygon, const ObstacleSurface& other) {
-    FurthestSide found{0, -infinity};
-    for (std::size_t i = 0; i < n_corners(polygon); ++i) {
-        const Vec2 at = corner_of(polygon, i), outward = outward_of_side(polygon, i);
-        double gap = infinity;
-        for (std::size_t j = 0; j < n_corners(other); ++j) gap = std::min(gap, outward.dot(corner_of(other, j) - at));
-        if (gap > found.gap) found = {i, gap};
-    }
-    return found;
-}
 
 using Two = std::array<ObstacleSurface, 2>;
 
 /// The facing side of the other one, clipped to what lies beside side i of polygon `of` or beyond its ends by `reach`.
 void clip(const Two& pair, int of, std::size_t i, double reach, std::vector<Facing>& found) {
     const ObstacleSurface &polygon = pair[of], &other = pair[1 - of];
-    const Vec2 a = corner_of(polygon, i), along = corner_of(polygon, i + 1) - a, normal = outward_of_side(polygon, i);
+    const auto [a, b, normal] = polygon.side(i);
+    const Vec2 along = b - a;
     const double length = along.norm();
     std::size_t facing = 0;
     double most = infinity;
     for (std::size_t j = 0; j < n_corners(other); ++j)
-        if (const double product = normal.dot(outward_of_side(other, j)); product < most) most = product, facing = j;
-    const Vec2 from = corner_of(other, facing), to = corner_of(other, facing + 1);
+        if (const double product = normal.dot(other.side(j).outward); product < most) most = product, facing = j;
+    const auto [from, to, outward] = other.side(facing);
     const auto place = [&](const Vec2& x) { return along.dot(x - a) / length; };  // [m] along the side
     const double s_from = place(from), s_to = place(to);
     const auto add = [&](const Vec2& x) { found.push_back({of, x, normal, normal.dot(x - a)}); };
@@ -95,24 +72,21 @@ void find_on_terrain(const Two& pair, int line, double reach, double tolerance, 
     const ObstacleSurface &ground = pair[line], &polygon = pair[1 - line];
     const double depth = polygon.outline().half_width();
     for (std::size_t j = 0; j < n_corners(polygon); ++j) {
-        const Vec2 x = corner_of(polygon, j);
+        const Vec2 x = polygon.place(j);
         ground.visit_planes(x, Vec2::Zero(), tolerance, reach, depth, [&](const SurfaceDistance& at) {
             found.push_back({line, x, at.normal, at.gap});
         });
     }
     ground.visit_corners(polygon.position(), polygon.radius() + reach, [&](std::size_t i) {
         const Vec2 x = ground.place(i);
-        FurthestSide side{0, -infinity};
-        for (std::size_t j = 0; j < n_corners(polygon); ++j)
-            if (const double gap = outward_of_side(polygon, j).dot(x - corner_of(polygon, j)); gap > side.gap)
-                side = {j, gap};
-        if (side.gap > reach || side.gap < -depth) return;
-        const Vec2 a = corner_of(polygon, side.number), along = corner_of(polygon, side.number + 1) - a,
-                   normal = outward_of_side(polygon, side.number);
+        const auto [number, gap, nearest] = polygon.furthest_side([&](const Vec2&) { return x; });
+        if (gap > reach || gap < -depth) return;
+        const auto [a, b, normal] = polygon.side(number);
+        const Vec2 along = b - a;
         const double share = along.dot(x - a) / along.squaredNorm();
         if (share <= tolerance / depth || share >= 1 - tolerance / depth) return;  // a corner has planes of the ground
         if (!ground.any_side_at(i, [&](const Vec2& way) { return normal.dot(way) < 0; }))
-            found.push_back({1 - line, x, normal, side.gap});
+            found.push_back({1 - line, x, normal, gap});
     });
 }
 
@@ -136,13 +110,16 @@ void find_facing(const Two& pair, double reach, double tolerance, std::vector<Fa
         if (is(k, PairKind::half_plane)) {
             if (is(1 - k, PairKind::half_plane)) return;
             for (std::size_t j = 0; j < n_corners(pair[1 - k]); ++j) {
-                const Vec2 x = corner_of(pair[1 - k], j);
+                const Vec2 x = pair[1 - k].place(j);
                 const auto [gap, normal] = pair[k].distance_to(x);
                 found.push_back({k, x, normal, gap});
             }
             return;
         }
-    const FurthestSide of_first = furthest_side(pair[0], pair[1]), of_second = furthest_side(pair[1], pair[0]);
+    const auto furthest = [&](int k) {
+        return pair[k].furthest_side([&](const Vec2& outward) { return pair[1 - k].furthest(-outward); });
+    };
+    const auto of_first = furthest(0), of_second = furthest(1);
     if (of_second.gap > of_first.gap + tolerance) clip(pair, 1, of_second.number, reach, found);
     else clip(pair, 0, of_first.number, reach, found);
 }

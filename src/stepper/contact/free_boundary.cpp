@@ -1,6 +1,7 @@
 #include "stepper/contact/free_boundary.hpp"
 
 #include "base/reserve_capacity.hpp"
+#include "stepper/common/contact_search.hpp"
 
 #include <cassert>
 #include <cmath>
@@ -9,9 +10,6 @@
 
 namespace knap {
 namespace {
-
-constexpr double max_depth_in_altitudes =
-    0.35;  // [-] of the altitude of a triangle: the step before should have been rejected
 
 constexpr std::size_t marks_at_once = 256;  // hardly any change in a step
 
