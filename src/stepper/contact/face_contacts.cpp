@@ -273,8 +273,6 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     if (is_deep && !before && !was_beside(begin, pair)) return;
     const double depth = gap < -max_contact_depth * length ? overlap(edge, at, gap, begin) : -gap;
     if (depth <= 0 && gap < 0 && !before) return;
-    if (depth > max_contact_depth * length)
-        refuse({ContactRefusal::Reason::depth, depth / length, at.x}, block.refusal);
     if (!before) before = slid_from(pair.edge, at);
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                                        .edge = {edge.start, edge.end},
@@ -457,8 +455,12 @@ void FaceContacts::prune() {
         };
         if (at.kept && at.flat && meets(edge.piece_start) && meets(edge.piece_end)) at.kept = false;
     }
-    for (const Found& at : found_)
-        if (at.kept) contacts_.push_back(at.contact);
+    for (const Found& at : found_) {
+        if (!at.kept) continue;
+        const FaceContact& c = contacts_.emplace_back(at.contact);
+        if (c.depth > max_contact_depth * c.length)  // of another one the sides may be apart
+            refuse({ContactRefusal::Reason::depth, c.depth / c.length, place_of_vertex(at.vertex)}, refusal_);
+    }
 }
 
 /// Vertex against the vertex at an end of its edge.
