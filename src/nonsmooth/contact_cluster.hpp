@@ -40,7 +40,7 @@ constexpr double kink_tolerance = 1e-12;     // [-] of the speeds: nearer kinks 
 constexpr double position_rounding = 1e-15;  // [-] of the positions of what touches
 
 /// How much is spent on a problem that sweeps and the active set leave unsolved: nothing, fast proximal points, careful
-/// ones where these fail. Sweeps: of contacts of rigid bodies alone; proximal points only where they leave much.
+/// ones where these fail. Sweeps: of contacts of rigid bodies alone, more of them where they leave much.
 enum class ClusterEffort { sweeps, active_set, proximal_points, careful };
 
 /// The block of W by which an impulse of a contact changes the rates of another one, or its own.

@@ -16,7 +16,7 @@ constexpr double same_plane = 1e-12;  // [-] 1 - cosine of the normals of one pl
 constexpr double held = 1e-12;        // [-] of the mobility of a row: nothing moves along this component
 constexpr int more_rounds = 10, sweeps_of_round = 40;  // of clusters whose works are positive beyond the next two
 constexpr double allowed_injection = 2e-4;             // [-] of the losses
-constexpr double at_rest = 1e-10;                      // [-] of the impulses times the speeds
+constexpr double at_rest = 1e-8;                       // [-] of the impulses times the speeds
 constexpr double few_edges = 10;                       // [-] D/L up to which sigma_c/(rho c) breaks a piece
 constexpr double lasting_load = 0.5;  // [-] of sigma_c, over an edge, that a piece bears without a blow
 constexpr double deepens = 1e-4;      // [-] of an edge: by less an overlap does not grow
