@@ -61,7 +61,8 @@ CohesiveLaw read_law(const Table& table) {
     if (!table.get<bool>("breakable").value_or(true)) {
         if (table.given("softening") && table.text("softening") != "linear")
             table.error("exclusive-keys", "softening", "belongs to a law that never breaks");
-        if (table.given("coupling")) table.error("exclusive-keys", "coupling", "belongs to a law that never breaks");
+        if (table.given("coupling") && table.text("coupling") == "norm")
+            table.error("exclusive-keys", "coupling", "belongs to a law that never breaks");
         law.sigma_c = CohesiveLaw::unbreakable().sigma_c;
         law.of_temperature = read_of_temperature(table, false);
         return law;
