@@ -2,6 +2,7 @@
 // Random scenes of small bodies that fly, spin and fall into each other, break and slide: large rotations and contact
 // between all free faces. Sizes, densities and wave speeds are of order 1.
 #include "base/random.hpp"
+#include "stepper/common/step_scheme.hpp"
 #include "support/bodies.hpp"
 #include "support/obstacle_shapes.hpp"
 #include "support/overlap.hpp"
@@ -37,6 +38,8 @@ struct FlyingScene {
     Floor floor = Floor::none;
     double safety = 0.8, fastest = 0;  // [-] of the stable step; [m/s] at the start
     int n_steps = 0;
+    double rigid_step = 0;  // [-] over that of the deformable body; 0: its pieces are never rigid
+    RigidOptions rigid;
 
     bool unbreakable() const { return !law.breakable() && cracked == 0; }
 };
@@ -78,6 +81,20 @@ inline bool overlap(const Mesh& a, const Mesh& b) {
 class FlyingScenes {
 public:
     explicit FlyingScenes(std::uint64_t seed) : seed_(seed), random_(seed, "flying") {}
+
+    /// The same bodies and laws, as rigid pieces while nothing can break.
+    FlyingScene rigid_scene() {
+        FlyingScene made = scene();
+        random_ = Random(seed_, "rigid");
+        made.rigid_step = std::pow(10, random_.uniform(0, 2));
+        made.rigid.thaw = one_of({0.3, 0.3, std::pow(10, random_.uniform(-2, 1))});
+        made.rigid.hold = std::pow(10, random_.uniform(0, 1.3));
+        made.rigid.smallest = chance(0.3) ? random_.uniform(0, 1) : 0;
+        made.rigid.sleep = chance(0.5) ? 0.1 * made.fastest * random_.uniform() : 0;
+        made.rigid.restitution = one_of({0.0, 0.9, random_.uniform()});
+        made.contact.gives_restitution = chance(0.5);
+        return made;
+    }
 
     FlyingScene scene() {
         FlyingScene made;

@@ -19,10 +19,12 @@ namespace {
 constexpr double max_overlap = 0.05;       // [-] of two triangles, beyond the reported depth
 constexpr double rounding_energy = 1e-24;  // [J] of bodies at rest; E and size are of order 1
 constexpr int search_every = 10;           // steps
+constexpr double rigid_momentum = 1e-11;   // [-] of rigid pieces: over tens of steps of the deformable body
 
 SchemeOptions options_of(const FlyingScene& scene) {
     return {.cohesion = scene.implicit_cohesion ? CohesionScheme::implicit_beta : CohesionScheme::explicit_beta,
-            .damping = scene.damping};
+            .damping = scene.damping,
+            .rigid = scene.rigid};
 }
 
 State start_of(const Model& model, const FlyingScene& scene) {
@@ -72,8 +74,9 @@ public:
         at_most("energy residual over the largest energy", outcome_.energy_error, 1e-10);
         at_most("growth of the cohesion", report.largest_beta_growth, 0);
         at_most("change of area", deformation_.area_change().value, 0.9);
-        keeps_momentum(begin, end, report);
-        if (outcome_.n_steps % search_every == 0) search(end);
+        if (scene_.rigid_step > 0) keeps_rigid_momentum(begin, end, report);
+        else keeps_momentum(begin, end, report);
+        if (scene_.rigid_step > 0 || outcome_.n_steps % search_every == 0) search(end);
         if (report.contact_depth > max_overlap && report.contact_depth > deepest_)
             at_most("depth of a contact where hardly anything overlaps", deepest_ = report.contact_depth,
                     2 * max_overlap + 4 * largest_overlap(model_, end).of_shortest);
@@ -90,8 +93,8 @@ public:
         outcome_.injected = ledger_.worst().contact_injection / std::max(scale, 1e-300);
         at_most("positive works of contacts", outcome_.injected, 1e-6);
         // impacts without loss
-        if (scene_.unbreakable() && scene_.contact.friction == 0 && scene_.contact.restitution == 1 &&
-            scene_.floor == Floor::none)
+        if (scene_.rigid_step == 0 && scene_.unbreakable() && scene_.contact.friction == 0 &&
+            scene_.contact.restitution == 1 && scene_.floor == Floor::none)
             at_most("loss of elastic impacts over the energy",
                     lost / std::max(ledger_.largest_energy(), rounding_energy), 1e-10);
         const bool at_rest = ledger_.largest_energy() <= rounding_energy;
@@ -156,6 +159,44 @@ private:
         at_most("change of angular momentum in a step", std::abs(moment) / (arm * scale), 1e-12);
     }
 
+    /// Velocities are those of the middle of the last step of their piece, which is of no length where it ended with the
+    /// end of the step. Angular momentum is that of the places at the ends of steps; in islands it is exact but for the
+    /// way of the corners.
+    void keeps_rigid_momentum(const State& begin, const State& end, const StepReport& report) {
+        if (scene_.floor != Floor::none || scene_.damping > 0) return;
+        const auto last_step = [](const State& state, Index triangle) {
+            return state.frozen ? state.rigid_pieces[state.frozen->piece_of_triangle[triangle]].last_step
+                                : state.last_step;
+        };
+        Vec2 change = Vec2::Zero();
+        double scale = mass_ * report.largest_speed;
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+            const double m = model_.corner_mass[c],
+                         k = end.time - begin.time + 0.5 * (last_step(begin, c / 3) - last_step(end, c / 3));
+            const Vec2 before = begin.velocity[begin.node_of_corner[c]], after = end.velocity[end.node_of_corner[c]];
+            change += m * (after - before - k * Vec2(0, -scene_.gravity));
+            scale += m * (before.norm() + after.norm());
+        }
+        double stiffest = 0;
+        for (const FlyingBody& body : scene_.bodies) stiffest = std::max(stiffest, body.E);
+        scale += (end.time - begin.time) * (stiffest * deformation_.strain().value + scene_.law.sigma_c * longest_) +
+                 std::sqrt(rounding_energy);
+        outcome_.momentum_error = std::max(outcome_.momentum_error, change.norm() / scale);
+        at_most("change of momentum in a step", change.norm() / scale, rigid_momentum);
+        if (!begin.frozen || begin.frozen != end.frozen || report.micro_steps > 0 || scene_.gravity > 0) return;
+        double moment = 0, arm = 0;
+        for (std::size_t p = 0; p < begin.rigid_pieces.size(); ++p) {
+            const FrozenBody::Piece& body = begin.frozen->pieces[p];
+            const auto of = [&](const RigidPiece& piece) {
+                return body.mass * cross(piece.centre, piece.velocity) + body.inertia * piece.spin;
+            };
+            moment += of(end.rigid_pieces[p]) - of(begin.rigid_pieces[p]);
+            arm = std::max(arm, begin.rigid_pieces[p].centre.norm() + body.radius);
+        }
+        outcome_.moment_error = std::max(outcome_.moment_error, std::abs(moment) / (arm * scale));
+        at_most("change of angular momentum in a step", std::abs(moment) / (arm * scale), rigid_momentum);
+    }
+
     void search(const State& state) {
         const double found = largest_overlap(model_, state).of_longest;
         outcome_.overlap = std::max(outcome_.overlap, found);
@@ -176,11 +217,26 @@ struct Flight {
     Flight(const Model& model, const FlyingScene& scene)
         : stepper(model, options_of(scene)),
           h(scene.safety * stepper.stable_step()),
-          control({.largest = h, .cracking = h, .smallest = std::ldexp(h, -16), .end = scene.n_steps * h}) {}
+          control(limits_of(model, scene, h)) {
+        if (scene.rigid_step > 0) stepper.resolve_islands(limits_of(model, scene, h));
+    }
+
+    static StepLimits limits_of(const Model& model, const FlyingScene& scene, double h) {
+        StepLimits limits{.largest = h, .cracking = h, .smallest = std::ldexp(h, -16), .end = scene.n_steps * h};
+        if (scene.rigid_step == 0) return limits;
+        std::vector<double> area(scene.bodies.size(), 0);
+        for (Index t = 0; t < model.mesh.n_triangles(); ++t) area[model.mesh.region[t]] += model.mesh.area(t);
+        double passage = 0;
+        for (std::size_t b = 0; b < area.size(); ++b)
+            passage = std::max(passage, std::sqrt(area[b] * scene.bodies[b].density / scene.bodies[b].E));
+        limits.rigid = {.step = scene.rigid.step, .hold = scene.rigid.hold * passage};
+        return limits;
+    }
 
     /// False where the run ends: at its end, or since the step cannot be taken.
     bool advance(State& now, State& next, FlyingOutcome& outcome) {
         while (!StepControl::has_reached(now, end)) {
+            if (control.may_freeze(now)) now.motion = Motion::rigid;
             const double step = control.next(now);
             report = stepper.step(now, step, next);
             const auto cut = control.judge(now, step, report);
@@ -191,6 +247,11 @@ struct Flight {
                 stuck_at = cut->place;
                 return false;
             }
+            if (cut->thaws && now.frozen) {
+                report = stepper.thaw(now, next);
+                return true;
+            }
+            if (cut->thaws) now.motion = Motion::thawed;
         }
         return false;
     }
@@ -210,7 +271,12 @@ bool same_everything(const State& a, const State& b) {
         if (x.vertex != y.vertex || x.edge != y.edge || x.contact != y.contact || x.tangential != y.tangential)
             return false;
     }
-    return a.n_steps == b.n_steps && a.elastic_energy == b.elastic_energy && a.elastic_work == b.elastic_work;
+    for (std::size_t p = 0; p < a.rigid_pieces.size(); ++p) {
+        const RigidPiece &x = a.rigid_pieces[p], &y = b.rigid_pieces[p];
+        if (x.state != y.state || x.centre != y.centre || x.angle != y.angle || x.rates() != y.rates()) return false;
+    }
+    return a.motion == b.motion && a.n_steps == b.n_steps && a.elastic_energy == b.elastic_energy &&
+           a.elastic_work == b.elastic_work;
 }
 
 bool lies_within(const Model& model, const State& state, const Vec2& where) {
@@ -226,6 +292,7 @@ void fly(const Model& model, const FlyingScene& scene, FlyingOutcome& outcome) {
     Flight flight(model, scene);
     flight.end = scene.n_steps * flight.h;
     State now = start_of(model, scene), next, saved;
+    if (scene.rigid_step > 0) flight.stepper.begin(now);
     if (largest_overlap(model, now).of_longest > 1e-9) {
         outcome.rejected = true;
         return;
@@ -233,7 +300,9 @@ void fly(const Model& model, const FlyingScene& scene, FlyingOutcome& outcome) {
     FlyingWatch watch(model, scene, now, outcome);
     std::optional<StepControl> control;  // of the saved state
     while (outcome.broken_law.empty() && outcome.refusal.empty() && outcome.n_steps < 8 * scene.n_steps) {
-        if (!control && (outcome.n_steps == scene.n_steps / 2)) saved = now, control = flight.control;
+        if (!control &&
+            (outcome.n_steps == scene.n_steps / 2 || (scene.rigid_step > 0 && now.time >= 0.5 * flight.end)))
+            saved = now, control = flight.control;
         if (!flight.advance(now, next, outcome)) break;
         watch.step(now, next, flight.report);
         std::swap(now, next);
@@ -265,10 +334,12 @@ std::string law_named_in(const std::string& broken) { return broken.substr(0, br
 
 }  // namespace
 
-FlyingOutcome run_flying(const FlyingScene& scene) {
+FlyingOutcome run_flying(const FlyingScene& given) {
     FlyingOutcome outcome;
     try {
+        FlyingScene scene = given;
         const Model model = make_model(input_of(scene));
+        if (scene.rigid_step > 0) scene.rigid.step = scene.rigid_step * scene.safety * MoreauJean(model).stable_step();
         fly(model, scene, outcome);
     } catch (const UserError&) {
         outcome.rejected = true;
@@ -304,6 +375,11 @@ FlyingScene shrunk(FlyingScene scene, const std::string& broken_law) {
         try_with([](FlyingScene& s) { s.cracked = 0; });
         try_with([](FlyingScene& s) { s.law.gamma = 1; });
         try_with([](FlyingScene& s) { s.safety = 0.8; });
+        if (scene.rigid_step > 0) {
+            try_with([](FlyingScene& s) { s.rigid.smallest = 0; });
+            try_with([](FlyingScene& s) { s.rigid.sleep = 0; });
+            try_with([](FlyingScene& s) { s.rigid.thaw = 0.3; });
+        }
         for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
             try_with(
                 [&](FlyingScene& s) { s.bodies[b].n_x = std::max(s.bodies[b].star ? 3 : 1, s.bodies[b].n_x - 1); });
@@ -325,6 +401,10 @@ std::string text_of(const FlyingScene& s) {
          << s.contact.restitution << "; implicit " << s.implicit_cohesion << " cracked " << s.cracked << " scatter "
          << s.scatter << " gravity " << s.gravity << " damping " << s.damping << " floor " << int(s.floor) << " safety "
          << s.safety << " steps " << s.n_steps << " fastest " << s.fastest << "\n";
+    if (s.rigid_step > 0)
+        text << "rigid step " << s.rigid_step << " thaw " << s.rigid.thaw << " hold " << s.rigid.hold << " smallest "
+             << s.rigid.smallest << " sleep " << s.rigid.sleep << " e " << s.rigid.restitution << "; contact gives e "
+             << s.contact.gives_restitution << "\n";
     for (const FlyingBody& b : s.bodies)
         text << "    " << (b.star ? "star " : "bar ") << b.n_x << " x " << b.n_y << ", " << b.width << " x " << b.height
              << " at " << b.place.transpose() << " angle " << b.angle << " v " << b.velocity.transpose() << " spin "

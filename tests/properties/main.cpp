@@ -1,5 +1,5 @@
-// Random runs that must keep every law: properties [--flying] [--first-seed N] [--cases M] [--shrink]. A seed that fails is
-// printed as the command that repeats it; with --flying --shrink also the smallest scene that fails alike.
+// Random runs that must keep every law: properties [--flying [--rigid]] [--first-seed N] [--cases M] [--shrink]. A seed
+// that fails is printed as the command that repeats it; with --shrink also the smallest flying scene that fails alike.
 #include "properties/flying_run.hpp"
 #include "properties/wild_run.hpp"
 
@@ -25,11 +25,11 @@ constexpr int max_seconds = 1200;  // about ten times as slow
 constexpr int max_seconds = 120;
 #endif
 const char* program = "properties";
-bool flying = false;
+bool flying = false, rigid = false;
 std::uint64_t seed = 0;  // that runs
 
 void say_how_to_repeat() {
-    std::printf("    %s%s --first-seed %llu --cases 1\n", program, flying ? " --flying" : "",
+    std::printf("    %s%s%s --first-seed %llu --cases 1\n", program, flying ? " --flying" : "", rigid ? " --rigid" : "",
                 static_cast<unsigned long long>(seed));
 }
 
@@ -90,7 +90,7 @@ int run_flying_bodies(std::uint64_t first, long long n_cases, bool shrink) {
     std::map<std::string, int> refusals;
     for (seed = first; seed < first + n_cases; ++seed) {
         limit_time();
-        const FlyingScene scene = FlyingScenes(seed).scene();
+        const FlyingScene scene = rigid ? FlyingScenes(seed).rigid_scene() : FlyingScenes(seed).scene();
         const FlyingOutcome outcome = run_flying(scene);
         n_rejected += outcome.rejected, n_refused += !outcome.refusal.empty(), n_contact += outcome.n_contacts > 0;
         n_steps += outcome.n_steps, n_cuts += outcome.n_cuts, n_contacts += outcome.n_contacts;
@@ -134,10 +134,12 @@ int main(int argc, char** argv) {
             n_cases = number_after(argv, i, argc);
         } else if (!std::strcmp(argv[i], "--flying")) {
             flying = true;
+        } else if (!std::strcmp(argv[i], "--rigid")) {
+            rigid = true;
         } else if (!std::strcmp(argv[i], "--shrink")) {
             shrink = true;
         } else {
-            std::fprintf(stderr, "usage: %s [--flying [--shrink]] [--first-seed N] [--cases M]\n", argv[0]);
+            std::fprintf(stderr, "usage: %s [--flying [--rigid] [--shrink]] [--first-seed N] [--cases M]\n", argv[0]);
             return 2;
         }
     }
