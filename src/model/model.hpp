@@ -66,7 +66,7 @@ struct Fan {
     double mass;                    // [kg] sum of its corner masses
 };
 
-/// Constant force on a corner times a history.
+/// Force on a corner times a history: constant, or a function of the state.
 struct CornerLoad {
     Index corner;
     Index history;            // into Model::histories

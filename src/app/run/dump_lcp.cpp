@@ -108,7 +108,7 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
                         "--dump-lcp stores one linear problem of a step, and with large rotations it is solved by "
                         "several",
                         "use rotation = \"small\"");
-    if (std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.coupling == Coupling::norm; }))
+    if (std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.coupling != Coupling::sum; }))
         throw UserError(
             "exclusive-keys",
             "--dump-lcp stores a linear problem, and the half ellipse of coupling = \"norm\" makes one over "

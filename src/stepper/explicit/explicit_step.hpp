@@ -66,7 +66,7 @@ struct ExplicitStep {
     bool large_rotation = false;                   // K u are the forces -f = grad U of Green's strain
 
     const std::vector<Vec2>& corner_impulse;  // [N s] per corner, of contacts between free faces; empty: there are none
-    const Vec2* carried = nullptr;  // [m/s] per node: (1 - decay) W, zero where a piece is held; null: all are
+    const Vec2* carried = nullptr;  // [m/s] per node: (1 - decay) W, zero where a piece is held; null: everywhere
 
     /// [m/s] What damping leaves of the velocity of a node, without forces.
     Vec2 damped(Index node) const {

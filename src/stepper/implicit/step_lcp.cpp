@@ -57,8 +57,8 @@ bool StepLcp::fits(const Model& model, const SchemeOptions& options) {
     if (model.large_rotation) return false;                                               // its forces are not linear
     if (options.damping > 0 && options.damping_of == DampingOf::vibration) return false;  // W follows from the solution
     if (has_incubation(model)) return false;
-    const auto is_norm = [](const CohesiveLaw& law) { return law.coupling == Coupling::norm; };
-    if (std::ranges::any_of(model.laws, is_norm)) return false;
+    const auto is_curved = [](const CohesiveLaw& law) { return law.coupling != Coupling::sum; };
+    if (std::ranges::any_of(model.laws, is_curved)) return false;
     if (options.cohesion == CohesionScheme::explicit_beta) return true;
     return std::ranges::none_of(model.laws, [](const CohesiveLaw& law) { return law.unloading == Unloading::secant; });
 }
