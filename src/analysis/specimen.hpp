@@ -42,7 +42,8 @@ struct SpecimenOptions {
 };
 
 /// [Pa] The stress at which interfaces of one law in all directions break in this test: sigma_c, under (uniaxial)
-/// compression Coulomb's law with the cohesion (gamma + mu) sigma_c, gamma sigma_c of the norm. NaN in bending, where the size decides.
+/// compression Coulomb's law with the cohesion (gamma + mu) sigma_c, gamma sigma_c of the norm. NaN in bending, where
+/// the size decides.
 double strength_by_law(SpecimenOptions::Test test, const CohesiveLaw& law);
 
 /// The distance of two places. An end at a driver moves with it.

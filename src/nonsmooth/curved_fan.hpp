@@ -6,8 +6,8 @@
 //
 // The impulses are eliminated link by link. eps keeps the matrix definite where links that stick are redundant, as all
 // round a vertex: it leaves a part eps of their errors from step to step, and what is undetermined in their impulses
-// stays near that of the last step. Where these steps do not settle, the method of multipliers comes nearer. At last bodies
-// that links hold together get one velocity, to the bit.
+// stays near that of the last step. Where these steps do not settle, the method of multipliers comes nearer. At last
+// bodies that links hold together get one velocity, to the bit.
 #include "nonsmooth/fan_clusters.hpp"
 #include "nonsmooth/link_state.hpp"
 

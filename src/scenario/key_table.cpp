@@ -319,7 +319,8 @@ void add_keys_of_microstructure(KeyTable& t) {
         "of that moment. In explicit steps; not on supports and initial cracks. 0: at once")
         .at_least(0).otherwise("0").to(&CohesiveLaw::incubation_time);
     t.number("gamma", "", "shear strength over tensile strength, without friction. Sliding alone costs G_c (1 + "
-        "friction/gamma), with coupling = \"norm\" G_c; 0: cohesion in mode I only").at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
+        "friction/gamma), with coupling = \"norm\" G_c; 0: cohesion in mode I only")
+        .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
     t.number("strength_table", "K", "factor on sigma_c and G_c over temperature as pairs [temperature, factor], with "
         "[heat]: from 0 (no strength, computed as 1e-6) to 1, linear between them and constant outside, at the mean "
         "temperature of the two sides. delta_c stays; what has opened does not heal, what has not opened is as strong "

@@ -48,8 +48,8 @@ double BondCheck::utilisation(Index f, const State& begin, std::span<const Vec2>
         if (!law.breakable()) return true;
         const double strength = law.sigma_c * points[j].area * time;
         const auto first = static_cast<std::ptrdiff_t>(planes_.size());
-        StrengthPolygon::at_rest(law, points[j].normal, 0)
-            .add_half_planes(j, P, fan.closed ? Vec2::Ones() : Vec2::Zero(), planes_);
+        const StrengthPolygon admissible = StrengthPolygon::at_rest(law, points[j].normal, 0);
+        admissible.add_half_planes(j, P, fan.closed ? Vec2::Ones() : Vec2::Zero(), planes_);
         for (HalfPlane& plane : std::span(planes_).subspan(first)) {
             const double unit = plane.shear == 0 ? strength : (law.gamma + law.friction) * strength;
             plane.value /= unit, plane.gradient /= unit;

@@ -1,8 +1,8 @@
 #pragma once
 // Two cheap sufficient criteria for bonded fans; what they do not clear goes to BondCheck. A point holds every reaction
 // up to its sure strength S sigma_c min(1, (gamma + mu)/sqrt(1 + mu^2)), the radius of the circle inscribed in its
-// strength polygon (min(1, gamma) of the half ellipse). Any self-stress with admissible reactions proves that the fan is bonded (static theorem of limit
-// analysis).
+// strength polygon (min(1, gamma) of the half ellipse). Any self-stress with admissible reactions proves that the fan
+// is bonded (static theorem of limit analysis).
 //
 // 1. Stress criterion. With |sigma|_F <= s in all its triangles, a fan that moves as one has the reactions
 //    R_j = sum_i a_ji f_i (walk round the vertex, least-norm self-stress), |f_i| <= s L_i (force_of_unit_stress). It is

@@ -58,7 +58,8 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     first_ = newton_.x, newton_.final_augmentation = kind_.faces ? face_augmentation : full_augmentation;
     sweeps_ = points.size() >= min_points;
     // on ramps of secant unloading the active set found other solutions with friction than the method of multipliers
-    kind_.has_pieces = sweeps_ && std::ranges::none_of(points, [](const ActivePoint& p) { return p.law.holds_cohesion(); });
+    kind_.has_pieces =
+        sweeps_ && std::ranges::none_of(points, [](const ActivePoint& p) { return p.law.holds_cohesion(); });
     pieces_ = ActiveSet::Result::cycling;
 
     newton_.precision = Precision::full;
