@@ -122,7 +122,7 @@ void read_polyline(const Table& table, Obstacle& obstacle) {
                                 : *table.get<std::vector<Vec2>>("points");
     if (points.empty()) return;
     if (const std::string fault = fault_of(points); !fault.empty())
-        return table.error("out-of-range", "points", fault, "the points of an open polyline in order");
+        return table.error("out-of-range", *form, fault, "the points of an open polyline in order");
     Roughness roughness;
     table.fill(roughness);
     const std::vector<GivenRange> ranges = read_ranges(table, bounding_box(points), obstacle.contact, roughness);

@@ -107,7 +107,8 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
         else if (!first || !second) report("this line is not `" + file.line + "`");
         else if (change * direction < 0)
             report("the " + file.first +
-                   (file.unit.empty() ? " do not ascend" : " turn back: the lines are out of order"));
+                   (file.unit.empty() ? " do not ascend"
+                                      : " turn back: the lines are out of order (`points` may overhang)"));
         else pairs.emplace_back(*first, *second);
     }
     if (pairs.empty() && n_reports == 0) table.error("bad-csv", "csv", "has no line `" + file.line + "`");

@@ -128,12 +128,11 @@ StepReport MoreauJean::complete(const State& begin, double h, StepReport report,
     end.n_steps = begin.n_steps + 1;
     if (begin.motion == Motion::thawed) end.motion = Motion::thawed, end.frozen = nullptr, end.rigid_pieces.clear();
     if (std::isfinite(report.kinetic + report.strain)) return report;
-    throw SimulationError(
-        formatted("the motion is no longer finite at t = %s (step %lld) at ", readable(end.time, "s", 9).c_str(),
-                  static_cast<long long>(end.n_steps)) +
-        place_text(place_of_largest_speed(model_, end)) +
-        ": the step is probably too large, or a load or velocity absurd; try a smaller time.step, and "
-        "look at the units of the loads");
+    throw SimulationError(formatted("the motion is no longer finite at t = %s (step %lld) at ",
+                                    readable(end.time, "s", 9).c_str(), static_cast<long long>(end.n_steps)) +
+                          place_text(place_of_largest_speed(model_, end)) +
+                          ": the step is probably too large, or a load or velocity has a wrong unit; try a smaller "
+                          "time.step");
 }
 
 }  // namespace knap

@@ -146,7 +146,7 @@ TEST_CASE("tools refuse options that they do not know") {
 TEST_CASE("every third-party package has its page") {
     const File index = source_tree::read(source_tree::root() / "third_party_notes" / "README.md");
     for (const char* name : {"eigen", "cgal", "vtk", "cli11", "tomlplusplus", "nlohmann_json", "doctest", "cairo",
-                             "libwebp", "openmp", "dejavu", "cereal", "boost"}) {
+                             "libpng", "libwebp", "openmp", "dejavu", "cereal", "boost"}) {
         const std::string page = std::string(name) + ".md";
         CAPTURE(page);
         CHECK(std::filesystem::exists(source_tree::root() / "third_party_notes" / page));

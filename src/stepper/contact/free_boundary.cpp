@@ -212,7 +212,7 @@ void FreeBoundary::refresh(Index h) {
     const bool on_support = twin_[h] < 0 && point_[h] >= 0;
     edge.passive =
         on_support && retired_[point_[h]] != Retirement::retired && retired_[point_[h] ^ 1] != Retirement::retired;
-    edge.stands = edge.group_start >= model_.mesh.n_corners();
+    edge.starts_on_support = edge.group_start >= model_.mesh.n_corners();
     edge.touches = edge.entering >= 0;
 }
 

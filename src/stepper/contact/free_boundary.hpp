@@ -37,12 +37,12 @@ struct FreeEdge {
     Index start_place, end_place;  // of a and b in FreeBoundary::corners()
     bool passive;                  // touches nothing: it stands on its support, or is a side of the ground
     bool ground;
-    bool touches;       // it leaves a vertex that may touch edges
-    bool stands;        // the vertex that it leaves stands on its support
-    bool reflex_wedge;  // at b, in the undeformed body: more than 180 degrees of material
-    bool reflex_piece;  // at a
-    Index joint_law;    // Interface::joint_law, where the face was a joint; or -1
-    double depth;       // [m] largest penetration that a contact may have: 0.35 of the triangle's altitude
+    bool touches;            // it leaves a vertex that may touch edges
+    bool starts_on_support;  // the vertex that it leaves stands on its support
+    bool reflex_wedge;       // at b, in the undeformed body: more than 180 degrees of material
+    bool reflex_piece;       // at a
+    Index joint_law;         // Interface::joint_law, where the face was a joint; or -1
+    double depth;            // [m] largest penetration that a contact may have: 0.35 of the triangle's altitude
 };
 
 /// Empty where the model has no contact between free faces. Triangles of first order.

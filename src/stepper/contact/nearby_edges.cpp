@@ -31,7 +31,7 @@ bool NearbyEdges::may_meet(std::span<const FreeEdge> edges, Index i, Index e) {
     const auto is_beside = [&](Index group) { return group == edge.group_start || group == edge.group_end; };
     if (is_beside(edges[i].group_start) || std::ranges::any_of(edges[i].joined, is_beside) || edge.passive)
         return false;
-    return !(edge.ground && (edges[i].ground || edges[i].stands));
+    return !(edge.ground && (edges[i].ground || edges[i].starts_on_support));
 }
 
 std::array<std::int32_t, 2> NearbyEdges::cell(const Vec2& x) const {

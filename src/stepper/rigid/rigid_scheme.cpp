@@ -285,7 +285,7 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
 void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& report) {
     const FrozenBody& body = *step.begin.frozen;
     const std::size_t n_pieces = body.pieces.size();
-    const auto stands = [&](Index b) { return b < 0 || (!bodies_[b].moves() && bodies_[b].before.isZero(0)); };
+    const auto stands_still = [&](Index b) { return b < 0 || (!bodies_[b].moves() && bodies_[b].before.isZero(0)); };
     const auto is_slow = [&](std::size_t p) {
         return !bodies_[p].deformable && end.time + step.drift_time - end.rigid_pieces[p].slow_since >= slow_for;
     };
@@ -295,14 +295,14 @@ void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& rep
     pressed_.start(bodies_.size());
     std::vector<std::uint8_t> held(bodies_.size(), 0), moves(bodies_.size(), 0);
     contacts_.for_pressed([&](Index a, Index b) {
-        if (stands(a)) return;
-        if (!stands(b)) pressed_.join(a, b);
+        if (stands_still(a)) return;
+        if (!stands_still(b)) pressed_.join(a, b);
     });
     contacts_.for_pressed([&](Index a, Index b) {
-        if (!stands(a) && stands(b)) held[pressed_.find(a)] = 1;
+        if (!stands_still(a) && stands_still(b)) held[pressed_.find(a)] = 1;
     });
     for (std::size_t b = 0; b < bodies_.size(); ++b)
-        if (!stands(static_cast<Index>(b)) && (b >= n_pieces || !is_slow(b)))
+        if (!stands_still(static_cast<Index>(b)) && (b >= n_pieces || !is_slow(b)))
             moves[pressed_.find(static_cast<Index>(b))] = 1;
     for (std::size_t p = 0; p < n_pieces; ++p) {
         const Index island = pressed_.find(static_cast<Index>(p));
