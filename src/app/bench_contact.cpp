@@ -159,10 +159,7 @@ public:
             if (control.may_freeze(now_)) now_.motion = Motion::rigid;
             const double h = control.next(now_);
             const auto cut = control.judge(now_, h, stepper_.step(now_, h, next_));
-            const bool thaws = cut && cut->thaws;
-            if (thaws && !now_.frozen) now_.motion = Motion::thawed;
-            if (thaws && now_.frozen) stepper_.thaw(now_, next_);
-            if (!cut || (thaws && now_.frozen)) std::swap(now_, next_);
+            if (!cut || (cut->thaws && stepper_.thaw(now_, next_))) std::swap(now_, next_);
         }
         return one_thread_time(watch) / (until - start);
     }

@@ -37,11 +37,11 @@ GreenStep::Gradients GreenStep::gradients(Index t, const Motion& motion) const {
 }
 
 void GreenStep::find_forces(Index t, const Motion& motion, Vec2* force) const {
-    const auto [H, Delta] = gradients(t, motion);
+    const Gradients at = gradients(t, motion);
     const bool heated = !motion.thermal_strain.empty();
-    const Eigen::Matrix2d middle = Eigen::Matrix2d::Identity() + H + 0.5 * Delta;
-    Eigen::Matrix2d strain = strain_at_begin(H, heated ? motion.thermal_strain[t] : 0) +
-                             motion.theta * symmetric(middle.transpose() * Delta);
+    const Eigen::Matrix2d middle = at.middle();
+    Eigen::Matrix2d strain = strain_at_begin(at.begin, heated ? motion.thermal_strain[t] : 0) +
+                             motion.theta * symmetric(middle.transpose() * at.change);
     if (heated) strain -= motion.theta * motion.thermal_change[t] * Eigen::Matrix2d::Identity();
     const Eigen::Matrix2d P = (-mesh_.area(t) * thickness_) * middle * stress_of(strain, stiffness_[mesh_.region[t]]);
     const auto g = shape_gradients(mesh_, t);

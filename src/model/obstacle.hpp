@@ -2,6 +2,7 @@
 // Rigid obstacles: platens, walls, a boulder, a terrain. The outline is convex or an open polyline; x, y and the angle
 // about the origin (of a free obstacle: its centre of mass) are each prescribed by a history, or free, with inertia and
 // a force.
+#include "base/rotation.hpp"
 #include "law/contact_law.hpp"
 #include "model/loads.hpp"
 #include "model/polyline.hpp"
@@ -16,14 +17,6 @@
 #include <vector>
 
 namespace knap {
-
-struct Rotation {
-    double cosine = 1, sine = 0;
-
-    static Rotation by(double angle) { return {.cosine = std::cos(angle), .sine = std::sin(angle)}; }  // [rad]
-    Vec2 turned(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a + sine * turned_left(a)); }
-    Vec2 turned_back(const Vec2& a) const { return sine == 0 ? a : Vec2(cosine * a - sine * turned_left(a)); }
-};
 
 /// Position and orientation of a rigid body in the plane.
 struct Pose {

@@ -93,8 +93,7 @@ Rotation frame_of(const Model& model, const State& state, std::span<const Index>
         sine += density * (a.dot(e2) - b.dot(e1));
         cosine += density * (2 * cross(e1, e2) + cross(a, e2) + cross(e1, b));
     }
-    const double size = std::hypot(cosine, sine);
-    return size > 0 ? Rotation{cosine / size, sine / size} : Rotation{};
+    return rotation_along({cosine, sine});
 }
 
 }  // namespace

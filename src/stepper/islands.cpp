@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "stepper/common/elastic_energy.hpp"
+#include "stepper/common/mean_motions.hpp"
 #include "stepper/common/pieces_of_body.hpp"
 #include "stepper/common/surface_energy.hpp"
 #include "stepper/rigid/freeze.hpp"

@@ -70,9 +70,13 @@ void MoreauJean::begin(State& start) const {
     if (rigid_) start.motion = rigid_->may_begin(start) ? Motion::rigid : Motion::thawed;
 }
 
-StepReport MoreauJean::thaw(const State& begin, State& end) {
-    const double h = begin.last_step * closing_part;
-    StepReport report = complete(begin, h, rigid_->thaw(begin, h, end), end);
+std::optional<StepReport> MoreauJean::thaw(State& now, State& end) {
+    if (!now.frozen) {
+        now.motion = Motion::thawed;
+        return {};
+    }
+    const double h = now.last_step * closing_part;
+    StepReport report = complete(now, h, rigid_->thaw(now, h, end), end);
     end.last_step = 0;
     return report;
 }

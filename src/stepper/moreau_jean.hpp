@@ -42,8 +42,10 @@ public:
     /// far, so that implicit ones can follow (stepper/scheme_change.hpp). `end` is void after a rejection.
     StepReport close_leapfrog(const State& begin, State& end);
 
-    /// From rigid pieces to a deformable body, whose next step is explicit (rigid/rigid_scheme.hpp).
-    StepReport thaw(const State& begin, State& end);
+    /// After a step that a blow cut back (Cutback::thaws): the body is deformable from `now` on, and its next step is
+    /// explicit (rigid/rigid_scheme.hpp). Of rigid pieces `end` is the state, with its report; where only the trial was
+    /// one of rigid pieces `now` is.
+    std::optional<StepReport> thaw(State& now, State& end);
 
     /// Before the first step of a run: that of an automatic bulk is implicit; with [rigid] that of pieces which vibrate
     /// or are held and can break is one of the deformable body.

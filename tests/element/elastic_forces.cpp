@@ -180,8 +180,6 @@ TEST_CASE("the stress criterion marks the fans of triangles with much stress and
 
 namespace {
 
-Vec2 turned(const Vec2& a, double angle) { return std::cos(angle) * a + std::sin(angle) * turned_left(a); }
-
 std::vector<Vec2> random_displacements(const Mesh& mesh, double size) {
     Random random(5, "u");
     std::vector<Vec2> u(mesh.n_corners());

@@ -247,11 +247,10 @@ struct Flight {
                 stuck_at = cut->place;
                 return false;
             }
-            if (cut->thaws && now.frozen) {
-                report = stepper.thaw(now, next);
+            if (const auto thawed = cut->thaws ? stepper.thaw(now, next) : std::nullopt) {
+                report = *thawed;
                 return true;
             }
-            if (cut->thaws) now.motion = Motion::thawed;
         }
         return false;
     }

@@ -21,15 +21,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 const Elastic rock{.density = 2500, .E = 40e9, .nu = 0.2};
 
-ModelInput body(Mesh mesh, const CohesiveLaw& law) {
-    ModelInput input;
-    input.mesh = std::move(mesh);
-    input.materials = {rock};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
-    input.large_rotation = true;
-    return input;
-}
+ModelInput body(Mesh mesh, const CohesiveLaw& law) { return turning_body(std::move(mesh), rock, law); }
 
 // ---- T1: the free square
 
@@ -82,8 +74,6 @@ struct Scene {
     std::function<Vec2(const Vec2&)> velocity;
     int n_steps;
 };
-
-Vec2 turned(const Vec2& a, double angle) { return std::cos(angle) * a + std::sin(angle) * turned_left(a); }
 
 struct Ended {
     std::vector<Vec2> place, velocity;  // per corner, turned back

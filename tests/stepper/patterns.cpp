@@ -20,11 +20,6 @@ namespace {
 
 const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
 
-Vec2 turned(const Vec2& x, double angle) {
-    const double c = std::cos(angle), s = std::sin(angle);
-    return {c * x.x() - s * x.y(), s * x.x() + c * x.y()};
-}
-
 /// A random mesh of a block with a crack from the middle of its left side, all turned by an angle about the origin.
 Mesh cracked_block(const Vec2& size, double crack, double edge, std::uint64_t seed = 1, double angle = 0) {
     Shape shape;

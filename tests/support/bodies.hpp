@@ -21,6 +21,17 @@ inline Load load(Load::Kind kind, const std::string& boundary, std::optional<dou
     return {.kind = kind, .on = {.boundary = boundary, .box = {}}, .value = {x, y}, .history = std::move(history)};
 }
 
+/// Of one material and one law, with large rotations.
+inline ModelInput turning_body(Mesh mesh, const Elastic& material, const CohesiveLaw& law) {
+    ModelInput input;
+    input.mesh = std::move(mesh);
+    input.materials = {material};
+    input.laws = {law};
+    input.law_of_pair = {{0}};
+    input.large_rotation = true;
+    return input;
+}
+
 /// One triangle with its first edge, along x, on a support: corners 0 and 1 have a point each, of area 1; every corner has mass 1.
 inline ModelInput point_masses(const CohesiveLaw& law, bool glued) {
     ModelInput input;

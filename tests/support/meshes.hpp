@@ -1,10 +1,13 @@
 #pragma once
 // Structured meshes of bars and plates: tests want exact waves and ties (scenarios use random meshes).
+#include "base/rotation.hpp"
 #include "mesh/mesh.hpp"
 
 #include <functional>
 
 namespace knap::tests {
+
+inline Vec2 turned(const Vec2& x, double angle) { return Rotation::by(angle).turned(x); }
 
 /// Finds the edges of a rectangle's mesh and names its boundaries.
 inline void name_sides(Mesh& mesh, double length, double height) {

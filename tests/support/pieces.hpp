@@ -10,8 +10,6 @@
 
 namespace knap::tests {
 
-inline Vec2 turned(const Vec2& x, double angle) { return std::cos(angle) * x + std::sin(angle) * turned_left(x); }
-
 /// A regular or irregular star-shaped polygon as a fan of triangles round its centre.
 inline Mesh star_mesh(const std::vector<Vec2>& outline) {
     Mesh mesh;

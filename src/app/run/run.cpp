@@ -89,7 +89,6 @@ public:
 
 private:
     void step();
-    void thaw();
     void count(const StepReport& report);
     void excavate();
     void adapt(const std::optional<Vec2>& also = {});
@@ -268,7 +267,7 @@ void Run::step() {
         log_.add(cutback_text(*cut, where, setup_.scenario.time.end));
         if (control_.is_stuck()) throw SimulationError(stuck_text(*cut, where, control_.smallest_against(cut->reason)));
         if (cut->changes_to_explicit) begin_leapfrog(now_);
-        if (cut->thaws) thaw();
+        if (const auto thawed = cut->thaws ? stepper_->thaw(now_, next_) : std::nullopt) count(*thawed);
         return;
     }
     if (setup_.options.dump_lcp.contains(next_.n_steps))
@@ -281,15 +280,6 @@ void Run::step() {
     control_.begin_implicit_stage(next_, closing);
     log_.add(quiet_text(next_.time));
     count(closing);
-}
-
-/// Rigid pieces are deformable from now on; a trial of them from a deformable state leaves it as it is.
-void Run::thaw() {
-    if (!now_.frozen) {
-        now_.motion = Motion::thawed;
-        return;
-    }
-    count(stepper_->thaw(now_, next_));
 }
 
 /// The step to the next state has been taken.

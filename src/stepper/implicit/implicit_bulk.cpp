@@ -2,6 +2,7 @@
 
 #include "base/parallel.hpp"
 #include "base/reserve_capacity.hpp"
+#include "stepper/common/mean_motions.hpp"
 #include "stepper/common/point_work.hpp"
 
 #include <algorithm>
@@ -187,35 +188,25 @@ void ImplicitBulk::add_turned_stiffness(const std::vector<Vec2>& rate, std::vect
 }
 
 void ImplicitBulk::turn_rates(std::vector<Vec2>& corner_rate) const {
-    struct Sums {
-        double mass = 0, spin = 0, inertia = 0;
-        Vec2 place = Vec2::Zero(), rate = Vec2::Zero();
-    };
     const PieceFrames& frames = turning_->frames;
-    std::vector<Sums> pieces(frames.n_pieces());
     const auto at = [&](Index c) -> Vec2 { return model_.mesh.corner(c) + turning_->begin[c]; };
-    const auto of = [&](Index c) -> Sums& { return pieces[frames.piece_of(c / 3)]; };
-    for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
-        const double m = model_.corner_mass[c];
-        of(c).mass += m, of(c).place += m * at(c), of(c).rate += m * corner_rate[c];
-    }
-    for (Sums& piece : pieces) piece.place /= piece.mass, piece.rate /= piece.mass;
-    for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
-        Sums& piece = of(c);
-        const Vec2 arm = at(c) - piece.place;
-        piece.spin += model_.corner_mass[c] * cross(arm, corner_rate[c] - piece.rate);
-        piece.inertia += model_.corner_mass[c] * arm.squaredNorm();
-    }
+    std::vector<Vec2> near(frames.n_pieces());
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) near[frames.piece_of(c / 3)] = at(c);
+    const MeanMotions mean = mean_motions(near, [&](const auto& visit) {
+        for (Index c = 0; c < model_.mesh.n_corners(); ++c)
+            visit(frames.piece_of(c / 3), model_.corner_mass[c], at(c), corner_rate[c]);
+    });
     // velocities belong to the start of the step, rates to the middle of the last one
     const State& begin = *step_->begin;
     const double between = 0.5 * (step_->h + (begin.has_end_velocities() ? begin.last_step : 0));
     std::vector<Rotation> turns;
-    for (const Sums& piece : pieces) {
-        const double turn = between * piece.spin / piece.inertia;
-        turns.push_back(std::abs(turn) <= PieceFrames::largest_turn ? Rotation::by(turn) : Rotation{});
+    for (const double spin : mean.spin)
+        turns.push_back(std::abs(between * spin) <= PieceFrames::largest_turn ? Rotation::by(between * spin)
+                                                                              : Rotation{});
+    for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
+        const Index p = frames.piece_of(c / 3);
+        corner_rate[c] = mean.velocity[p] + turns[p].turned(corner_rate[c] - mean.velocity[p]);
     }
-    for (Index c = 0; c < model_.mesh.n_corners(); ++c)
-        corner_rate[c] = of(c).rate + turns[frames.piece_of(c / 3)].turned(corner_rate[c] - of(c).rate);
 }
 
 void ImplicitBulk::linearise(const std::vector<Vec2>& corner_rate) {

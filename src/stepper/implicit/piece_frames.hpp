@@ -20,23 +20,6 @@
 
 namespace knap {
 
-/// First b, then a.
-inline Rotation composed(const Rotation& a, const Rotation& b) {
-    return {.cosine = a.cosine * b.cosine - a.sine * b.sine, .sine = a.sine * b.cosine + a.cosine * b.sine};
-}
-/// a^-1 b
-inline Rotation from_to(const Rotation& a, const Rotation& b) {
-    return composed({.cosine = a.cosine, .sine = -a.sine}, b);
-}
-/// (cosine, sine) of any length; the identity where it is zero.
-inline Rotation rotation_along(const Vec2& direction) {
-    const double length = direction.norm();
-    return length > 0 ? Rotation{direction.x() / length, direction.y() / length} : Rotation{};
-}
-/// By half of the angle, which is below 180 degrees.
-inline Rotation half_of(const Rotation& a) { return rotation_along({1 + a.cosine, a.sine}); }
-inline double angle_of(const Rotation& a) { return std::atan2(a.sine, a.cosine); }
-
 class PieceFrames {
 public:
     /// [rad] A step is too large where a piece turns by more: a turn of a in the theta scheme is short by a^3/12.

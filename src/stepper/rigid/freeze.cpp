@@ -1,6 +1,7 @@
 #include "stepper/rigid/freeze.hpp"
 
 #include "element/elastic_forces.hpp"
+#include "stepper/common/mean_motions.hpp"
 #include "stepper/common/pieces_of_body.hpp"
 #include "stepper/common/surface_energy.hpp"
 

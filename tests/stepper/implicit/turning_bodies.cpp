@@ -23,18 +23,10 @@ const Elastic rock{.density = 2500, .E = 10e9, .nu = 0.2};
 const Load weight{.kind = Load::Kind::acceleration, .on = {}, .value = {0, -9.81}};
 
 ModelInput body(Mesh mesh, const CohesiveLaw& law = CohesiveLaw::unbreakable()) {
-    ModelInput input;
-    input.mesh = std::move(mesh);
-    input.materials = {rock};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
-    input.large_rotation = true;
-    return input;
+    return turning_body(std::move(mesh), rock, law);
 }
 
 SchemeOptions implicit(double theta = 0.5) { return {.bulk = BulkScheme::implicit_theta, .theta = theta}; }
-
-Vec2 turned(const Vec2& a, double angle) { return Rotation::by(angle).turned(a); }
 
 /// Displacements and velocities by place.
 template <class Displacement, class Velocity>
