@@ -36,8 +36,7 @@
 
 namespace knap {
 
-constexpr double kink_tolerance = 1e-12;     // [-] of the speeds: nearer kinks of the friction are one
-constexpr double position_rounding = 1e-15;  // [-] of the positions of what touches
+constexpr double kink_tolerance = 1e-12;  // [-] of the speeds: nearer kinks of the friction are one
 
 /// How much is spent on a problem that sweeps and the active set leave unsolved: nothing, fast proximal points, careful
 /// ones where these fail. Sweeps: of contacts of rigid bodies alone, more of them where they leave much.

@@ -63,4 +63,25 @@ TEST_CASE("points of random fans move as their own solver says") {
             }
 }
 
+// Why both methods stand: src/nonsmooth/README.md has the numbers.
+TEST_CASE("of random fans the method of clusters leaves a few with friction and their own solver none" *
+          doctest::test_suite("slow")) {
+    for (const bool friction : {false, true}) {
+        const int n = 5000;
+        int n_left = 0, n_pivots = 0, n_failed = 0;
+        for (int seed = 0; seed < n; ++seed) {
+            const FanProblem fan = RandomFan(seed, {.friction = friction}).problem();
+            FanResult result;
+            const FanSolution::Status status = FanSolver().solve(fan, result).status;
+            n_failed += status == FanSolution::Status::failed;
+            n_pivots += status == FanSolution::Status::by_lemke;
+            n_left += against_fan_solver(fan, false).residual > 1e-10;
+        }
+        MESSAGE("friction ", friction, ": the method of clusters solves ", n - n_left, " of ", n,
+                ", the solver of fans ", n - n_failed, ", ", n_pivots, " of them by Lemke's method");
+        CHECK(n_failed == 0);
+        CHECK(n_left <= (friction ? 0.01 * n : 0));
+    }
+}
+
 }  // namespace contact_problem_test

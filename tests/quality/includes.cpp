@@ -95,6 +95,17 @@ TEST_CASE("a file includes its own folder and lower layers only") {
     CHECK(n_includes > 20);
 }
 
+TEST_CASE("the search for contacts knows no solver") {
+    int n_files = 0;
+    for (const File& file : source_tree::files_below("src")) {
+        if (!file.is_cpp() || folder_below_src(file) != "stepper/contact") continue;
+        ++n_files;
+        for (const std::string& header : includes(file, '"'))
+            CHECK_MESSAGE(!header.starts_with("nonsmooth/"), file.path, " includes ", header);
+    }
+    CHECK(n_files > 5);
+}
+
 TEST_CASE("headers and sources of a name include others in one direction") {
     const auto unit_of = [](const std::string& path) { return path.substr(0, path.rfind('.')); };
     std::map<std::string, std::set<std::string>> below;

@@ -8,6 +8,7 @@ constexpr double contact_reach_in_steps = 4;  // distances covered in a step at 
 constexpr double near_contact = 0.02;   // [-] of the size of what meets an obstacle: nearer is a candidate at any speed
 constexpr double touching_part = 1e-3;  // [-] of an edge: gaps and penetrations that count as rounding of the geometry
 constexpr double max_depth_in_altitudes = 0.35;  // of a triangle: the step before should have been rejected
+constexpr double position_rounding = 1e-15;      // [-] of the positions of what touches
 constexpr double rounding_of_gap = 1e-12;        // [-] of the coordinates whose difference is a gap
 
 /// [m] `of`: the coordinates.

@@ -1,6 +1,6 @@
 #include "stepper/contact/contact_row.hpp"
 
-#include "nonsmooth/contact_cluster.hpp"
+#include "stepper/common/contact_search.hpp"
 
 namespace knap {
 

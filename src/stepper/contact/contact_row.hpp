@@ -1,7 +1,7 @@
 #pragma once
 // A contact in a step as a row of the nonsmooth problem, whatever touches: faces of the body, the body and an obstacle,
-// two obstacles. On what it acts, corners and rigid bodies, each scheme keeps as terms (nonsmooth/cluster_contact.hpp).
-#include "nonsmooth/cluster_contact.hpp"
+// two obstacles. On what it acts, corners and rigid bodies, each scheme keeps as terms (law/row_term.hpp).
+#include "law/row_term.hpp"
 #include "stepper/common/obstacle_pairs.hpp"
 #include "stepper/contact/face_contacts.hpp"
 

@@ -8,7 +8,7 @@
 //     i: P = p_N n + p_T t         a: -(1-s) P - Q         b: -s P + Q                 Q = (g/L) p_T n
 //
 // These are the rates of invariants of position, so every pair of impulses has zero resultant and zero moment.
-#include "nonsmooth/cluster_contact.hpp"
+#include "law/row_term.hpp"
 #include "stepper/contact/nearby_edges.hpp"
 #include "stepper/contact/nearby_pieces.hpp"
 

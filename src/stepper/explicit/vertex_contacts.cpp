@@ -1,6 +1,7 @@
 #include "stepper/explicit/vertex_contacts.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/common/contact_search.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/contact/retirement.hpp"
 

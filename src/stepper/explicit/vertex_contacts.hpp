@@ -9,7 +9,7 @@
 // A fan whose parts stay as they are answers with the masses of its parts; the points of any other fan are solved
 // together with the contacts (ContactProblem). Then each of these fans is solved by itself under the impulses
 // found (vertex_solver.hpp): that is the motion that it will have, and the contacts are judged by it.
-#include "stepper/contact/contact_clusters.hpp"
+#include "nonsmooth/contact_clusters.hpp"
 #include "stepper/contact/contact_row.hpp"
 #include "stepper/explicit/touched_fan.hpp"
 

@@ -1,6 +1,7 @@
 #include "stepper/rigid/rigid_contacts.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/common/contact_search.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/rigid/freeze.hpp"
 #include "stepper/rigid/rigid_places.hpp"

@@ -8,11 +8,11 @@
 // Sources: corners of free faces (stepper/contact), corners and edges at obstacles (stepper/common), and broken points
 // whose sides have not parted yet.
 #include "nonsmooth/contact_cluster.hpp"
+#include "nonsmooth/contact_clusters.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/obstacle_pairs.hpp"
 #include "stepper/common/step_scheme.hpp"
-#include "stepper/contact/contact_clusters.hpp"
 #include "stepper/rigid/rigid_row.hpp"
 
 #include <array>

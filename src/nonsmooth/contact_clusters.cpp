@@ -1,4 +1,4 @@
-#include "stepper/contact/contact_clusters.hpp"
+#include "nonsmooth/contact_clusters.hpp"
 
 #include <numeric>
 
