@@ -13,6 +13,8 @@ execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/tools/package/knap.1 OUTPU
 install(FILES ${CMAKE_BINARY_DIR}/knap.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 ${for_both})
 install(FILES tools/package/knap.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME knap ${for_both})
 install(FILES tools/python/knap.py DESTINATION ${CMAKE_INSTALL_DATADIR}/knap ${for_both})
+install(DIRECTORY tools/python DESTINATION ${CMAKE_INSTALL_DATADIR}/knap ${for_both} USE_SOURCE_PERMISSIONS
+        PATTERN __pycache__ EXCLUDE PATTERN build EXCLUDE PATTERN *.egg-info EXCLUDE)  # for pip install
 install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} ${for_both})
 # the pages and what they link to, in the places where they link to it
 file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS src/*.md scenarios/*.md scenarios/*.toml scenarios/gallery/* tests/*.md

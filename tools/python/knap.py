@@ -310,3 +310,61 @@ def _lz4(block, size):
     if len(out) != size:
         raise KnapError(f"a compressed block has {len(out)} bytes instead of {size}")
     return out
+
+
+def compare(one, other, within=1e-12):
+    """A Table of what differs between two runs (a Run or its directory each): name, one, other, `ratio` of numbers. Rows are
+    keys of resolved.toml and numbers of the summary that differ by more than this part."""
+    one, other = (run if isinstance(run, Run) else Run(run) for run in (one, other))
+    found = []
+    keys = [_settings(run.directory / "resolved.toml") for run in (one, other)]
+    for kind, (a, b) in (("key", keys), ("number", (one.summary, other.summary))):
+        for name in [*a, *(name for name in b if name not in a)]:
+            x, y = a.get(name), b.get(name)
+            numbers = all(isinstance(value, (int, float)) for value in (x, y))
+            same = x == y or (numbers and (abs(x - y) <= within * max(abs(x), abs(y)) or (np.isnan(x) and np.isnan(y))))
+            if not same:
+                found.append((kind, name, x, y, y / x if numbers and x else np.nan))
+    return Table(zip(("kind", "name", "one", "other", "ratio"), zip(*found) if found else [()] * 5))
+
+
+def _settings(file):
+    """{path of a key: text of its value} of a resolved scenario."""
+    found, head, counts = {}, "", {}
+    for line in file.read_text(encoding="utf-8").splitlines():
+        if match := re.match(r"\s*(\[\[?)([^\]\"]+|[^\]]*)\]\]?\s*(#.*)?$", line):
+            head = match[2].strip()
+            if match[1] == "[[":
+                counts[head] = counts.get(head, -1) + 1
+                head = f"{head}[{counts[head]}]"
+        elif match := re.match(r"\s*([\w.\-\"]+)\s*=\s*(.*?)\s*$", line):
+            found[f"{head}.{match[1]}".lstrip(".")] = match[2]
+    return found
+
+
+def plot_over(runs, x, y, labels=None, axis=None):
+    """Curves of several runs over each other, by matplotlib: `x`, `y` as "stress_strain.stress". Returns the axis."""
+    import matplotlib.pyplot as plt
+    axis = axis or plt.subplots()[1]
+    for k, run in enumerate(runs):
+        run = run if isinstance(run, Run) else Run(run)
+        (x_table, x_name), (y_table, y_name) = (name.split(".", 1) for name in (x, y))
+        tables = run.table(x_table), run.table(y_table)
+        axis.plot(tables[0][x_name], tables[1][y_name], label=labels[k] if labels else run.directory.name)
+    axis.set_xlabel(f"{x_name} [{tables[0].units[x_name]}]")
+    axis.set_ylabel(f"{y_name} [{tables[1].units[y_name]}]")
+    axis.legend()
+    return axis
+
+
+def latex(head, rows, caption="", digits=4):
+    """A table for LaTeX (package booktabs): names, rows of numbers and texts."""
+    def cell(value):
+        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
+            text = f"{value:.{digits}g}"
+            return re.sub(r"(.*)e([-+])0*(\d+)", lambda m: f"${m[1]}\\times10^{{{m[2].strip('+')}{m[3]}}}$", text) if "e" in text else f"${text}$"
+        return re.sub(r"([&%$#_{}])", r"\\\1", str(value))
+    lines = [" & ".join(map(cell, row)) + r" \\" for row in [head, *rows]]
+    return "\n".join([r"\begin{table}", *([rf"\caption{{{cell(caption)}}}"] if caption else []),
+                      rf"\begin{{tabular}}{{{'l' * len(head)}}}", r"\toprule", lines[0], r"\midrule", *lines[1:], r"\bottomrule",
+                      r"\end{tabular}", r"\end{table}", ""])

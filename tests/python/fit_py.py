@@ -1,0 +1,399 @@
+"""Tests of knap-fit, knap-sensitivity and the package: ctest runs them with KNAP and a directory; exit code 77: skipped.
+
+    fit_py.py DIRECTORY [--slow]     with --slow those that take minutes, alone"""
+import importlib.util
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import unittest
+
+if importlib.util.find_spec("numpy") is None:
+    print("skipped: this python3 has no numpy (Debian: python3-numpy)")
+    sys.exit(77)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import numpy as np  # noqa: E402
+
+tools = pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"
+sys.path.insert(0, str(tools))
+import knap  # noqa: E402
+from knap_fit import inference, problem as files, report, sensitivity  # noqa: E402
+from knap_fit.problem import Measured, Parameter, Problem, Test  # noqa: E402
+from knap_fit.runs import Runs, Stop  # noqa: E402
+
+slow = "--slow" in sys.argv
+if slow:
+    sys.argv.remove("--slow")
+directory = pathlib.Path(sys.argv.pop())
+missing = [package for module, package in (("sklearn", "python3-sklearn"), ("scipy", "python3-scipy"), ("emcee", "python3-emcee"))
+           if importlib.util.find_spec(module) is None]
+needs_libraries = unittest.skipIf(missing, f"these packages are missing: {', '.join(missing)}")
+
+
+class Answer:
+    """What stands for a run: numbers, and a table of x and y."""
+
+    def __init__(self, curve=None, **numbers):
+        self.summary, self.curve = numbers, curve
+
+    def table(self, name):
+        return self.curve
+
+
+def study(name, numbers, model, log=False, scatter=0.05, high=4.0, curve=None, **options):
+    """A Fit of two parameters between 1 and `high`; `numbers`: {name: measured value, None: a candidate}; `model(a, b, seed)`."""
+    parameters = [Parameter(x, [x], (1.0, high), "", log) for x in "ab"]
+    test = Test("t", "none", {}, options.pop("seeds", 1), 1)
+    test.measured = [Measured(test, n, "fit" if y is not None else "candidate", None if y is None else np.array([float(y)]), scatter)
+                     for n, y in numbers.items()]
+    if curve is not None:
+        test.measured.append(Measured(test, "curve", "fit", curve[1], scatter, x=curve[0], columns=[("c", "x"), ("c", "y")]))
+    found = Problem(name, parameters, [test], options)
+    shutil.rmtree(directory / name, ignore_errors=True)
+    return inference.Fit(found, Runs(found, directory / name, simulate=lambda t, u, s: model(*found.values(u[None])[0], s)))
+
+
+def inferred(fit, n=16, steps=200):
+    fit.runs.add(fit.design(n))
+    fit.infer(steps)
+    fit.stopped = "all runs are done"
+    fit.history.append((fit.runs.n_runs, fit.posterior.widths()))
+    return fit
+
+
+@unittest.skipIf(slow, "a quick test")
+class Package(unittest.TestCase):
+    def test_package_is_installed_into_a_fresh_environment(self):
+        if any(importlib.util.find_spec(module) is None for module in ("venv", "ensurepip", "pip", "wheel", "setuptools")):
+            self.skipTest("no venv, pip or wheel (Debian: python3-venv, python3-pip, python3-wheel)")
+        fresh, source = directory / "fresh", directory / "source"
+        for folder in (fresh, source):
+            shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(tools, source)  # setuptools writes beside the source
+        subprocess.run([sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", fresh], check=True)
+        python, clean = fresh / "bin" / "python3", {**os.environ, "PIP_NO_INDEX": "1", "PIP_DISABLE_PIP_VERSION_CHECK": "1"}
+        done = subprocess.run([python, "-m", "pip", "install", "-q", "--no-build-isolation", source], env=clean, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        shown = subprocess.run([python, "-c", "import knap, knap_fit.problem; print(knap.__file__)"], cwd=directory, capture_output=True, text=True)
+        self.assertTrue(shown.stdout.startswith(str(fresh.resolve())) or shown.stdout.startswith(str(fresh)), shown.stdout + shown.stderr)
+        for command in ("knap-fit", "knap-sensitivity"):
+            self.assertIn("FILE", subprocess.run([fresh / "bin" / command, "--help"], capture_output=True, text=True, check=True).stdout)
+
+    def test_version_is_that_of_the_program(self):
+        version = re.search(r"VERSION (\S+) LANG", (tools.parents[1] / "CMakeLists.txt").read_text())[1]
+        self.assertIn(f'version = "{version}"', (tools / "pyproject.toml").read_text())
+
+
+@unittest.skipIf(slow, "a quick test")
+class Quick(unittest.TestCase):
+    def test_all_mistakes_of_a_file_at_once(self):
+        file = directory / "bad.toml"
+        file.write_text(bad)
+        with self.assertRaises(files.Mistakes) as caught:
+            files.read(file)
+        text = str(caught.exception)
+        lines = bad.splitlines()
+        for line, words in ((3, "`fit.budget` = 0"), (4, "did you mean `method`?"), (5, "model_error"), (10, "outside of the bounds"),
+                            (12, "'beem', which does not exist"), (13, "different units"), (17, "largest_reaction, largest_rotation"),
+                            (21, "a unit of largest_reaction: N"), (23, "x ascending"), (25, "*_force_y")):
+            self.assertIn(f"bad.toml:{line}\n   | {lines[line - 1]}", text)
+            self.assertIn(words, text)
+        self.assertIn("sigma_x` is not a key of a scenario", text)
+        self.assertTrue(text.endswith("11 errors, nothing was run."), text)
+
+    def test_file_of_the_guide_is_right(self):
+        guide = (tools.parents[1] / "scenarios" / "README.md").read_text(encoding="utf-8")
+        (directory / "beam.toml").write_text(re.search(r"```toml\n(# beam.toml.*?)```", guide, re.DOTALL)[1])
+        (directory / "beam.csv").write_text("deflection [mm],force [N]\n0.1,100\n0.2,200\n")
+        found = files.read(directory / "beam.toml")
+        curve, candidate = found.measured
+        np.testing.assert_allclose(curve.x, [1e-4, 2e-4])
+        self.assertEqual((curve.scatter, candidate.part, candidate.values), (6.0, 0.05, None))
+
+    def test_units_are_those_of_the_program(self):
+        for unit, of, value in (("MPa", "Pa", 1e6), ("kJ/m2", "J/m2", 1e3), ("mm", "m", 1e-3), ("mm2", "m2", 1e-6), ("mm/us", "m/s", 1e3), ("%", "", 0.01)):
+            self.assertAlmostEqual(files.factor(unit, of) / value, 1, delta=1e-12)
+        self.assertIsNone(files.factor("mm", "N"))
+
+    def test_curve_takes_the_first_time_that_a_place_is_reached(self):
+        curve = knap.Table({"x": np.array([0, 1, 0.5, 2, 3.0]), "y": np.array([0, 10, 99, 20, 30.0])})
+        m = Measured(None, "c", "fit", None, None, x=np.array([0.5, 1.5, 4.0]), columns=[("c", "x"), ("c", "y")], factors=(1, -1))
+        np.testing.assert_array_equal(m.of(Answer(curve)), [-5, -15, np.nan])
+
+    def test_runs_go_on_and_failures_are_noted(self):
+        started = []
+
+        def model(a, b, seed):
+            started.append((a, b, seed))
+            if a > 3:
+                raise knap.KnapError("a gate")
+            return Answer(n=a * b)
+        fit = study("again", {"n": 4}, model, seeds=2)
+        fit.runs.add(np.array([[0.1, 0.5], [0.9, 0.5]]))
+        self.assertEqual([round(s) for _, _, s in started], [1, 2, 3, 4])  # every point has seeds of its own
+        self.assertEqual([fit.runs.exits[k, "t", 1] for k in (0, 1)], [0, 3])
+        values = fit.runs.of(fit.problem.measured[0])
+        self.assertEqual(values.shape, (2, 2, 1))
+        self.assertTrue(np.isnan(values[1]).all() and np.isfinite(values[0]).all())
+        again = Runs(fit.problem, directory / "again", simulate=model)
+        again.finish()
+        self.assertEqual((len(started), again.n_runs), (4, 4))
+        with self.assertRaisesRegex(Stop, "other parameters"):
+            Runs(Problem("again", fit.problem.parameters[:1], fit.problem.tests, {}), directory / "again")
+
+    def test_runs_of_the_program_and_their_command_lines(self):
+        file = directory / "bar.toml"
+        file.write_text(bar)
+        shutil.rmtree(directory / "bar", ignore_errors=True)
+        command = [sys.executable, tools / "knap-fit", file, "-o", directory / "bar", "-q"]
+        printed = subprocess.run([*command, "--print-commands"], capture_output=True, text=True)
+        if "scipy" in printed.stderr:
+            self.skipTest(printed.stderr)  # which names the Debian package
+        self.assertEqual(len(printed.stdout.splitlines()), 1, printed.stderr)
+        self.assertEqual(subprocess.run(printed.stdout, shell=True, capture_output=True).returncode, 0)
+        done = subprocess.run(command, capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        found = knap.read_csv(directory / "bar" / "parameters.csv")["best"][0]
+        self.assertAlmostEqual(found, 3.0, delta=0.03)  # dissipated = G_c times the broken area, 12 mJ at 3 J/m2
+
+    def test_compare_and_latex(self):
+        one = knap.run("bar_pulled_apart", {"mesh.size": "2 mm", "expect": {}, "figure": []}, directory / "one", threads=1)
+        two = knap.run("bar_pulled_apart", {"mesh.size": "2 mm", "expect": {}, "figure": [], "interface.left-right.G_c": "6 J/m2"}, directory / "two", threads=1)
+        self.assertEqual(len(knap.compare(one, one)["name"]), 0)
+        found = knap.compare(one, directory / "two")
+        rows = dict(zip(found["name"], zip(found["one"], found["other"], found["ratio"])))
+        self.assertIn("interface.left-right.G_c", rows)
+        a, b = one.summary["dissipated"], knap.read(directory / "two").summary["dissipated"]
+        self.assertEqual(rows["dissipated"], (a, b, b / a))
+        self.assertIn(r"sigma\_c & $1.5\times10^{7}$ \\", knap.latex(["a", "b"], [["sigma_c", 1.5e7]]))
+
+    @needs_libraries
+    def test_linear_problem_has_its_closed_form_posterior(self):
+        a = np.array([[1.0, 2.0], [1.0, -1.0], [0.5, 0.5]])
+        y = a @ [1.9, 2.4] + [0.03, -0.02, 0.01]
+        fit = inferred(study("linear", dict(zip("xyz", y)), lambda p, q, s: Answer(**dict(zip("xyz", a @ [p, q]))), model_error="none"), steps=400)
+        covariance = np.linalg.inv(a.T @ a / 0.05**2)
+        mean = covariance @ a.T @ y / 0.05**2
+        values = fit.problem.values(fit.posterior.u)
+        deviation = np.sqrt(np.diag(covariance))
+        self.assertLess(np.abs(values.mean(axis=0) - mean).max(), 0.12 * deviation.min())
+        self.assertLess(np.abs(values.std(axis=0) / deviation - 1).max(), 0.1)
+        self.assertAlmostEqual(fit.posterior.correlations()[0, 1], covariance[0, 1] / deviation.prod(), delta=0.1)
+        self.assertEqual(fit.determined(), ["yes", "yes"])
+
+    @needs_libraries
+    def test_only_the_product_is_determined_and_a_further_test_is_named(self):
+        fit = inferred(study("product", {"x": 4, "other": None}, lambda a, b, s: Answer(x=a * b, other=a), log=True))
+        self.assertEqual(fit.determined(), ["no", "no"])
+        texts = fit.combinations()
+        self.assertEqual(len(texts), 1)
+        power = float(texts[0].split("b^")[1].split()[0])
+        self.assertTrue(texts[0].startswith("only the product a^1 b^") and abs(power - 1) < 0.1, texts)
+        self.assertEqual({(name, title) for name, title, gain in fit.further_tests() if gain > 0.6}, {("a", "t: other"), ("b", "t: other")})
+
+    @needs_libraries
+    def test_data_that_contradict_the_model_say_so(self):
+        def model(a, b, seed):
+            return Answer(x=a, y=b, z=b)
+        agrees = inferred(study("agrees", {"x": 2, "y": 2, "z": 2.04}, model))
+        self.assertGreater(agrees.p, 0.1)
+        self.assertFalse(agrees.posterior.tau.any())
+        fit = inferred(study("contradicts", {"x": 2, "y": 2, "z": 3}, model))
+        self.assertLess(fit.p, 1e-6)
+        self.assertGreater(np.percentile(fit.posterior.tau, 5), 0.05)
+        self.assertGreater(fit.posterior.widths()[1], 3 * agrees.posterior.widths()[1])  # parameters are not bent with false confidence
+        report.write(fit)
+        self.assertIn("THE MODEL CANNOT MEET", (directory / "contradicts" / "report.html").read_text())
+
+    @needs_libraries
+    def test_sensitivity_of_a_sum_and_a_product(self):
+        fit = study("sensitivity", {"sum": 1, "product": 1}, lambda a, b, s: Answer(sum=a + 2 * b, product=(a - 2.5) * (b - 2.5)), trajectories=6, seeds=2)
+        sensitivity.write(fit.problem, fit.runs)
+        table = knap.read_csv(directory / "sensitivity" / "sensitivity.csv")
+        rows = {(n, p): i for i, (n, p) in enumerate(zip(table["number"], table["parameter"]))}
+        for p, effect, part in (("a", 3, 0.2), ("b", 6, 0.8)):  # effects over the range of 3; variances 1 to 4
+            i = rows["sum", p]
+            self.assertAlmostEqual(table["mean effect"][i], effect, delta=1e-5)
+            self.assertLess(table["deviation of effects"][i], 1e-4)
+            self.assertAlmostEqual(table["Sobol first order"][i], part, delta=0.03)
+            self.assertAlmostEqual(table["Sobol total"][i], part, delta=0.03)
+            i = rows["product", p]  # all of it is interaction
+            self.assertGreater(table["deviation of effects"][i], 1)
+            self.assertAlmostEqual(table["Sobol first order"][i], 0, delta=0.05)
+            self.assertAlmostEqual(table["Sobol total"][i], 1, delta=0.05)
+
+    @needs_libraries
+    def test_noise_of_seeds_is_found(self):
+        fit = study("noise", {"x": 4}, lambda a, b, s: Answer(x=a + b + 0.1 * np.random.default_rng(s).standard_normal()), scatter=None)
+        fit.runs.add(fit.design(40))
+        emulator = inference.Emulator(fit.runs.points, fit.runs.of(fit.problem.measured[0]), 4.0)
+        self.assertAlmostEqual(np.sqrt(emulator.seed_covariance()[0, 0]), 0.1, delta=0.03)
+        self.assertLess(np.sqrt(emulator(np.array([[0.5, 0.5]]))[1][0, 0]), 0.05)  # of the mean over seeds
+
+
+def of_file(name, text):
+    """A Fit of a FILE, begun anew."""
+    file = directory / f"{name}.toml"
+    file.write_text(text)
+    found = files.read(file)
+    return inference.Fit(found, Runs(found, directory / name, jobs=2, force=True))
+
+
+@unittest.skipUnless(slow, "a slow test")
+@unittest.skipIf(missing, f"these packages are missing: {', '.join(missing)}")
+class Slow(unittest.TestCase):
+    def test_intervals_of_90_percent_cover_80_to_97(self):
+        """Data that the program makes itself with parameters and a seed that the fit does not know, 50 times; strength and
+        fracture energy of the line scatter. The emulator, of 48 runs with their seeds, is that of all fits."""
+        fit = of_file("cover", scattered_bar)
+        fit.runs.add(fit.design(24))
+        fit.infer(100)
+        u = np.random.default_rng(5).uniform(0.15, 0.85, (50, 2))
+        truth = Runs(fit.problem, directory / "cover_truth", jobs=2, force=True)
+        for test in fit.problem.tests:
+            test.seeds, test.first_seed = 1, 1001
+        truth.add(u)
+        inside = np.zeros((50, 2), bool)
+        for k in range(50):
+            for m in fit.problem.measured:
+                m.values = truth.of(m)[k, 0]
+            drawn = inference.sample(fit.problem, inference.Likelihood(fit.problem, fit.emulators, False), 200, np.random.default_rng(k))
+            low, high = np.percentile(drawn[0], [5, 95], axis=0)
+            inside[k] = (low <= u[k]) & (u[k] <= high)
+        print(f"90 % intervals cover {inside.mean(axis=0)}, together {inside.mean():.2f}")
+        self.assertGreaterEqual(inside.mean(), 0.80)
+        self.assertLessEqual(inside.mean(), 0.97)
+
+    def test_adaptive_design_takes_half_the_runs_of_a_random_one(self):
+        """A curve that rises to a and falls by a stretched exponential, 1 % scatter: size of the intervals of three parameters."""
+        x = np.linspace(0.1, 1, 10)
+
+        def model(a, b, c):
+            return Answer({"x": x, "y": a * np.minimum(x * 8 / a, np.exp(-((x * 8 - a) / (4 * b / a**2)).clip(0) ** (c / 2)))})
+
+        parameters = [Parameter(name, [name], (1.0, 4.0), "", True) for name in "abc"]
+        test = Test("t", "none", {}, 1, 1)
+        test.measured = [Measured(test, "curve", "fit", model(2.1, 2.6, 2.2).table("")["y"], 0.01, x=x, columns=[("c", "x"), ("c", "y")])]
+        size = {}
+        for design, budget in (("adaptive", 36), ("random", 72)):
+            found = Problem(design, parameters, [test], {"design": design, "budget": budget, "first": 12, "shrink": 0, "model_error": "none"})
+            shutil.rmtree(directory / design, ignore_errors=True)
+            fit = inference.Fit(found, Runs(found, directory / design, simulate=lambda t, u, s: model(*found.values(u[None])[0]))).run()
+            size[design] = float(fit.posterior.widths().prod() ** (1 / 3))
+            print(design, [(n, round(float(w.prod() ** (1 / 3)), 4)) for n, w in fit.history])
+        self.assertLessEqual(size["adaptive"], size["random"])
+
+    def test_beam_gives_strength_within_5_and_energy_within_10_percent(self):
+        fit = of_file("beam", beam)
+        truth = knap.run("three_point_bending", {**coarse, "interface.left-right.sigma_c": "3.5 MPa", "interface.left-right.G_c": "110 J/m2"},
+                         directory / "beam_truth", threads=1)
+        curve = next(m for m in fit.problem.measured if m.x is not None)
+        curve.values = curve.of(truth)
+        fit.run()
+        report.write(fit)
+        low, high = fit.posterior.interval()
+        best = fit.problem.values(fit.posterior.u).mean(axis=0)
+        print(f"{fit.runs.n_runs} runs; sigma_c {low[0]:.4g} to {high[0]:.4g} MPa, G_c {low[1]:.4g} to {high[1]:.4g} J/m2; {fit.stopped}")
+        self.assertLessEqual(fit.runs.n_runs, 60)
+        for k, (true, part) in enumerate(((3.5, 0.05), (110, 0.10))):
+            self.assertTrue(low[k] <= true <= high[k])
+            self.assertLess((high[k] - low[k]) / 2, part * best[k])
+
+
+coarse = {"mesh.refine[0].size": "10 mm", "time.step": "4 ms", "time.step_cracking": "4 ms", "output.fields": False, "figure": [], "expect": {}}
+beam = """knap_fit = 1
+name = "beam"
+[fit]
+budget = 60
+model_error = "none"
+[parameter.sigma_c]
+key = "interface.left-right.sigma_c"
+bounds = ["2 MPa", "6 MPa"]
+scale = "log"
+[parameter.G_c]
+key = "interface.left-right.G_c"
+bounds = ["50 J/m2", "250 J/m2"]
+scale = "log"
+[test.beam]
+scenario = "three_point_bending"
+set = { "mesh.refine[0].size" = "10 mm", "time.step" = "4 ms", "time.step_cracking" = "4 ms" }
+[[test.beam.measured]]
+points = [[0.1, 0], [0.2, 0], [0.3, 0], [0.4, 0], [0.5, 0], [0.6, 0], [0.7, 0], [0.8, 0], [1.0, 0]]
+units = ["mm", "N"]
+x = "reactions.load0_u_y"
+y = "reactions.load0_force_y"
+factors = [-1, -1]
+scatter = "20 N"
+"""
+scattered_bar = """knap_fit = 1
+name = "cover"
+[fit]
+model_error = "none"
+seeds = 2
+[parameter.sigma_c]
+key = "interface.left-right.sigma_c"
+bounds = ["2 MPa", "5 MPa"]
+scale = "log"
+[parameter.G_c]
+key = "interface.left-right.G_c"
+bounds = ["1.5 J/m2", "4 J/m2"]
+scale = "log"
+[test.bar]
+scenario = "bar_pulled_apart"
+set = { "mesh.size" = "1 mm", "interface.left-right.scatter" = { kind = "lognormal", deviation = 0.15, of = ["sigma_c", "G_c"] }, "time.end" = "250 us" }
+[[test.bar.measured]]
+number = "largest_reaction"
+values = ["10 kN"]
+[[test.bar.measured]]
+number = "dissipated"
+values = ["12 mJ"]
+"""
+bad = """knap_fit = 1
+[fit]
+budget = 0
+metod = "posterior"
+model_error = "some"
+[parameter.s]
+key = "interface.left-right.sigma_x"
+bounds = ["1 MPa", "4 MPa"]
+scale = "log"
+start = "5 MPa"
+[parameter.g]
+keys = ["beem:interface.left-right.G_c"]
+bounds = ["100 J/m2", "20 kJ/m2"]
+[test.beam]
+scenario = "three_point_bending"
+[[test.beam.measured]]
+number = "largest_reactio"
+values = ["850 N"]
+[[test.beam.measured]]
+number = "largest_reaction"
+values = ["850 mm"]
+[[test.beam.measured]]
+points = [[0, 1], [0, 2]]
+x = "reactions.load0_u_y"
+y = "reactions.load0_force"
+scatter = "5 m"
+"""
+bar = """knap_fit = 1
+[fit]
+method = "least squares"
+budget = 20
+[parameter.G_c]
+key = "interface.left-right.G_c"
+bounds = ["1 J/m2", "5 J/m2"]
+start = "2.5 J/m2"
+[test.bar]
+scenario = "bar_pulled_apart"
+set = { "mesh.size" = "2 mm" }
+[[test.bar.measured]]
+number = "dissipated"
+values = ["12 mJ"]
+scatter = "1 %"
+"""
+
+if __name__ == "__main__":
+    directory.mkdir(parents=True, exist_ok=True)
+    unittest.main()

@@ -1,0 +1,74 @@
+"""What a measurement would be at any place of the parameters, with the uncertainty of that, from the runs that were made."""
+import warnings
+
+import numpy as np
+
+
+def need(module, package, what):
+    """A library that only a part needs; without it the message names the Debian package."""
+    try:
+        return __import__(module, fromlist=["*"])
+    except ImportError:
+        raise SystemExit(f"knap-fit: {what} needs {module}: apt install {package}") from None
+
+
+class Emulator:
+    """Kriging (scikit-learn) of the values of one measurement. A curve is written by its principal components: the mean is
+    m + sum_j g_j(u) v_j, its covariance V diag(var g_j) V^T; what the components leave out is `rest` at each place. The
+    variance of runs with other seeds at one place is found with the other parameters of the covariance (white noise)."""
+
+    def __init__(self, u, values, level, before=None):
+        """u: points; values: over points, seeds and places, nan where a run failed; `before`: an emulator of fewer points,
+        whose covariances the search starts from."""
+        gp = need("sklearn.gaussian_process", "python3-sklearn", "the emulator")
+        kernels = gp.kernels
+        seeds = np.isfinite(values).all(axis=2)
+        self.works = seeds.any(axis=1)  # points
+        count = seeds.sum(axis=1)[self.works]
+        y = np.where(seeds[:, :, None], values, 0).sum(axis=1)[self.works] / count[:, None]
+        self.n_seeds, self.level = count.mean(), level
+        self.u, (n, k) = np.asarray(u)[self.works], (len(y), np.shape(u)[1])
+        if n < k + 2:
+            raise ValueError(f"only {n} of {len(u)} points have a value")
+        self.mean = y.mean(axis=0)
+        _, s, v = np.linalg.svd(y - self.mean, full_matrices=False)
+        part = 1 - np.cumsum(s**2) / max((s**2).sum(), 1e-300)
+        r = min(int(np.argmax(part < 1e-4)) + 1, 6) if len(s) > 1 else 1
+        self.v = v[:r].T
+        g = (y - self.mean) @ self.v
+        self.rest = ((y - self.mean - g @ self.v.T) ** 2).mean(axis=0)
+        self.scale = np.maximum(g.std(axis=0), 1e-9 * level)
+        self.processes, self.noise = [], np.zeros(r)
+        for j in range(r):
+            kernel = (kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([1.0] * k, [(0.05, 30)] * k, nu=2.5)
+                      + kernels.WhiteKernel(1e-2, (1e-6, 1.0)))
+            starts = [kernel, *([before.processes[j].kernel_] if before and j < len(before.processes) else [])]
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
+                found = [gp.GaussianProcessRegressor(start, random_state=1).fit(self.u, g[:, j] / self.scale[j]) for start in starts]
+            self.processes.append(max(found, key=lambda process: process.log_marginal_likelihood_value_))
+            process = self.processes[-1]
+            self.noise[j] = process.kernel_.k2.noise_level * self.scale[j] ** 2
+        self.neighbours = None
+        if not self.works.all():
+            neighbours = need("sklearn.neighbors", "python3-sklearn", "the emulator")
+            self.neighbours = neighbours.KNeighborsClassifier(min(5, len(self.works)), weights="distance").fit(u, self.works)
+
+    def __call__(self, u):
+        """Mean (places of u, places of the curve) and the variances of its components (places of u, components)."""
+        g, variance = np.empty((len(u), len(self.scale))), np.empty((len(u), len(self.scale)))
+        for j, process in enumerate(self.processes):
+            g[:, j], deviation = process.predict(u, return_std=True)
+            variance[:, j] = np.maximum(deviation**2 - process.kernel_.k2.noise_level, 1e-12)
+        return self.mean + g * self.scale @ self.v.T, variance * self.scale**2
+
+    def seed_covariance(self):
+        """Of the values of single runs that differ in their seed."""
+        return (self.v * self.noise) @ self.v.T * self.n_seeds
+
+    def log_success(self, u):
+        """Logarithm of the probability that a run has a value there, by its nearest points: failed runs tell where the
+        parameters cannot be."""
+        if self.neighbours is None:
+            return np.zeros(len(u))
+        return np.log(np.clip(self.neighbours.predict_proba(u)[:, list(self.neighbours.classes_).index(True)], 1e-3, 1))

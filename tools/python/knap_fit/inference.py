@@ -1,0 +1,335 @@
+"""The posterior of the parameters, further runs where they teach most, and what the data determine."""
+import numpy as np
+
+from .emulator import Emulator, need
+from .problem import unit_of
+from .runs import Stop
+
+_floor = 1e-3  # of the level of a measurement: smaller differences count as none
+
+
+def sobol(n, dimension, seed):
+    """The first n points of a scrambled Sobol sequence: they fill the unit cube, however many there are."""
+    sequence = need("scipy.stats", "python3-scipy", "the design").qmc.Sobol(dimension, seed=seed)
+    return sequence.random_base2(int(np.ceil(np.log2(max(n, 2)))))[:n]
+
+
+def correlation(x):
+    """Of errors along a curve: exp(-|x - x'|/L), L a quarter of its range. Neighbouring points err together, so a curve of a
+    hundred points tells no more than one of ten."""
+    if x is None:
+        return np.ones((1, 1))
+    return np.exp(-np.abs(x[:, None] - x[None, :]) * 4 / (x[-1] - x[0]))
+
+
+class Posterior:
+    """Draws of the parameters, `u` (a row each), and of the part of the level that the model misses, `tau`; `best`: the most
+    likely of them."""
+
+    def __init__(self, problem, emulators, measured, u, tau, log_p):
+        self.problem, self.emulators, self.measured, self.u, self.tau, self.log_p = problem, emulators, measured, u, tau, log_p
+        self.best, self.best_tau = u[np.argmax(log_p)], tau[np.argmax(log_p)]
+        self.tails = [(100 - problem.options["interval"]) / 2, (100 + problem.options["interval"]) / 2]
+
+    def interval(self):
+        """Lower and upper ends of the parameters."""
+        return self.problem.values(np.percentile(self.u, self.tails, axis=0))
+
+    def widths(self):
+        low, high = np.percentile(self.u, self.tails, axis=0)
+        return high - low
+
+    def correlations(self):
+        return np.atleast_2d(np.corrcoef(self.u.T))
+
+
+def data_covariance(measured, emulator):
+    """Of the mean of the measured specimens about what the model has on average."""
+    x = measured.x
+    if measured.scatter is None:
+        spread = emulator.seed_covariance()
+    else:
+        spread = measured.scatter**2 * correlation(x)
+    return spread / measured.n + np.diag(emulator.rest + (_floor * measured.level) ** 2)
+
+
+class Likelihood:
+    def __init__(self, problem, emulators, with_error):
+        self.problem, self.with_error = problem, with_error
+        self.parts = [(m, emulators[m.title], data_covariance(m, emulators[m.title]), m.level**2 * correlation(m.x))
+                      for m in problem.measured if m.use == "fit"]
+
+    def __call__(self, u):
+        """Logarithm of prior times likelihood, up to a constant; u has log10 of tau in a further column with an error term,
+        uniform from 0.001 to 1."""
+        k = len(self.problem.parameters)
+        found = sum(parameter.log_prior(x) for parameter, x in zip(self.problem.parameters, u.T))
+        tau = np.zeros(len(u))
+        if self.with_error:
+            tau = 10.0 ** u[:, k]
+            found = np.where((tau < 1e-3) | (tau > 1), -np.inf, found)
+        inside = np.isfinite(found)
+        if inside.any():
+            found[inside] += self.log_likelihood(u[inside, :k], tau[inside])
+        return found
+
+    def log_likelihood(self, u, tau):
+        found = np.zeros(len(u))
+        for measured, emulator, covariance, error in self.parts:
+            mean, variance = emulator(u)
+            c = covariance + (emulator.v * variance[:, None, :]) @ emulator.v.T + tau[:, None, None] ** 2 * error
+            factor = np.linalg.cholesky(c)
+            z = np.linalg.solve(factor, (measured.values - mean)[:, :, None])[:, :, 0]
+            found += -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1) + emulator.log_success(u)
+        return found
+
+    def misfit(self, u):
+        """Sum of the squares of the residuals at u in their standard deviations, without an error term, and their number."""
+        total, number = 0.0, 0
+        for measured, emulator, covariance, _ in self.parts:
+            mean, variance = emulator(u[None])
+            c = covariance + (emulator.v * variance[0]) @ emulator.v.T
+            r = measured.values - mean[0]
+            total, number = total + r @ np.linalg.solve(c, r), number + len(r)
+        return total, number
+
+
+def sample(problem, likelihood, steps, rng, before=None):
+    """Draws from the posterior by emcee (affine-invariant ensembles, Goodman and Weare 2010). The walkers start at the most likely
+    of a thousand places and of the draws `before`, and once more at the most likely places of a first short chain: a narrow
+    posterior is found, and its width is that of the second chain alone."""
+    emcee = need("emcee", "python3-emcee", "the posterior")
+    dimension = len(problem.parameters) + likelihood.with_error
+    start = sobol(1024, dimension, int(rng.integers(2**31)))
+    if likelihood.with_error:
+        start[:, -1] = -3 + 3 * start[:, -1]
+    if before is not None:
+        start = np.vstack([start, np.hstack([before.u[:200], np.log10(np.clip(before.tau[:200, None], 1e-2, 1))])[:, :dimension]])
+    n = max(24, 4 * dimension)
+    log_p = likelihood(start)
+    for part in (max(steps // 3, 50), steps):
+        start = start[np.argsort(-log_p)[:n]]
+        sampler = emcee.EnsembleSampler(n, dimension, likelihood, vectorize=True,
+                                        moves=[(emcee.moves.DEMove(), 0.7), (emcee.moves.StretchMove(), 0.3)])
+        sampler.random_state = np.random.RandomState(int(rng.integers(2**31))).get_state()
+        sampler.run_mcmc(start, part, skip_initial_state_check=True)
+        start, first = np.unique(sampler.get_chain(flat=True), axis=0, return_index=True)
+        log_p = sampler.get_log_prob(flat=True)[first]
+    chain, log_p = (getter(discard=steps // 3, flat=True) for getter in (sampler.get_chain, sampler.get_log_prob))
+    keep = rng.permutation(len(chain))[: max(problem.options["draws"], 400)]
+    chain, log_p, k = chain[keep], log_p[keep], len(problem.parameters)
+    return chain[:, :k], 10.0 ** chain[:, k] if likelihood.with_error else np.zeros(len(chain)), log_p
+
+
+class Fit:
+    """A fit: `run` makes the runs; `posterior`; `history` of (runs, widths of the intervals); `p`: probability of a misfit as
+    large as this one if the model were true."""
+
+    def __init__(self, problem, runs, log=lambda text: None):
+        self.problem, self.runs, self.log = problem, runs, log
+        self.emulators, self.history, self.posterior, self.p, self.stopped = {}, [], None, np.nan, ""
+        self.with_error = problem.options["model_error"] == "fitted"
+
+    def design(self, n, seed=None):
+        return sobol(n, len(self.problem.parameters), self.problem.options["seed"] if seed is None else seed)
+
+    def run(self):
+        options, k = self.problem.options, len(self.problem.parameters)
+        most = max(options["budget"] // self.runs.per_point, 1)
+        first = min(options["first"] or 6 * k, most)
+        batch = max(self.runs.jobs // self.runs.per_point, -(-most // 12), 1)
+        if len(self.runs.points) < first:
+            self.runs.add(self.design(first)[len(self.runs.points):])
+        self.runs.finish()
+        steady = 0
+        while True:
+            self.infer(steps=150)
+            widths = self.posterior.widths()
+            self.history.append((self.runs.n_runs, widths))
+            share = self.share(self.posterior.u[:200])
+            self.log(f"{self.runs.n_runs} runs; " + "; ".join(
+                f"{p.name} {low:.4g} to {high:.4g} {p.unit}" for p, low, high in zip(self.problem.parameters, *self.posterior.interval())))
+            change = np.abs(widths / self.history[-2][1] - 1).max() if len(self.history) > 1 else 1.0
+            steady = steady + 1 if change < options["shrink"] * 3 and share < 0.1 else 0
+            if len(self.runs.points) >= most:
+                self.stopped = "the budget is used up"
+            elif steady >= 2:
+                self.stopped = "the intervals no longer shrink"
+            if self.stopped:
+                break
+            n = min(batch, most - len(self.runs.points))
+            if options["design"] == "random":
+                self.runs.add(self.design(len(self.runs.points) + n)[-n:])
+            else:
+                self.runs.add(self.next_points(n))
+        self.infer(steps=600)
+        return self
+
+    def infer(self, steps):
+        """The posterior from the runs that there are. An error term of the model is added where the data need one."""
+        for measured in self.problem.measured:
+            try:
+                self.emulators[measured.title] = Emulator(self.runs.points, self.runs.of(measured), measured.level,
+                                                          self.emulators.get(measured.title))
+            except ValueError as error:
+                why = next((text for text in self.runs.why.values() if text), "")
+                if measured.use == "fit":
+                    raise Stop(f"{measured.title}: {error}" + (f"; the first run that failed: {why}" if why else "")) from None
+        rng = np.random.default_rng(self.problem.options["seed"])
+        likelihood = Likelihood(self.problem, self.emulators, self.with_error)
+        drawn = sample(self.problem, likelihood, steps, rng, self.posterior)
+        chi2, number = likelihood.misfit(drawn[0][np.argmax(drawn[2])])
+        freedom = number - len(self.problem.parameters)
+        stats = need("scipy.stats", "python3-scipy", "the test of the misfit")
+        self.p = float(stats.chi2.sf(chi2, freedom)) if freedom > 0 else np.nan
+        if self.problem.options["model_error"] == "auto" and not self.with_error and self.p < 0.01:
+            likelihood = Likelihood(self.problem, self.emulators, True)
+            drawn = sample(self.problem, likelihood, steps, rng, self.posterior)
+        self.likelihood = likelihood
+        self.posterior = Posterior(self.problem, self.emulators, [m for m in self.problem.measured if m.use == "fit"], *drawn)
+
+    def share(self, u):
+        """Variance of the emulators over that of the data, mean over the measurements: what further runs can take away."""
+        return float(np.mean(self.variances(u)))
+
+    def variances(self, u):
+        found = []
+        for measured, emulator, covariance, error in self.likelihood.parts:
+            variance = emulator(u)[1] @ (emulator.v**2).T
+            found.append((variance / np.diag(covariance + self.posterior.best_tau**2 * error)).mean(axis=1))
+        return np.mean(found, axis=0)
+
+    def next_points(self, n):
+        """Draws of the posterior where the emulators know least in standard deviations of the data (Sinsbeck and Nowak 2017),
+        apart from each other; a tenth of the candidates lies anywhere."""
+        u = np.vstack([self.posterior.u[:400], self.design(40, seed=len(self.runs.points))])
+        weight = self.variances(u)
+        weight[400:] *= 0.1
+        inverse = np.linalg.inv(np.cov(self.posterior.u.T).reshape(u.shape[1], -1) + 1e-8 * np.eye(u.shape[1]))
+        chosen = []
+        for _ in range(n):
+            chosen.append(u[np.argmax(weight)])
+            d = u - chosen[-1]
+            weight *= 1 - np.exp(-0.5 * np.einsum("ij,jk,ik->i", d, inverse, d))
+        return np.array(chosen)
+
+    # ---- what the data say
+
+    def prior_deviation(self):
+        """Of each parameter in u: 1/sqrt(12), or that of its `normal`."""
+        grid = np.linspace(0.0005, 0.9995, 1000)
+        found = []
+        for parameter in self.problem.parameters:
+            weight = np.exp(parameter.log_prior(grid))
+            mean = (grid * weight).sum() / weight.sum()
+            found.append(np.sqrt(((grid - mean) ** 2 * weight).sum() / weight.sum()))
+        return np.array(found)
+
+    def determined(self):
+        """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no"."""
+        part = self.posterior.u.std(axis=0) / self.prior_deviation()
+        return ["yes" if x < 0.4 else "partly" if x < 0.75 else "no" for x in part]
+
+    def combinations(self):
+        """Texts: parameters that the data determine together only, by the directions of the posterior's covariance whose
+        deviation is small while their parameters are not determined alone."""
+        prior, texts = self.prior_deviation(), []
+        scaled = (self.posterior.u - self.posterior.u.mean(axis=0)) / prior
+        values, vectors = np.linalg.eigh(np.atleast_2d(np.cov(scaled.T)))
+        alone = scaled.std(axis=0)
+        for value, vector in zip(values, vectors.T):
+            members = [i for i in range(len(vector)) if abs(vector[i]) > 0.3 and alone[i] > 0.4]
+            if len(members) < 2 or np.sqrt(value) > 0.4:
+                continue
+            log = all(self.problem.parameters[i].log for i in members)
+            ranges = [np.log(p.high / p.low) if p.log else p.high - p.low for p in self.problem.parameters]
+            powers = np.array([vector[i] / prior[i] / ranges[i] for i in members])
+            powers = powers / powers[0]
+            names = [self.problem.parameters[i].name for i in members]
+            texts.append("only the product " * log + "only the sum " * (not log)
+                         + (" " if log else " + ").join(f"{name}^{p:.2g}" if log else f"{p:.3g} {name}" for name, p in zip(names, powers))
+                         + " is determined, not each of " + ", ".join(names))
+        return texts
+
+    def further_tests(self):
+        """(parameter, what would be measured, part by which its deviation would shrink): of candidates and left-out
+        measurements by their emulators, of other numbers of the same tests by a linear fit over the points; the largest
+        three for each parameter that is not determined. Measured once, with the scatter of seeds or at least 3 %."""
+        u, found = self.posterior.u, []
+        columns = []
+        for m in self.problem.measured:
+            if m.use != "fit" and m.title in self.emulators:
+                emulator = self.emulators[m.title]
+                mean = emulator(u)[0]
+                scatter = m.scatter or max((m.part or 0.03) * np.abs(mean).max(), np.sqrt(np.diag(emulator.seed_covariance()).max()))
+                columns.append((m.title, mean, scatter))
+        used = {(m.test.name, m.name) for m in self.problem.measured}
+        design = np.hstack([np.ones((len(self.runs.points), 1)), self.runs.points])
+        for test in self.problem.tests:
+            names = sorted({name for (_, t, _), numbers in self.runs.summaries.items() if t == test.name for name in numbers})
+            for name in names:
+                if (test.name, name) in used or unit_of("summary", name) not in ("Pa", "N", "m", "J"):
+                    continue
+                y = self.runs.numbers(test, name)
+                keep = np.isfinite(y)
+                if keep.sum() < 3 * design.shape[1] or not y[keep].std() > 1e-9 * np.abs(y[keep]).max():
+                    continue
+                slope = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
+                rest = (y[keep] - design[keep] @ slope).std()
+                if rest < 0.5 * y[keep].std():
+                    columns.append((f"{test.name}: {name}", (u @ slope[1:] + slope[0])[:, None], max(rest, 0.03 * np.abs(y[keep]).mean())))
+        for i, (parameter, state) in enumerate(zip(self.problem.parameters, self.determined())):
+            if state == "yes":
+                continue
+            shrink = []
+            for title, f, scatter in columns:
+                f, x = f - f.mean(axis=0), u[:, i] - u[:, i].mean()
+                gain = (x @ f / len(f)) @ np.linalg.solve(f.T @ f / len(f) + scatter**2 * np.eye(f.shape[1]), x @ f / len(f))
+                shrink.append((parameter.name, title, 1 - np.sqrt(max(1 - gain / x.var(), 0))))
+            found += [row for row in sorted(shrink, key=lambda row: -row[2])[:3] if row[2] > 0.1]
+        return found
+
+    def predictions(self):
+        """(measured, low, middle, high) of one mean of specimens as those that were measured."""
+        rng, found = np.random.default_rng(1), []
+        u, tau = self.posterior.u[:500], self.posterior.tau[:500]
+        for m in self.problem.measured:
+            if m.title not in self.emulators:
+                continue
+            emulator = self.emulators[m.title]
+            mean, variance = emulator(u)
+            y = mean + (rng.standard_normal(variance.shape) * np.sqrt(variance)) @ emulator.v.T
+            y += rng.multivariate_normal(np.zeros(m.size), data_covariance(m, emulator), len(u), method="eigh")
+            y += tau[:, None] * m.level * rng.multivariate_normal(np.zeros(m.size), correlation(m.x), len(u), method="eigh")
+            found.append((m, *np.percentile(y, [self.posterior.tails[0], 50, self.posterior.tails[1]], axis=0)))
+        return found
+
+
+def least_squares(problem, runs, log=lambda text: None):
+    """(values, residuals in standard deviations): bounded least squares from the starts by scipy, a step of 0.05 of the
+    bounds for slopes, so that rough answers do not mislead them."""
+    optimize = need("scipy.optimize", "python3-scipy", "least squares")
+    fitted = [m for m in problem.measured if m.use == "fit"]
+    runs.finish()
+    known = {tuple(u): k for k, u in enumerate(runs.points)}
+
+    def residuals(u):
+        if tuple(u) not in known:
+            if runs.n_runs + runs.per_point > problem.options["budget"]:
+                raise Stop(f"the budget of {problem.options['budget']} runs is used up")
+            known[tuple(u)] = len(runs.points)
+            runs.add(u)
+        k, found = known[tuple(u)], []
+        for m in fitted:
+            values = runs.of(m)[k]
+            values = values[np.isfinite(values).all(axis=1)]
+            if not len(values):
+                raise Stop(f"{m.title}: no value at {', '.join(f'{p.name} = {p.text(x)}' for p, x in zip(problem.parameters, u))}")
+            found.append((values.mean(axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
+        log(", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)) + ": "
+            + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}" for m in fitted if m.x is None))
+        return np.concatenate(found)
+
+    start = np.array([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters])
+    found = optimize.least_squares(residuals, np.clip(start, 0.01, 0.99), bounds=(0, 1), diff_step=0.05, xtol=2e-3, ftol=1e-4, x_scale=1.0)
+    return found.x, found.fun
