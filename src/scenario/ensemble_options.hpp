@@ -52,8 +52,9 @@ struct RandomKey {
     std::vector<std::string> choices;             // as after KEY=
     bool whole = false;                           // whole numbers
     std::string unit;                             // of the key
+    std::string stream = {};  // of random numbers; keys of one stream draw the same place in their choices; "": its own
 
-    /// The value of a member as after KEY=. It depends on seed, key and member only, not on other keys or members.
+    /// The value of a member as after KEY=. It depends on seed, stream and member only, not on others.
     std::string drawn(std::uint64_t seed, int member) const;
 };
 

@@ -282,6 +282,8 @@ void add_keys_of_ensembles(KeyTable& t) {
     t.integer("members", "their number").at_least(1).at_most(100000).required().to(&RandomMembers::n);
     t.integer("seed", "seed of what is drawn: the values of a member depend on it, on its number and on the key only")
         .at_least(0).computed("`seed`").to(&RandomMembers::seed);
+    t.text("file", "csv file whose columns are keys, with units as in `interface.default.sigma_c [Pa]`: each member "
+        "draws one line, as of the posterior.csv of knap-fit");
     t.list("sweep.random.vary[]", "a key that is drawn anew for every member; with one of uniform, normal, lognormal "
         "and choice");
     t.text("key", "key of a number, as body.boulder.shift.x, body.boulder.spin, obstacle.terrain.friction, seed: after "

@@ -6,9 +6,11 @@
 #include "base/random.hpp"
 #include "record/outputs.hpp"
 #include "scenario/reading.hpp"
+#include "scenario/units.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 namespace knap {
 namespace {
@@ -121,7 +123,7 @@ std::vector<StudyLine> study_lines(const Table& study, bool statistics) {
 // ---- [sweep.random]
 
 /// The row of a key that can be drawn; null, and an error, where it cannot.
-const Key* check_drawn_key(const Table& table, const std::string& path) {
+const Key* check_drawn_key(const Table& table, const std::string& path, const char* at = "key") {
     const Key* key = key_at(path);
     const Node* there = &table.reading().values.root;
     std::string above;
@@ -131,7 +133,7 @@ const Key* check_drawn_key(const Table& table, const std::string& path) {
             std::vector<std::string> names;
             for (const Node& entry : there->children)
                 if (const Node* name = entry.find("name")) names.push_back(name->text);
-            table.error("unknown-name", "key", "= \"" + path + "\": there is no `" + part.name + "` in `" + above + "`",
+            table.error("unknown-name", at, "= \"" + path + "\": there is no `" + part.name + "` in `" + above + "`",
                         names.empty() ? "there is none" : "known: " + first_of(names), did_you_mean(part.name, names));
             return nullptr;
         }
@@ -142,7 +144,7 @@ const Key* check_drawn_key(const Table& table, const std::string& path) {
     std::vector<std::string> known;
     for (const Key& each : keys())
         if (each.kind == Kind::number || each.kind == Kind::integer) known.push_back(each.path);
-    table.error(key ? "out-of-range" : "unknown-key", "key", "= \"" + path + "\" is not a key that can be drawn",
+    table.error(key ? "out-of-range" : "unknown-key", at, "= \"" + path + "\" is not a key that can be drawn",
                 "as body.boulder.velocity.x, seed", did_you_mean(pattern_of(path), known));
     return nullptr;
 }
@@ -187,6 +189,17 @@ void check_distribution(const Table& table, const Key& key, const std::string& n
                     drawn.distribution == Distribution::uniform ? "" : "within = [smallest, largest]");
 }
 
+/// Adds a key that the key `at` of a table names, unless it has a value already.
+void add_drawn_key(const Table& table, const char* at, RandomKey drawn, RandomMembers& random) {
+    const auto is_it = [&](const RandomKey& other) { return other.key == drawn.key; };
+    if (std::ranges::any_of(random.keys, is_it))
+        table.error("duplicate-name", at, "= \"" + drawn.key + "\" is drawn twice");
+    for (const std::string& set : table.scenario().sweep.set)
+        if (trimmed(std::string_view(set).substr(0, set.find('='))) == drawn.key)
+            table.error("exclusive-keys", at, "= \"" + drawn.key + "\" is a key of sweep.set, too");
+    random.keys.push_back(std::move(drawn));
+}
+
 void read_drawn_key(const Table& table, RandomMembers& random) {
     using Distribution = RandomKey::Distribution;
     RandomKey drawn;
@@ -210,13 +223,59 @@ void read_drawn_key(const Table& table, RandomMembers& random) {
     const bool has_tails = *name == "normal" || *name == "lognormal";
     if (table.given("within") && !has_tails) table.error("exclusive-keys", "within", "belongs to normal and lognormal");
     if (*name != "choice") check_distribution(table, *key, *name, drawn);
-    const auto is_it = [&](const RandomKey& other) { return other.key == drawn.key; };
-    if (std::ranges::any_of(random.keys, is_it))
-        table.error("duplicate-name", "key", "= \"" + drawn.key + "\" is drawn twice");
-    for (const std::string& set : table.scenario().sweep.set)
-        if (trimmed(std::string_view(set).substr(0, set.find('='))) == drawn.key)
-            table.error("exclusive-keys", "key", "= \"" + drawn.key + "\" is a key of sweep.set, too");
-    random.keys.push_back(std::move(drawn));
+    add_drawn_key(table, "key", std::move(drawn), random);
+}
+
+/// The columns of a csv file whose names are keys, as `interface.default.sigma_c [Pa]`: a member draws a whole line.
+void read_drawn_lines(const Table& table, RandomMembers& random) {
+    const auto bytes = table.bytes_of("file");
+    if (!bytes) return;
+    const auto refuse = [&](const std::string& problem, int number, const std::string& line) {
+        table.reading().findings.add({.code = "bad-csv",
+                                      .message = problem,
+                                      .file = (table.reading().files.directory / table.text("file")).string(),
+                                      .line = number,
+                                      .column = 1,
+                                      .length = std::max<int>(1, static_cast<int>(line.size())),
+                                      .source_line = line,
+                                      .note = "first line: KEY [UNIT], KEY [UNIT], ...; each other one: their values"});
+    };
+    std::vector<RandomKey> columns;
+    std::istringstream in(*bytes);
+    int number = 0;
+    for (std::string line; std::getline(in, line);) {
+        ++number;
+        if (line.ends_with('\r')) line.pop_back();
+        std::vector<std::string> cells;
+        std::istringstream parts(line.substr(0, line.find('#')));
+        for (std::string cell; std::getline(parts, cell, ',');) cells.emplace_back(trimmed(cell));
+        if (cells.empty() || (cells.size() == 1 && cells[0].empty())) continue;
+        const bool names = columns.empty();
+        if (!names && cells.size() != columns.size())
+            return refuse("this line has " + std::to_string(cells.size()) + " values for " +
+                              std::to_string(columns.size()) + " keys",
+                          number, line);
+        for (std::size_t i = 0; i < cells.size(); ++i) {
+            if (names) {
+                RandomKey& column = columns.emplace_back();
+                const std::size_t bracket = cells[i].ends_with(']') ? cells[i].find(" [") : std::string::npos;
+                column.key = trimmed(cells[i].substr(0, bracket));
+                if (bracket != std::string::npos)
+                    column.unit = cells[i].substr(bracket + 2, cells[i].size() - bracket - 3);
+                column.distribution = RandomKey::Distribution::choice;
+                column.stream = "line of file";
+                if (!check_drawn_key(table, column.key, "file")) return;
+                continue;
+            }
+            const Quantity value = parse_quantity(cells[i]);
+            if (!value.problem.empty() || !value.unit.empty())
+                return refuse("`" + cells[i] + "` of `" + columns[i].key + "` is not a number", number, line);
+            columns[i].choices.push_back(cells[i] + (columns[i].unit.empty() ? "" : " " + columns[i].unit));
+        }
+    }
+    if (columns.empty() || columns.front().choices.empty()) return refuse("the file has no line of values", 0, "");
+    table.scenario().files.push_back({table.path("file"), "members.csv", *bytes});
+    for (RandomKey& column : columns) add_drawn_key(table, "file", std::move(column), random);
 }
 
 void read_members(Reading& reading) {
@@ -224,9 +283,11 @@ void read_members(Reading& reading) {
     RandomMembers& random = reading.scenario.sweep.random;
     table.compute("seed", Node::of_integer(static_cast<int>(reading.scenario.seed)));
     table.fill(random);
+    if (table.has("file")) read_drawn_lines(table, random);
     for (const Table& vary : table.list("vary")) read_drawn_key(vary, random);
-    if (table.list("vary").empty())
-        table.error("missing-key", "vary", "is missing: all members would be the same", "[[sweep.random.vary]]");
+    if (table.list("vary").empty() && !table.has("file"))
+        table.error("missing-key", "vary", "is missing: all members would be the same",
+                    "[[sweep.random.vary]], or file = \"posterior.csv\"");
     if (reading.table("sweep").given("seeds"))
         reading.table("sweep").error("exclusive-keys", "seeds", "belongs to a sweep without random members",
                                      "draw the key `seed`: [[sweep.random.vary]] with key = \"seed\"");
@@ -236,7 +297,7 @@ void read_members(Reading& reading) {
 
 std::string RandomKey::drawn(std::uint64_t seed, int member) const {
     constexpr int most_draws = 1'000'000;  // at least a thousandth of the distribution is within the bounds
-    Random random(seed, "member " + std::to_string(member) + " " + key);
+    Random random(seed, "member " + std::to_string(member) + " " + (stream.empty() ? key : stream));
     if (distribution == Distribution::choice)
         return choices[std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(choices.size())),
                                 choices.size() - 1)];

@@ -388,6 +388,7 @@ nu = 0.3
 [sweep.random]
 members = 5
 seed = 9
+file = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/members.csv"
 [[sweep.random.vary]]
 key = "body.cap.shift.x"
 uniform = ["-1 mm", "1 mm"]
@@ -944,6 +945,7 @@ const Case cases[] = {
     {scene, "body[2].shift", "[0.001, 0]"},
     {scene, "sweep.random.members", "5"},
     {scene, "sweep.random.seed", "9"},
+    {scene, "sweep.random.file", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/members.csv\""},
     {scene, "sweep.random.vary[0].key", "\"body.cap.shift.x\""},
     {scene, "sweep.random.vary[0].uniform", "[-0.001, 0.001]"},
     {scene, "sweep.random.vary[1].normal", "[10, 57.29577951308232]"},

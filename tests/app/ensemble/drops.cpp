@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <map>
 #include <set>
 
 namespace drops_test {
@@ -101,6 +103,36 @@ std::string with(const std::string& what, const std::string& by) {
 }
 
 }  // namespace
+
+TEST_CASE("random members: each draws a whole line of a file") {
+    const Folder folder("lines");
+    write_scene(folder, drop);
+    const std::string scene = (folder.path / "scene.toml").string(), file = (folder.path / "members.csv").string(),
+                      set = "sweep.random.file=\"" + file + "\"";
+    const auto write = [&](const std::string& text) { std::ofstream(file) << text; };
+    write("material.rock.E [MPa], material.rock.nu # two keys\r\n100, 0.10\r\n200, 0.20\n300, 0.30\n");
+    const Ensemble plan = plan_sweep(scene, {set, "sweep.random.members=60", "sweep.random.vary="});
+    std::map<std::string, int> drawn;
+    for (const EnsembleRun& run : plan.runs) {
+        CHECK(run.refusal.empty());
+        CHECK(std::stod(run.drawn[0]) == doctest::Approx(1000 * std::stod(run.drawn[1])).epsilon(1e-12));
+        ++drawn[run.drawn[1]];
+    }
+    REQUIRE(drawn.size() == 3);
+    for (const auto& [value, n] : drawn) CHECK(n >= 8);       // of 60: four standard deviations below 20 are 5
+    CHECK(plan_sweep(scene, {set}).random.keys.size() == 8);  // beside [[sweep.random.vary]]
+
+    write("material.rock.E [MPa], material.rock.mu\n100, 0.1\n");
+    CHECK_THROWS_WITH_AS(plan_sweep(scene, {set}), doctest::Contains("material.rock.mu"), UserError);
+    write("material.rock.E [MPa], material.rock.nu\n100, 0.1\n200\n");
+    CHECK_THROWS_WITH_AS(plan_sweep(scene, {set}), doctest::Contains("1 values for 2 keys"), UserError);
+    write("material.rock.E [MPa], material.rock.nu\n100, much\n");
+    CHECK_THROWS_WITH_AS(plan_sweep(scene, {set}), doctest::Contains("`much` of `material.rock.nu`"), UserError);
+    write("material.rock.nu, body.stone.shift.x\n0.1, 0\n");
+    CHECK_THROWS_WITH_AS(plan_sweep(scene, {set}), doctest::Contains("drawn twice"), UserError);
+    write("material.rock.nu\n");
+    CHECK_THROWS_WITH_AS(plan_sweep(scene, {set}), doctest::Contains("no line of values"), UserError);
+}
 
 TEST_CASE("random members: their values depend on seed and number and key alone") {
     const Folder folder("draws");
