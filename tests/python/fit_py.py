@@ -112,6 +112,26 @@ class Quick(unittest.TestCase):
         np.testing.assert_allclose(curve.x, [1e-4, 2e-4])
         self.assertEqual((curve.scatter, candidate.part, candidate.values), (6.0, 0.05, None))
 
+    def test_no_value_of_a_key_is_an_internal_error(self):
+        guide = (tools.parents[1] / "scenarios" / "README.md").read_text(encoding="utf-8")
+        lines = re.search(r"```toml\n(# beam.toml.*?)```", guide, re.DOTALL)[1].splitlines()
+        (directory / "beam.csv").write_text("deflection [mm],force [N]\n0.1,100\n0.2,200\n")
+        file, refused = directory / "strange.toml", 0
+        for i, line in enumerate(lines):
+            for value in ('"x"', "-1", "[]", "{}", "true", "nan", '["a", 1]', "[[1, 2], [3]]", '"5 %"', '[1, "2 MPa"]'):
+                if key := re.match(r"\w+\s*=", line):
+                    file.write_text("\n".join([*lines[:i], f"{key[0]} {value}", *lines[i + 1:]]))
+                    try:
+                        files.read(file, check_scenarios=False)
+                    except files.Mistakes:
+                        refused += 1
+        self.assertGreater(refused, 100)
+        for text in ("", "a,b\n1,x\n2,3\n", "a,b\n1,2\n", "a,b\n2,1\n1,2\n", "a [s],b [N]\n1,2\n2,3\n", "a,b\n1\n2,3\n"):
+            (directory / "beam.csv").write_text(text)
+            file.write_text("\n".join(lines))
+            with self.assertRaises(files.Mistakes):
+                files.read(file, check_scenarios=False)
+
     def test_units_are_those_of_the_program(self):
         for unit, of, value in (("MPa", "Pa", 1e6), ("kJ/m2", "J/m2", 1e3), ("mm", "m", 1e-3), ("mm2", "m2", 1e-6), ("mm/us", "m/s", 1e3), ("%", "", 0.01)):
             self.assertAlmostEqual(files.factor(unit, of) / value, 1, delta=1e-12)
@@ -300,6 +320,14 @@ class Slow(unittest.TestCase):
         for k, (true, part) in enumerate(((3.5, 0.05), (110, 0.10))):
             self.assertTrue(low[k] <= true <= high[k])
             self.assertLess((high[k] - low[k]) / 2, part * best[k])
+        # a sweep draws pairs of the posterior
+        printed = subprocess.run([knap.program(), "sweep", "three_point_bending", "--print-commands", "-s", "sweep.random.members=20", "-s",
+                                  f"sweep.random.file=\"{directory.resolve() / 'beam' / 'posterior.csv'}\""], capture_output=True, text=True)
+        drawn = re.findall(r"sigma_c=([0-9.]+) MPa.*G_c=([0-9.]+) J/m2", printed.stdout)
+        self.assertEqual(len(drawn), 20, printed.stderr)
+        table = knap.read_csv(directory / "beam" / "posterior.csv")
+        pairs = set(zip(*table.values()))
+        self.assertTrue(all((float(a), float(b)) in pairs for a, b in drawn))
 
 
 coarse = {"mesh.refine[0].size": "10 mm", "time.step": "4 ms", "time.step_cracking": "4 ms", "output.fields": False, "figure": [], "expect": {}}
@@ -325,7 +353,7 @@ units = ["mm", "N"]
 x = "reactions.load0_u_y"
 y = "reactions.load0_force_y"
 factors = [-1, -1]
-scatter = "20 N"
+scatter = "15 N"
 """
 scattered_bar = """knap_fit = 1
 name = "cover"

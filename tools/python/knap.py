@@ -351,8 +351,8 @@ def plot_over(runs, x, y, labels=None, axis=None):
         (x_table, x_name), (y_table, y_name) = (name.split(".", 1) for name in (x, y))
         tables = run.table(x_table), run.table(y_table)
         axis.plot(tables[0][x_name], tables[1][y_name], label=labels[k] if labels else run.directory.name)
-    axis.set_xlabel(f"{x_name} [{tables[0].units[x_name]}]")
-    axis.set_ylabel(f"{y_name} [{tables[1].units[y_name]}]")
+    axis.set(**{f"{name}label": column + (f" [{table.units[column]}]" if table.units[column] else "")
+                for name, column, table in (("x", x_name, tables[0]), ("y", y_name, tables[1]))})
     axis.legend()
     return axis
 

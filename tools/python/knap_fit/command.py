@@ -23,7 +23,7 @@ def _options(program, description, folder):
 
 
 def _within_errors(work):
-    """Exit codes are those of knap: 2 for a mistake in FILE, 3 where the runs or the data give no answer."""
+    """Exit codes are those of knap: 2 for a mistake in FILE, 3 where the runs or the data give no answer, 4 where a value of [expect] is missed."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices of a hundred rows
     try:
         work()
@@ -64,7 +64,8 @@ from), residuals.csv, predictions.csv, parameters.tex and report.html. The same 
                 u, residuals = inference.least_squares(found, runs, log)
                 report.write_least_squares(found, runs, u, residuals)
             else:
-                report.write(inference.Fit(found, runs, log).run())
+                if not report.write(inference.Fit(found, runs, log).run()):
+                    sys.exit(4)
         except Stop as stop:
             if not options.print_commands:
                 raise

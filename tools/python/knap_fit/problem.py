@@ -152,7 +152,7 @@ class Problem:
 defaults = {"budget": 60, "seeds": 1, "first": 0, "method": "posterior", "model_error": "auto", "interval": 90, "shrink": 0.03,
             "draws": 2000, "seed": 1, "design": "adaptive"}
 _allowed = {
-    "": ["knap_fit", "name", "fit", "parameter", "test", "sensitivity"],
+    "": ["knap_fit", "name", "fit", "parameter", "test", "sensitivity", "expect"],
     "fit": [*defaults],
     "sensitivity": ["numbers", "trajectories"],
     "parameter": ["key", "keys", "bounds", "scale", "normal", "start"],
@@ -399,6 +399,12 @@ def read(file, check_scenarios=True):
     reader = _Reader(file)
     root = reader.root
     reader.keys(root, "", "")
+    if root.get("knap_fit") != 1:
+        reader.error("knap_fit", "is the version of the file", "knap_fit = 1")
+    for kind in ("parameter", "test", "expect"):
+        if not isinstance(root.get(kind, {}), dict):
+            reader.error(kind, "is not a table")
+            root[kind] = {}
     options = root.get("fit", {})
     if not reader.keys(options, "fit", "fit"):
         options = {}
@@ -420,6 +426,15 @@ def read(file, check_scenarios=True):
         reader.error("parameter", "is missing", '[parameter.NAME] with key and bounds')
     if not tests:
         reader.error("test", "is missing", "[test.NAME] with scenario and [[test.NAME.measured]]")
+    expect = root.get("expect", {})
+    found["expect"] = {}  # name: its value and the part or the value within which the mean of the posterior must lie
+    for name, table in expect.items():
+        of = next((p for p in parameters if p and p.name == name), None)
+        value, within = (quantity(table.get(key)) for key in ("value", "within")) if isinstance(table, dict) else (None, None)
+        if of is None or not value or not within or value[1] != of.unit or within[1] not in ("%", of.unit):
+            reader.error(f"expect.{name}", "is not allowed", 'PARAMETER = { value = "2 MPa", within = "10 %" }, in the unit of its bounds')
+        else:
+            found["expect"][name] = (value[0], within[0] * value[0] / 100 if within[1] == "%" and of.unit != "%" else within[0])
     sensitivity = root.get("sensitivity", {})
     if reader.keys(sensitivity, "sensitivity", "sensitivity"):
         found["trajectories"] = reader.number(sensitivity, "trajectories", "sensitivity", 8, 2, 1000, True)
@@ -429,7 +444,7 @@ def read(file, check_scenarios=True):
                 reader.error("sensitivity.numbers", f"{name!r} is not a number of the summary", "see scenarios/OUTPUTS.md")
     if all(parameters) and all(tests) and not any(m.use == "fit" for test in tests for m in test.measured) and not found.get("numbers"):
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]]; [sensitivity] numbers for knap-sensitivity")
-    problem = Problem(root.get("name", pathlib.Path(file).stem), [p for p in parameters if p], [t for t in tests if t], found, reader.file.parent)
+    problem = Problem(str(root.get("name", pathlib.Path(file).stem)), [p for p in parameters if p], [t for t in tests if t], found, reader.file.parent)
     if check_scenarios:
         _check_scenarios(reader, problem)
     if reader.found:

@@ -9,7 +9,7 @@ import knap
 
 def _table(file, head, rows):
     with open(file, "w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out)
+        writer = csv.writer(out, lineterminator="\n")
         writer.writerow(head)
         writer.writerows([[f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row] for row in rows])
 
@@ -34,7 +34,7 @@ def surpluses(runs):
 
 
 def write(fit):
-    """All files of a fit, and what a terminal shows."""
+    """All files of a fit, and what a terminal shows; whether the values of [expect] are met."""
     problem, posterior, out = fit.problem, fit.posterior, fit.runs.directory
     low, high = posterior.interval()
     best, values = problem.values(posterior.best), problem.values(posterior.u)
@@ -50,7 +50,7 @@ def write(fit):
     keys = [(key.rpartition(":")[2], i) for i, p in enumerate(problem.parameters) for key in p.keys]
     keys = list(dict(keys).items())
     units = [problem.parameters[i].unit for _, i in keys]
-    _table(out / "posterior.csv", [f"{key} [{unit}]" if unit else key for (key, _), unit in zip(keys, units)],
+    _table(out / "posterior.csv", [label(key, unit) for (key, _), unit in zip(keys, units)],
            [[float(row[i]) for _, i in keys] for row in values])
     residuals, predictions, curves = [], [], fit.predictions()
     for m, lower, middle, upper in curves:
@@ -95,6 +95,11 @@ def write(fit):
     _page(out / "report.html", problem.name, notes, [("Parameters", head, rows), ("Residuals", [*columns, "residual", "in deviations"], residuals),
                                                    ("Predictions of what was left out", [*columns, "inside"], predictions)], pictures)
     print(f"fit:     {out}")
+    expected = [(p.name, float(values[:, i].mean()), *problem.options["expect"][p.name])
+                for i, p in enumerate(problem.parameters) if p.name in problem.options.get("expect", {})]
+    for name, mean, value, within in expected:
+        print(f"expect {name} {mean:.5g}, {value:g} within {within:.3g}: {'ok' if abs(mean - value) <= within else 'FAILED'}")
+    return all(abs(mean - value) <= within for _, mean, value, within in expected)
 
 
 def write_least_squares(problem, runs, u, residuals):
@@ -116,6 +121,10 @@ td,th{{border-bottom:1px solid #ccc;padding:.2em .6em;text-align:left}}img{{max-
 <h1>{html.escape(name)}</h1>
 {body}</html>
 """, encoding="utf-8")
+
+
+def label(name, unit):
+    return f"{name} [{unit}]" if unit else name
 
 
 def pyplot():
@@ -159,9 +168,9 @@ def draw(fit, curves):
                 axis.set_ylim(*np.percentile(values[:, i], [0.5, 99.5]))
             axis.set_xlim(*np.percentile(values[:, j], [0.5, 99.5]))
             if i == k - 1:
-                axis.set_xlabel(f"{problem.parameters[j].name} [{problem.parameters[j].unit}]")
+                axis.set_xlabel(label(problem.parameters[j].name, problem.parameters[j].unit))
             if j == 0 and i:
-                axis.set_ylabel(f"{problem.parameters[i].name} [{problem.parameters[i].unit}]")
+                axis.set_ylabel(label(problem.parameters[i].name, problem.parameters[i].unit))
     save(figure, "Posterior", "corner.png")
 
     figure, axes = plt.subplots(len(curves), 1, figsize=(7, 3.2 * len(curves)), squeeze=False)
@@ -173,15 +182,15 @@ def draw(fit, curves):
             axis.axvspan(float(low[0]), float(high[0]), color="#4477aa", alpha=0.4, label=f"model, {problem.options['interval']:g} %")
             if m.values is not None:
                 axis.axvline(float(m.values[0]), color="#cc3311", label="measured")
-            axis.set_xlabel(f"{m.name} [{m.unit}]")
+            axis.set_xlabel(label(m.name, m.unit))
         else:
             axis.plot(x, runs.T, color="#cccccc", lw=0.5)
             axis.fill_between(x, low, high, color="#4477aa", alpha=0.4, label=f"model, {problem.options['interval']:g} %")
             axis.plot(x, middle, color="#4477aa")
             if m.values is not None:
                 axis.plot(x, m.values, "o-", color="#cc3311", label="measured")
-            axis.set_xlabel(f"{m.columns[0][1]} [{m.x_unit}]")
-            axis.set_ylabel(f"{m.name} [{m.unit}]")
+            axis.set_xlabel(label(m.columns[0][1], m.x_unit))
+            axis.set_ylabel(label(m.name, m.unit))
         axis.set_title(m.title + {"fit": "", "predict": " (left out)", "candidate": " (not measured)"}[m.use], fontsize="medium")
         axis.legend(fontsize="small")
     save(figure, "Measured and model", "curves.png")

@@ -70,7 +70,7 @@ class Runs:
         """Adds points and does what remains to be done of all of them."""
         self.points = np.vstack([self.points, np.reshape(points, (-1, len(self.problem.parameters)))])
         with open(self.directory / "points.csv", "w", newline="") as file:
-            rows = csv.writer(file)
+            rows = csv.writer(file, lineterminator="\n")
             rows.writerow([p.name for p in self.problem.parameters])
             rows.writerows([[repr(float(x)) for x in u] for u in self.points])
         self.finish()
@@ -130,7 +130,7 @@ class Runs:
         self.exits[k, test.name, seed], self.why[k, test.name, seed] = code, why
         new = not (self.directory / "exits.csv").exists()
         with open(self.directory / "exits.csv", "a", newline="") as file:
-            rows = csv.writer(file)
+            rows = csv.writer(file, lineterminator="\n")
             if new:
                 rows.writerow(["point", "test", "seed", "exit", "why"])
             rows.writerow([k, test.name, seed, code, why])
