@@ -25,16 +25,13 @@ void add_works(StepReport step, StepReport& sum) {
     sum += step;
 }
 
-/// Forces of the rest on corners of the boundary, which the explicit scheme reads as loads that depend on the state.
+/// Forces of the rest on all corners, which the explicit scheme reads as loads that depend on the state: cracks make
+/// corners inside the part ends of free faces.
 void add_forces_of_rest(PartOfBody& part, const std::vector<Vec2>& force) {
     Model& model = part.model;
-    std::vector<std::uint8_t> is_outer(model.mesh.n_corners(), 0);
-    for (const BoundaryEdge& edge : model.mesh.boundary_edges)
-        for (const Index k : {edge.side, (edge.side + 1) % 3}) is_outer[3 * edge.triangle + k] = 1;
     const auto history = static_cast<Index>(model.histories.size());
     model.histories.emplace_back(), model.load_names.emplace_back();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        if (!is_outer[c]) continue;
         model.corner_loads.push_back({.corner = c,
                                       .history = history,
                                       .force = Vec2::Zero(),
