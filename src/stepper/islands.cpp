@@ -71,7 +71,7 @@ StepReport Islands::step(const State& begin, double h, State& end) {
         report.thaws = static_cast<std::int64_t>(n - n_before);
         advance(h, end, report);
         const bool fails = report.rejection != Rejection::none;
-        if ((fails || ring < max_rings) && grow(end, report)) {
+        if (grow(ring, end, report)) {
             explicit_.reset();  // it has seen states that do not count
             continue;
         }
@@ -83,12 +83,17 @@ StepReport Islands::step(const State& begin, double h, State& end) {
     }
 }
 
-/// Marks what must be deformable, too; false where nothing must. An island that fails may take in all pieces.
-bool Islands::grow(const State& end, const StepReport& report) {
+/// Marks what must be deformable, too; false where nothing must. An island that fails may take in all pieces; one that
+/// still lies deep in others after some rings takes in all that it touches.
+bool Islands::grow(int ring, const State& end, const StepReport& report) {
     const RigidContacts& contacts = rigid_.contacts();
-    const bool fails = report.rejection != Rejection::none,
-               gains = report.exchange_work > allowed_gain * report.kinetic;
-    if (!fails && !gains) return contacts.mark_overlapping(end, allowed_overlap, rigid_.bodies(), deformable_);
+    const bool fails = report.rejection != Rejection::none, is_late = ring >= max_rings,
+               gains = !is_late && report.exchange_work > allowed_gain * report.kinetic;
+    if (!fails && !gains) {
+        if (!contacts.mark_overlapping(end, allowed_overlap, rigid_.bodies(), deformable_)) return false;
+        if (is_late) contacts.mark_touching(rigid_.bodies(), deformable_);
+        return true;
+    }
     if (contacts.mark_touching(rigid_.bodies(), deformable_)) return true;
     if (!fails || std::ranges::count(deformable_, 0) == 0) return false;
     std::ranges::fill(deformable_, 1);

@@ -43,7 +43,7 @@ private:
         Vec2 value;    // [N]
     };
     StepReport try_step(const State& begin, double h);
-    bool grow(const State& end, const StepReport& report);
+    bool grow(int ring, const State& end, const StepReport& report);
     void find_part();
     void advance(double h, State& end, StepReport& report);
     void begin_island(StepReport& report);
