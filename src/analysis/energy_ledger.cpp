@@ -355,6 +355,10 @@ std::span<const EnergyTerm> energy_terms() {
             "rigid_injection", "J",
             "positive works so far of contacts of rigid pieces, by the residual of their laws; with [rigid]",
             {.with = &W::rigid, .step = &S::rigid_injection}),
+        number<&R::thaw_dissipation>(
+            "thaw_dissipation", "J",
+            "part of dissipated that fell into the first step of pieces that a blow had made deformable; with [rigid]",
+            {.with = &W::rigid, .step = &S::thaw_dissipation}),
         number<&R::heat>("heat", "J", "heat stored since the start, sum of C (T - T at the start); with conduction",
                          {.with = &W::conduction}),
         number<&R::heat_in>("heat_in", "J",

@@ -71,8 +71,8 @@ struct EnergyRow {
     double thermal_work = 0;                                 // of thermal strains that change
     double law_change = 0;                                   // of strengths that follow the temperature
     double viscous_dissipation = 0;                          // of delayed softening, in addition to `dissipated`
-    double vibration_booked = 0, sleep_work = 0, projection_work = 0, rigid_injection = 0,
-           exchange_work = 0;      // as in StepReport
+    double vibration_booked = 0, sleep_work = 0, projection_work = 0, rigid_injection = 0, exchange_work = 0,
+           thaw_dissipation = 0;   // as in StepReport
     double heat = 0, heat_in = 0;  // with conduction: stored, and what came in
     double residual = 0, crossing_loss = 0, law_lag = 0;
 

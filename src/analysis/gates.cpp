@@ -185,6 +185,16 @@ const GateRule rules[] = {
          return GateValue{.value = row.exchange_work / std::max(-row.impact_work - row.friction_work, least),
                           .judged = run.ended && row.exchange_work > 0};
      }},
+    {{"missed_blow", "",
+      "energy dissipated in the first step of pieces that a blow made deformable, over the dissipated energy: no wave "
+      "has run in it, so what breaks bore its strength or more while it was rigid",
+      "A load grew, or blows followed each other, unseen. Try a smaller rigid.thaw or rigid.step."},
+     {0.01, infinity, fixed},
+     [](const GateView& run) {
+         GateValue value = over_dissipated(run, run.ledger.row().thaw_dissipation);
+         value.judged = value.judged && run.ledger.row().thaw_dissipation > 0;
+         return value;
+     }},
     {{"contact_residual", "",
       "largest error of the rates of contacts of free faces and obstacles over their speeds; momentum and energy are "
       "exact all the same, but single contacts may do positive work",

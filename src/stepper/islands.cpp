@@ -6,6 +6,7 @@
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/mean_motions.hpp"
 #include "stepper/common/pieces_of_body.hpp"
+#include "stepper/common/point_work.hpp"
 #include "stepper/common/surface_energy.hpp"
 #include "stepper/rigid/freeze.hpp"
 
@@ -128,15 +129,12 @@ void Islands::begin_island(StepReport& report) {
     }
     start_ = state_of_part(model_, start, part_);
     std::vector<Vec3> after(start.rigid_pieces.size(), Vec3::Zero());
-    const auto begins = [&](std::size_t p) {
-        return deformable_[p] && start.rigid_pieces[p].state != PieceState::deformable;
-    };
-    for (std::size_t p = 0; p < after.size(); ++p) {
+    for (Index p = 0; p < std::ssize(after); ++p) {
         if (!begins(p)) continue;
         const RigidPiece& piece = start.rigid_pieces[p];
         const FrozenBody::Piece& body = start.frozen->pieces[p];
         const double half = 0.5 * piece.last_step;
-        const Vec3 of_loads = half * rigid_.load_on(static_cast<Index>(p)), of_rest = half / bodies[p].kick * wrench[p];
+        const Vec3 of_loads = half * rigid_.load_on(p), of_rest = half / bodies[p].kick * wrench[p];
         after[p] =
             piece.rates() + Vec3(1 / body.mass, 1 / body.mass, 1 / body.inertia).cwiseProduct(of_loads + of_rest);
         const Vec3 mean = 0.5 * (piece.rates() + after[p]);
@@ -168,6 +166,30 @@ void Islands::account_exchange(double kick, StepReport& report) const {
     report.external_work -= work, report.exchange_work += work;
 }
 
+bool Islands::begins(Index piece) const {
+    return deformable_[piece] && rigid_.start().rigid_pieces[piece].state != PieceState::deformable;
+}
+
+/// [J] By pieces that were rigid until now, from the start to a state after it.
+double Islands::dissipated_at_begin(const State& after) const {
+    const Model& own = part_.model;
+    StepReport sum;
+    for (std::size_t rank = 0; rank < after.split_fans.size(); ++rank) {
+        const auto points = own.points(own.fans[after.split_fans[rank]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const FanPoint& point = points[j];
+            if (!begins(rigid_.start().frozen->piece_of_triangle[part_.triangles[point.corner() / 3]])) continue;
+            const CohesiveLaw& law = law_of(own, after, point);
+            const PointState& at = after.points[after.first_point[rank] + j];
+            const double before = cohesion(own, start_, point.point);
+            if (!(at.cohesion < before)) continue;
+            account_rest(point, law, point.area, at.cohesion, law.ramp(at.cohesion, at.largest_opening), sum);
+            account_rest(point, law, -point.area, before, law.ramp(before, at.largest_opening), sum);
+        }
+    }
+    return sum.dissipated;
+}
+
 StepReport Islands::take_micro_steps(double h) {
     const double closing = closing_part * std::min(limits_.cracking, h), span = h - closing;
     StepLimits limits = limits_;
@@ -190,6 +212,7 @@ StepReport Islands::take_micro_steps(double h) {
             mean_reaction_[o] += kick / h * next_.obstacles[o].reaction;
         next_.time = now_.time + drift, next_.last_step = drift, next_.n_steps = now_.n_steps + 1;
         given += kick;
+        if (works.micro_steps == 0) works.thaw_dissipation = dissipated_at_begin(next_);
         std::swap(now_, next_);
         ++works.micro_steps;
     };

@@ -50,6 +50,8 @@ private:
     StepReport take_micro_steps(double h);
     void push(double factor);
     void account_exchange(double kick, StepReport& report) const;
+    bool begins(Index piece) const;  // it was rigid until this step
+    double dissipated_at_begin(const State& after) const;
     void take_contacts(double h, double closing, State& end) const;
     void update_pieces(double h, State& end, StepReport& report);
     void rebuild_pieces(double end_time, State& end, StepReport& report) const;

@@ -7,6 +7,7 @@
 #include "model/time_tables.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/law_change.hpp"
+#include "stepper/common/surface_energy.hpp"
 #include "stepper/explicit/explicit_scheme.hpp"
 #include "stepper/implicit/implicit_scheme.hpp"
 #include "stepper/islands.hpp"
@@ -120,7 +121,10 @@ StepReport MoreauJean::close_leapfrog(const State& begin, State& end) {
 /// With the temperatures of the end already there.
 StepReport MoreauJean::advance(const State& begin, double h, State& end) {
     if (begin.motion == Motion::rigid && islands_) return complete(begin, h, islands_->step(begin, h, end), end);
-    return complete(begin, h, scheme_of(begin, h).step(begin, h, end), end);
+    StepReport report = scheme_of(begin, h).step(begin, h, end);
+    if (begin.motion == Motion::thawed && begin.last_step == 0 && begin.n_steps > 0)
+        report.thaw_dissipation = report.dissipated - surface_energy(model_, begin).dissipated;
+    return complete(begin, h, report, end);
 }
 
 StepReport MoreauJean::complete(const State& begin, double h, StepReport report, State& end) const {

@@ -111,12 +111,14 @@ TEST_CASE("gates: numerical losses above 5 percent of the dissipated energy give
                      .external_work = 2,
                      .cohesive_work = 0.54,
                      .crossing_loss = 0.04,
+                     .thaw_dissipation = 0.01,
                      .scheme_dissipation = 0.02});
     elastic.add(now, {.kinetic = 1, .external_work = 2, .scheme_dissipation = 1});
     Gates gates;
     for (const bool ended : {false, true}) {
         judge({ledger, 1, 1, ended}, {}, gates);
         CHECK(named(gates, "crossing_loss").level == (ended ? GateLevel::warning : GateLevel::ok));
+        CHECK(named(gates, "missed_blow").level == (ended ? GateLevel::warning : GateLevel::ok));
         CHECK(named(gates, "scheme_dissipation_part").level == GateLevel::ok);
         judge({elastic, 1, 1, ended}, {}, gates);
         CHECK(named(gates, "scheme_dissipation_part").level == GateLevel::ok);  // no crack to compare with

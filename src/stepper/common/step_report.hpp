@@ -58,8 +58,9 @@ struct StepReport {
     double vibration_booked = 0;     // <= 0: kinetic energy of the vibration of pieces that become rigid
     double sleep_work = 0;           // <= 0: kinetic energy of pieces that fall asleep
     double projection_work = 0;      // of loads, against which positions of rigid pieces are corrected; no energy
-    double exchange_work = 0;    // of contacts between rigid pieces and deformable ones, on both (stepper/islands.hpp)
-    double rigid_injection = 0;  // >= 0: positive works of contacts of rigid pieces, by the residual of their laws
+    double exchange_work = 0;     // of contacts between rigid pieces and deformable ones, on both (stepper/islands.hpp)
+    double rigid_injection = 0;   // >= 0: positive works of contacts of rigid pieces, by the residual of their laws
+    double thaw_dissipation = 0;  // part of `dissipated` that falls into the first step of pieces that were rigid
     double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
     // of single points, beyond what the residual and rounding explain; must be <= 0
     double worst_impact_work = 0;
@@ -135,6 +136,7 @@ struct StepReport {
                                          &R::projection_work,
                                          &R::rigid_injection,
                                          &R::exchange_work,
+                                         &R::thaw_dissipation,
                                          &R::micro_steps,
                                          &R::thaws,
                                          &R::bulk_viscosity_work};

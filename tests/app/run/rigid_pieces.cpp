@@ -295,6 +295,7 @@ TEST_CASE("rigid pieces: islands keep momenta and the balance of a free cluster"
     const knap::History energy = table(folder, "energy.csv");
     CHECK(balance(energy) < 1e-12);
     CHECK(last(energy, "dissipated") > 0);
+    CHECK(last(energy, "thaw_dissipation") < 1e-2 * last(energy, "dissipated"));
     const Json pieces = record(folder)["pieces"];
     CHECK(pieces["thaws"].get<int>() >= 2);
     CHECK(pieces["micro_steps"].get<int>() > 100);
