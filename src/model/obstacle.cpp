@@ -115,7 +115,12 @@ bool ObstacleSurface::may_reach(const Vec2& point, double reach) const {
     const Vec2 away = point - position_;
     if (outline_->kind == Outline::Kind::half_plane) return normal_.dot(away) <= reach;
     if (outline_->kind == Outline::Kind::polyline) return outline_->line->may_reach(in_frame(point), reach);
-    return away.squaredNorm() <= (radius_ + reach) * (radius_ + reach);
+    if (away.squaredNorm() > (radius_ + reach) * (radius_ + reach)) return false;
+    if (outline_->kind != Outline::Kind::polygon) return true;
+    const Vec2 p = in_frame(point);
+    Vec2 low = outline_->points.front(), high = low;  // its box
+    for (const Vec2& corner : outline_->points) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
+    return ((p - high).array() <= reach).all() && ((low - p).array() <= reach).all();
 }
 
 const ContactLaw& Obstacle::law_at(const Vec2& arm, double angle) const {
