@@ -362,9 +362,12 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
     of_piece.assign(n_pieces_, 0);
     for (const Row& row : rows_) {
         if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
-        const double sudden = std::max(0.0, row.impulse.x() - row.lasting.x()) * row.own_N,
-                     approach = std::max(0.0, -row.before.x()),
-                     blow = (step.first ? std::min(sudden, approach) : sudden) + std::max(0.0, -row.after.x()),
+        const Vec2 sudden = row.impulse - row.lasting;
+        const bool is_sudden = sudden.x() > 0;
+        const double approach = is_sudden ? std::max(0.0, -row.before.x()) : 0,  // which friction stops, too
+            stopped = is_sudden && !step.first ? sudden.x() * row.own_N : 0,
+                     slope = is_sudden ? std::min(std::abs(sudden.y()) / sudden.x(), row.law.friction) : 0,
+                     blow = std::hypot(1, slope) * std::max(approach, stopped + std::max(0.0, -row.after.x())),
                      load =
                          std::min(row.impulse.x(), row.lasting.x()) / (step.kick_time * row.length * model_.thickness);
         // what is handed on to a piece that steps by itself, at another time and by other forces than in this step

@@ -8,8 +8,9 @@
 // contacts have no resultant and no moment.
 //
 // A step in which a contact hits a piece that can break so hard that it may break is rejected as a blow: it counts for
-// nothing, and the body is deformable from its start on (freeze.hpp). The hit is p W_NN of the impulse p beyond the
-// force of the step before, more than k sigma_c/(rho c) min(1, sqrt(10 L/D)) (c = sqrt(E/rho), edge L, D = sqrt(area)),
+// nothing, and the body is deformable from its start on (freeze.hpp). The hit is the approach V_N-, or W_NN p, if that
+// is more (what others hand on), times sqrt(1 + (P_T/p)^2), of the impulses p and P_T (friction) beyond the forces of
+// the step before; more than k sigma_c/(rho c) min(1, sqrt(10 L/D)) (c = sqrt(E/rho), edge L, D = sqrt(area)),
 // or a lasting force above sigma_c/2 over an edge.
 //
 // Pieces that have been slower than `sleep` for 0.2 s, and that press on what stands still, fall asleep. They stand
