@@ -132,6 +132,10 @@ class Quick(unittest.TestCase):
             with self.assertRaises(files.Mistakes):
                 files.read(file, check_scenarios=False)
 
+    def test_fits_of_the_scenarios_are_right(self):
+        found = {file.stem: files.read(file) for file in sorted((tools.parents[1] / "scenarios" / "fits").glob("fit_*.toml"))}
+        self.assertEqual([name for name, problem in found.items() if name == problem.name], ["fit_concrete_panel", "fit_granite"])
+
     def test_units_are_those_of_the_program(self):
         for unit, of, value in (("MPa", "Pa", 1e6), ("kJ/m2", "J/m2", 1e3), ("mm", "m", 1e-3), ("mm2", "m2", 1e-6), ("mm/us", "m/s", 1e3), ("%", "", 0.01)):
             self.assertAlmostEqual(files.factor(unit, of) / value, 1, delta=1e-12)
@@ -180,7 +184,7 @@ class Quick(unittest.TestCase):
 
     def test_compare_and_latex(self):
         one = knap.run("bar_pulled_apart", {"mesh.size": "2 mm", "expect": {}, "figure": []}, directory / "one", threads=1)
-        two = knap.run("bar_pulled_apart", {"mesh.size": "2 mm", "expect": {}, "figure": [], "interface.left-right.G_c": "6 J/m2"}, directory / "two", threads=1)
+        knap.run("bar_pulled_apart", {"mesh.size": "2 mm", "expect": {}, "figure": [], "interface.left-right.G_c": "6 J/m2"}, directory / "two", threads=1)
         self.assertEqual(len(knap.compare(one, one)["name"]), 0)
         found = knap.compare(one, directory / "two")
         rows = dict(zip(found["name"], zip(found["one"], found["other"], found["ratio"])))
@@ -328,6 +332,13 @@ class Slow(unittest.TestCase):
         table = knap.read_csv(directory / "beam" / "posterior.csv")
         pairs = set(zip(*table.values()))
         self.assertTrue(all((float(a), float(b)) in pairs for a, b in drawn))
+
+
+    def test_fits_of_the_scenarios_meet_what_they_expect(self):
+        for file in sorted((tools.parents[1] / "scenarios" / "fits").glob("fit_*.toml")):
+            done = subprocess.run([sys.executable, tools / "knap-fit", file, "-o", directory / file.stem, "--force", "-j", "2"], capture_output=True, text=True)
+            print(done.stdout, done.stderr)
+            self.assertEqual(done.returncode, 0, file)
 
 
 coarse = {"mesh.refine[0].size": "10 mm", "time.step": "4 ms", "time.step_cracking": "4 ms", "output.fields": False, "figure": [], "expect": {}}

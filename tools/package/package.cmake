@@ -19,7 +19,7 @@ install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff LICENS
 # the pages and what they link to, in the places where they link to it
 file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS src/*.md scenarios/*.md scenarios/*.toml scenarios/gallery/* tests/*.md
      tests/verification/*.png tests/verification/*.csv tests/lcp/*.csv tests/stepper/absorbing.cpp tests/stepper/adapt/excavation.cpp third_party_notes/*.md
-     tools/bench/*.md tools/bench/*.csv scenarios/results/*.csv
+     tools/bench/*.md tools/bench/*.csv scenarios/results/*.csv scenarios/fits/*.csv
      tools/python/*.py)
 foreach(page ${pages})
   get_filename_component(folder ${page} DIRECTORY)

@@ -5,6 +5,7 @@ from .emulator import Emulator, need
 from .problem import unit_of
 from .runs import Stop
 
+_unmeasurable = ("law_", "interface_", "measured_", "scheme_", "unresolved_", "overlap_", "largest_penetration", "crossing_")  # in no test
 _floor = 1e-3  # of the level of a measurement: smaller differences count as none
 
 
@@ -26,8 +27,8 @@ class Posterior:
     """Draws of the parameters, `u` (a row each), and of the part of the level that the model misses, `tau`; `best`: the most
     likely of them."""
 
-    def __init__(self, problem, emulators, measured, u, tau, log_p):
-        self.problem, self.emulators, self.measured, self.u, self.tau, self.log_p = problem, emulators, measured, u, tau, log_p
+    def __init__(self, problem, u, tau, log_p):
+        self.problem, self.u, self.tau = problem, u, tau
         self.best, self.best_tau = u[np.argmax(log_p)], tau[np.argmax(log_p)]
         self.tails = [(100 - problem.options["interval"]) / 2, (100 + problem.options["interval"]) / 2]
 
@@ -186,7 +187,7 @@ class Fit:
             likelihood = Likelihood(self.problem, self.emulators, True)
             drawn = sample(self.problem, likelihood, steps, rng, self.posterior)
         self.likelihood = likelihood
-        self.posterior = Posterior(self.problem, self.emulators, [m for m in self.problem.measured if m.use == "fit"], *drawn)
+        self.posterior = Posterior(self.problem, *drawn)
 
     def share(self, u):
         """Variance of the emulators over that of the data, mean over the measurements: what further runs can take away."""
@@ -268,7 +269,7 @@ class Fit:
         for test in self.problem.tests:
             names = sorted({name for (_, t, _), numbers in self.runs.summaries.items() if t == test.name for name in numbers})
             for name in names:
-                if (test.name, name) in used or unit_of("summary", name) not in ("Pa", "N", "m", "J"):
+                if (test.name, name) in used or name.startswith(_unmeasurable) or unit_of("summary", name) not in ("Pa", "N", "m", "J"):
                     continue
                 y = self.runs.numbers(test, name)
                 keep = np.isfinite(y)

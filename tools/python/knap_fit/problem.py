@@ -127,9 +127,8 @@ class Test:
 class Problem:
     """What FILE asks for: `parameters`, `tests`, `options` of [fit]."""
 
-    def __init__(self, name, parameters, tests, options, folder="."):
+    def __init__(self, name, parameters, tests, options):
         self.name, self.parameters, self.tests, self.options = name, parameters, tests, {**defaults, **options}
-        self.folder = pathlib.Path(folder)
 
     @property
     def measured(self):
@@ -329,6 +328,8 @@ class _Reader:
             found.scatter = value
         if "scatter" in table and not found.part and (scatter is None or not (found.scatter or 0) >= 0 or not np.isfinite(found.scatter)):
             self.error(f"{path}.scatter", f"= {table['scatter']!r} is not allowed", f"a standard deviation in {found.unit or 'no unit'} or in %")
+        if any(other.name == found.name for other in test.measured):
+            self.error(path, f"is the second one of {found.name} in this test", "values = [...] of several specimens; another test")
         test.measured.append(found)
 
     def one_number(self, test, table, path, use):
@@ -444,7 +445,7 @@ def read(file, check_scenarios=True):
                 reader.error("sensitivity.numbers", f"{name!r} is not a number of the summary", "see scenarios/OUTPUTS.md")
     if all(parameters) and all(tests) and not any(m.use == "fit" for test in tests for m in test.measured) and not found.get("numbers"):
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]]; [sensitivity] numbers for knap-sensitivity")
-    problem = Problem(str(root.get("name", pathlib.Path(file).stem)), [p for p in parameters if p], [t for t in tests if t], found, reader.file.parent)
+    problem = Problem(str(root.get("name", pathlib.Path(file).stem)), [p for p in parameters if p], [t for t in tests if t], found)
     if check_scenarios:
         _check_scenarios(reader, problem)
     if reader.found:
