@@ -1,4 +1,5 @@
 # Completion of knap for bash: commands, options, their values, keys and built-in scenarios as the program itself names them.
+# `bash knap.bash offer N WORD...` prints what is offered for the N-th word, a line each; zsh (_knap) and fish (knap.fish) call it.
 _knap() {
     local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" knap="${COMP_WORDS[0]}" command="${COMP_WORDS[1]}" words="" files="yes" earlier="" help option
     if ((COMP_CWORD == 1)); then
@@ -30,4 +31,14 @@ _knap() {
         mapfile -t -O "${#COMPREPLY[@]}" COMPREPLY < <(compgen -f -- "$word")
     fi
 }
-complete -o filenames -F _knap knap
+if [[ "${BASH_SOURCE[0]}" != "$0" ]]; then
+    complete -o filenames -F _knap knap
+elif [[ "${1:-}" == offer ]]; then
+    compopt() { :; }
+    COMP_CWORD=$(($2 - 1)) COMP_WORDS=("${@:3}")
+    _knap
+    for offered in "${COMPREPLY[@]}"; do
+        if [[ -d "$offered" && "$offered" != */ ]]; then offered+=/; fi
+        printf '%s\n' "$offered"
+    done
+fi

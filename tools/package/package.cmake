@@ -12,19 +12,24 @@ set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DI
 execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/tools/package/knap.1 OUTPUT_FILE ${CMAKE_BINARY_DIR}/knap.1.gz COMMAND_ERROR_IS_FATAL ANY)  # -n: no time in it
 install(FILES ${CMAKE_BINARY_DIR}/knap.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 ${for_both})
 install(FILES tools/package/knap.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME knap ${for_both})
+install(FILES tools/package/_knap DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions ${for_both})
+install(FILES tools/package/knap.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d ${for_both})
 install(FILES tools/python/knap.py DESTINATION ${CMAKE_INSTALL_DATADIR}/knap ${for_both})
 install(DIRECTORY tools/python DESTINATION ${CMAKE_INSTALL_DATADIR}/knap ${for_both} USE_SOURCE_PERMISSIONS
         PATTERN __pycache__ EXCLUDE PATTERN build EXCLUDE PATTERN *.egg-info EXCLUDE)  # for pip install
-install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} ${for_both})
+install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff codemeta.json LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} ${for_both})
 # the pages and what they link to, in the places where they link to it
-file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS src/*.md scenarios/*.md scenarios/*.toml scenarios/gallery/* tests/*.md
+file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS src/*.md scenarios/*.md scenarios/*.toml tests/*.md
      tests/verification/*.png tests/verification/*.csv tests/lcp/*.csv tests/stepper/absorbing.cpp tests/stepper/adapt/excavation.cpp third_party_notes/*.md
-     tools/bench/*.md tools/bench/*.csv scenarios/results/*.csv scenarios/fits/*.csv
-     tools/python/*.py)
+      tools/bench/*.md tools/bench/*.csv scenarios/results/*.csv scenarios/fits/*.csv
+      tools/python/*.py tools/python/*.ipynb)
 foreach(page ${pages})
   get_filename_component(folder ${page} DIRECTORY)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} ${for_both})
 endforeach()
+
+install(CODE "set(pages \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DOCDIR}\")" ${for_both})
+install(SCRIPT tools/package/without_gallery.cmake ${for_both})
 
 find_file(KNAP_FONT DejaVuSans.ttf PATHS /usr/share/fonts/truetype/dejavu)
 find_file(KNAP_FONT_BOLD DejaVuSans-Bold.ttf PATHS /usr/share/fonts/truetype/dejavu)
