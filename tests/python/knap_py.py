@@ -115,6 +115,9 @@ class ManyRuns(unittest.TestCase):
         self.assertEqual(sweep.run(2).info["triangles"], sweep.table["triangles"][2])
         self.assertEqual(set(sweep.runs), set(sweep.table["run"]))
         self.assertEqual(list(sweep.statistics["runs"]), [2] * len(sweep.statistics["runs"]))
+        page = sweep._repr_html_()
+        self.assertIn("sweep of 4 runs", page)
+        self.assertIn("<th>mesh.size [mm]</th>", page)
 
     def test_study_is_a_table(self):
         out = runs / "study"

@@ -14,7 +14,9 @@
 
 All names, units and meanings: scenarios/OUTPUTS.md.
 """
+import base64
 import csv
+import html
 import json
 import os
 import pathlib
@@ -23,6 +25,7 @@ import shutil
 import struct
 import subprocess
 import xml.etree.ElementTree as xml
+import zlib
 
 import numpy as np
 
@@ -74,6 +77,16 @@ class Run:
     def status(self):
         return self.info["status"]
 
+    def _repr_html_(self):
+        """In a notebook: its state, its numbers and its first picture."""
+        rows = [(name, "" if np.isnan(value) else f"{value:.6g} {self.summary.units.get(name, '')}") for name, value in self.summary.items()]
+        state = f"<b>{html.escape(self.info.get('name', ''))}</b>: {html.escape(self.status)}, {self.info.get('triangles', 0)} triangles, " \
+                f"{self.info.get('steps', 0)} steps, {self.info.get('cpu_s', 0):.3g} s of processor time"
+        pictures = sorted((self.directory / "figures").glob("*.png"))[:1]
+        shown = [f'<img style="max-width: 100%" alt="{html.escape(file.name)}" src="data:image/png;base64,'
+                 f'{base64.b64encode(file.read_bytes()).decode()}">' for file in pictures]
+        return f"<p>{state}</p>{''.join(shown)}<details><summary>numbers</summary>{_html_table(('number', 'value'), rows)}</details>"
+
     @property
     def tables(self):
         """Names of its tables."""
@@ -117,6 +130,14 @@ class Ensemble:
     def __len__(self):
         return len(self.table["status"])
 
+    def _repr_html_(self):
+        """In a notebook: the first lines of its table."""
+        most = 20
+        titles = [f"{name} [{self.table.units[name]}]" if self.table.units[name] else name for name in self.table]
+        rows = [[str(column[i]) for column in self.table.values()] for i in range(min(len(self), most))]
+        more = f"<p>and {len(self) - most} more</p>" if len(self) > most else ""
+        return f"<p>{self.kind} of {len(self)} runs</p>{_html_table(titles, rows)}{more}"
+
     def run(self, line):
         """The run of a line of the table of a sweep."""
         return Run(self.directory / "runs" / self.table["run"][line])
@@ -133,6 +154,12 @@ class Ensemble:
     def runs(self):
         """All runs that were started, by name."""
         return {file.parent.name: Run(file.parent) for file in sorted(self.directory.glob("runs/*/run.json"))}
+
+
+def _html_table(titles, rows):
+    def line(cells, kind):
+        return "<tr>" + "".join(f"<{kind}>{html.escape(cell)}</{kind}>" for cell in cells) + "</tr>"
+    return f"<table>{line(titles, 'th')}{''.join(line(row, 'td') for row in rows)}</table>"
 
 
 def exceedance(values, total=None):
@@ -243,25 +270,39 @@ _types = {"Float32": "f4", "Float64": "f8", "Int32": "i4", "Int64": "i8", "UInt8
 
 
 def read_vtu(file):
-    """A Grid of a .vtu file as runs of knap write it: raw appended data in blocks of LZ4."""
+    """A Grid of a .vtu file as runs of knap write it: raw appended data, whole or in blocks of LZ4 or zlib."""
     data = pathlib.Path(file).read_bytes()
     start = data.find(b"<AppendedData")
-    if start < 0 or b'compressor="vtkLZ4DataCompressor"' not in data[:start]:
-        raise KnapError(f"{file} is not a frame of knap: it has no appended data that are compressed by LZ4")
+    compressor = re.search(rb'compressor="vtk(\w*)DataCompressor"', data[:max(start, 0)])
+    unpacked = {b"LZ4": _lz4, b"ZLib": _inflated}.get(compressor[1]) if compressor else _whole
+    if start < 0 or not unpacked:
+        raise KnapError(f"{file} is not a frame of knap: it has no appended data that are whole or compressed by LZ4 or zlib")
     root = xml.fromstring(data[:start] + b"</VTKFile>")
     appended = data.index(b"_", start) + 1
     head = {"UInt32": "I", "UInt64": "Q"}[root.get("header_type", "UInt32")]
 
     def array(item):
+        try:
+            return array_at(item)
+        except struct.error:
+            raise KnapError(f"{file} is cut off") from None
+
+    def array_at(item):
         at = appended + int(item.get("offset"))
+        if not compressor:
+            begin, (size,) = at + struct.calcsize(head), struct.unpack_from(f"<{head}", data, at)
+            return shaped(_whole(data[begin:begin + size], size), item)
         n, size, last = struct.unpack_from(f"<3{head}", data, at)
         packed = struct.unpack_from(f"<{n}{head}", data, at + 3 * struct.calcsize(head))
         at += (3 + n) * struct.calcsize(head)
         blocks = []
         for i, length in enumerate(packed):
-            blocks.append(_lz4(data[at:at + length], last if last and i == n - 1 else size))
+            blocks.append(unpacked(data[at:at + length], last if last and i == n - 1 else size))
             at += length
-        values = np.frombuffer(b"".join(blocks), "<" + _types[item.get("type")])
+        return shaped(b"".join(blocks), item)
+
+    def shaped(bytes_, item):
+        values = np.frombuffer(bytes_, "<" + _types[item.get("type")])
         width = int(item.get("NumberOfComponents", 1))
         return values.reshape(-1, width) if width > 1 else values
 
@@ -273,6 +314,21 @@ def read_vtu(file):
     connectivity, offsets = array(cells["connectivity"]), array(cells["offsets"])
     points = array(root.find(".//Points/DataArray")).reshape(-1, 3)[:, :2]
     return Grid(points, connectivity.reshape(len(offsets), -1) if len(offsets) else connectivity, values, units)
+
+
+def _inflated(block, size):
+    """Decompresses a block of zlib to `size` bytes."""
+    try:
+        out = zlib.decompress(block)
+    except zlib.error:
+        raise KnapError("a compressed block is damaged") from None
+    return _whole(out, size)
+
+
+def _whole(out, size):
+    if len(out) != size:
+        raise KnapError(f"an array or its block has {len(out)} bytes instead of {size}")
+    return out
 
 
 def _lz4(block, size):
@@ -307,9 +363,7 @@ def _lz4(block, size):
                 out += (pattern * (length // distance + 1))[:length]
     except IndexError:
         raise KnapError("a compressed block ends too early") from None
-    if len(out) != size:
-        raise KnapError(f"a compressed block has {len(out)} bytes instead of {size}")
-    return out
+    return _whole(out, size)
 
 
 def compare(one, other, within=1e-12):
