@@ -1,4 +1,5 @@
 // [[obstacle]] shape = "polyline": its points, their roughness, and ranges with laws of their own.
+#include "base/formatted.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>

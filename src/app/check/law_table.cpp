@@ -4,6 +4,7 @@
 #include "base/formatted.hpp"
 #include "base/text.hpp"
 #include "model/fans.hpp"
+#include "scenario/toughness.hpp"
 #include "stepper/common/crack_forces.hpp"
 
 #include <algorithm>
