@@ -453,8 +453,9 @@ void add_keys_of_loads(KeyTable& t) {
 
     t.table("contact", "contact between all free faces of all bodies and fragments, without a penalty; without this "
         "table faces that are no neighbours pass through each other. Two faces of joints with one law keep its "
-        "friction and restitution, whatever is given here. It needs domain.rotation = \"large\", "
-        "bulk = \"explicit\" and cohesion = \"explicit\"");
+        "friction and restitution, whatever is given here. It needs domain.rotation = \"large\", and with "
+        "bulk = \"explicit\" also cohesion = \"explicit\". Implicit steps are for what is slow or at rest: they are "
+        "cut where a contact moves by more than a twentieth of an edge");
     t.number("friction", "", "Coulomb friction coefficient of all pairs of materials")
         .at_least(0).computed("that of the interface law between the two materials").to(&ContactLaw::friction);
     t.number("restitution", "", "Newton's coefficient of restitution of all pairs: 0 plastic, 1 elastic impact")

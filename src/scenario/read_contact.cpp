@@ -1,4 +1,5 @@
 // [contact]: which law acts between free faces of which materials.
+#include "base/text.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>
@@ -7,7 +8,7 @@
 namespace knap {
 namespace {
 
-/// R_N and R_T of an obstacle, or of a range of it.
+/// R_N and R_T of an obstacle or of a range of it, of faces or of a pair of materials.
 void refuse_rebounds(const Table& table) {
     const SchemeOptions& scheme = table.scenario().time.scheme;
     for (const char* key : {"R_N", "R_T"})
@@ -50,6 +51,21 @@ void refuse_ground(Reading& reading) {
                        "[contact], or no `beyond`: without [contact] a support is an endless plane");
 }
 
+/// Implicit steps with contact between free faces.
+void check_implicit_contact(Reading& reading) {
+    const Table time = reading.table("time");
+    double e = 0;
+    for (const std::vector<ContactLaw>& of_material : reading.scenario.contact_of_pair)
+        for (const ContactLaw& law : of_material) e = std::max(e, law.restitution);
+    check_theta(time, "free faces ([contact])", e);
+    if (const double theta = reading.scenario.time.scheme.theta; theta < 0.55 && e == 0)
+        time.warning("no-rest", "theta",
+                     "= " + shortest(theta) +
+                         ": bodies that lie on each other go on to vibrate, and their contacts open and close in each "
+                         "step",
+                     "theta = 1 (it brakes a spin w: its energy falls by 2 (theta - 1/2) step w^2 of itself per time)");
+}
+
 }  // namespace
 
 void read_contact_law(const Table& table, ContactLaw& law) {
@@ -79,9 +95,9 @@ void read_contact(Reading& reading) {
     if (reading.table("domain").text("rotation") == "small")  // any other word has its own error
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
     const SchemeOptions& scheme = reading.scenario.time.scheme;
-    if (scheme.takes_implicit_steps())
-        table.exclude("", "[contact]", words_of(scheme.bulk), "time.bulk = \"explicit\", or no [contact]");
-    else if (scheme.cohesion != CohesionScheme::explicit_beta)
+    if (scheme.bulk == BulkScheme::automatic)
+        table.exclude("", "[contact]", "bulk = \"auto\"", "another time.bulk, or no [contact]");
+    else if (!scheme.takes_implicit_steps() && scheme.cohesion != CohesionScheme::explicit_beta)
         table.exclude("", "[contact]", "cohesion = \"implicit\"",
                       "time.cohesion = \"explicit\", and the explicit bulk");
     warn_of_supports(reading);
@@ -112,6 +128,9 @@ void read_contact(Reading& reading) {
         read_contact_law(row, contact_of_pair[a][b]);
         contact_of_pair[b][a] = contact_of_pair[a][b];
     }
+    refuse_rebounds(table);
+    for (const Table& row : table.list("pair")) refuse_rebounds(row);
+    if (scheme.bulk == BulkScheme::implicit_theta) check_implicit_contact(reading);
 }
 
 }  // namespace knap

@@ -26,21 +26,13 @@ void check_one_point_mass(const Table& time) {
     }
 }
 
-/// Beyond theta = 1/(1 + e) the impact law of the theta scheme gains energy.
-void check_theta(const Table& time) {
+/// Of interface laws and obstacles.
+void check_thetas(const Table& time) {
     const Scenario& scenario = time.scenario();
-    const double theta = scenario.time.scheme.theta;
-    const auto check = [&](const std::string& owner, double e) {
-        if (theta * (1 + e) <= 1 + 1e-12) return;
-        time.error("out-of-range", "theta",
-                   "= " + shortest(theta) + " is beyond 1/(1 + restitution) = " + shortest(1 / (1 + e)) + " of the " +
-                       owner + ": its impacts would gain energy",
-                   "a smaller theta (0.5 is always possible), or a smaller restitution");
-    };
-    for (const NamedLaw& named : scenario.laws) check("law `" + named.name + "`", named.law.restitution);
+    for (const NamedLaw& named : scenario.laws) check_theta(time, "law `" + named.name + "`", named.law.restitution);
     if (!scenario.time.scheme.takes_implicit_steps()) return;
     for (const Obstacle& obstacle : scenario.obstacles)
-        check("obstacle `" + obstacle.name + "`", obstacle.largest_restitution());
+        check_theta(time, "obstacle `" + obstacle.name + "`", obstacle.largest_restitution());
 }
 
 void check_large_rotation(const Table& domain) {
@@ -126,7 +118,7 @@ void read_time(const Table& table, TimeOptions& time) {
     else refuse_without("bulk = \"auto\"", {"quiet_below", "quiet_for"}, table);
     if (!time.rest.ends_run) refuse_without("until = \"rest\"", {"rest_below", "rest_for"}, table);
     const bool explicit_bulk = !scheme.takes_implicit_steps();
-    if (!explicit_bulk || scheme.cohesion == CohesionScheme::implicit_beta) check_theta(table);
+    if (!explicit_bulk || scheme.cohesion == CohesionScheme::implicit_beta) check_thetas(table);
     if (scheme.damping == 0) {
         if (table.given("damping_of"))
             table.error("exclusive-keys", "damping_of", "belongs to time.damping", "add damping to [time]");
@@ -413,6 +405,15 @@ void read_expectation(const Table& table) {
 }
 
 }  // namespace
+
+void check_theta(const Table& time, const std::string& owner, double e) {
+    const double theta = time.scenario().time.scheme.theta;
+    if (theta * (1 + e) <= 1 + 1e-12) return;
+    time.error("out-of-range", "theta",
+               "= " + shortest(theta) + " is beyond 1/(1 + restitution) = " + shortest(1 / (1 + e)) + " of the " +
+                   owner + ": its impacts would gain energy",
+               "a smaller theta (0.5 is always possible), or a smaller restitution");
+}
 
 void read_run(Reading& reading) {
     Scenario& scenario = reading.scenario;

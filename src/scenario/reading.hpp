@@ -154,6 +154,8 @@ TemperatureTable read_over_temperature(const Table& table, const char* key);
 void read_polyline(const Table& table, Obstacle& obstacle);
 /// Friction and restitution of a table, or its R_N and R_T; what it does not give stays as in `law`.
 void read_contact_law(const Table& table, ContactLaw& law);
+/// Beyond theta = 1/(1 + e) the impact law of the theta scheme gains energy; `owner` has the restitution e.
+void check_theta(const Table& time, const std::string& owner, double e);
 /// A place: boundary, box, body.
 Selection read_selection(const Table& table);
 /// `on` of an entry that acts by its key `what`: on a boundary, or (`in_volume`) in a body, where none means all.

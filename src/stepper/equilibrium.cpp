@@ -53,6 +53,8 @@ Model frozen(const Model& model, double time) {
         obstacle.for_laws([](ContactLaw& law) { law.restitution = 0; });
     }
     for (CohesiveLaw& law : still.laws) law.restitution = 0;
+    for (std::vector<ContactLaw>& of_material : still.contact_of_pair)
+        for (ContactLaw& law : of_material) law.restitution = 0;
     return still;
 }
 

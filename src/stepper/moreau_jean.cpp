@@ -20,8 +20,6 @@
 namespace knap {
 
 MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model_(model), options_(options) {
-    if (options.takes_implicit_steps() && model.large_rotation && !model.contact_of_pair.empty())
-        throw UserError("contact", "contact between free faces needs the explicit bulk");
     if (!changes()) make_scheme(options.takes_implicit_steps());
     if (options.rigid.active()) rigid_ = std::make_unique<RigidScheme>(model, options);
     if (model.heat) heat_.emplace(model);

@@ -297,6 +297,26 @@ void AugmentedLagrangian::evaluate_body() {
         point.sides.add_force(-point.impulse(), newton_.system.residual());
 }
 
+void AugmentedLagrangian::refine() {
+    if (!newton_.find_direction()) return;
+    newton_.system.step(1);
+    if (newton_.system.is_condensed()) newton_.system.complete();
+    for (ActivePoint& point : newton_.x.points) {
+        PointResponse& q = point.response;
+        point.rate = point.rate_at(newton_.x.rate);
+        if (point.law.strength > 0) {
+            q = respond(point.law, point.multipliers, point.rate.x(), point.rate.y());
+            continue;
+        }
+        // at the rates themselves the rounding of stiff springs would be larger than what is left of the balance
+        const Vec2 change =
+            -tangent(point.law, point.multipliers, q, Softening::none) * point.across(newton_.system.direction());
+        q.contact = std::max(0.0, q.contact + change.x());
+        q.tangential += change.y(), q.friction_part += change.y();
+    }
+    evaluate_body();
+}
+
 double AugmentedLagrangian::move_freely() {
     evaluate();
     const double largest = newton_.system.move_freely(newton_.x.points);

@@ -53,6 +53,10 @@ public:
     /// The residual of the solution, with the impulses of its points, after the equations of the body have changed.
     void evaluate_body();
 
+    /// One step of Newton's method from there: a solution that met its tolerance without one has an error of that size,
+    /// which adds up from step to step.
+    void refine();
+
     /// [N s] Of the balance, from now on: its equations will change.
     void set_coarse_goal(double goal) { newton_.coarse_goal = goal; }
 

@@ -12,23 +12,51 @@ FacePoints::FacePoints(const Model& model)
 bool FacePoints::find(const State& begin, double h, const std::vector<Vec2>& corner_rate) {
     if (!faces_) return true;
     faces_->find(begin, h, &corner_rate);
-    return !faces_->refusal();
+    rows_.assign(faces_->all().begin(), faces_->all().end());
+    const auto& refusal = faces_->refusal();
+    return !refusal || (model_.large_rotation && refusal->reason == ContactRefusal::Reason::depth);
+}
+
+void FacePoints::reject(StepReport& report) const {
+    const ContactRefusal& refusal = *faces_->refusal();
+    report.reject(Rejection::contact_speed, refusal.place, refusal.value);
+}
+
+void FacePoints::turn(const State& begin, double h, const std::vector<Vec2>& corner_rate) {
+    const auto middle = [&](Index c) -> Vec2 {
+        return place_of(model_, begin, c) + (model_.ground_at(c) ? Vec2(Vec2::Zero()) : Vec2(0.5 * h * corner_rate[c]));
+    };
+    for (FaceContact& row : rows_) {
+        const Vec2 a = middle(row.edge[0]), along = middle(row.edge[1]) - a;
+        row.normal = outward(along.normalized());
+        row.share = along.dot(0.5 * (middle(row.vertex[0]) + middle(row.vertex[1])) - a) / along.squaredNorm();
+    }
+}
+
+double FacePoints::change(std::size_t i, const ActivePoint& point) const {
+    return (rows_[i].normal + point.normal).norm() + std::abs(rows_[i].share - point.sides.share);
+}
+
+Vec2 FacePoints::force_before(std::size_t i, const State& begin) const {
+    const double time = model_.large_rotation && begin.last_step > 0 ? begin.last_step : 1;
+    return Vec2(rows_[i].contact, rows_[i].tangential) / time;
 }
 
 bool FacePoints::lacked(const State& begin, double h, const std::vector<Vec2>& corner_rate) {
     const auto number = [](const FaceContact& contact) { return std::array{contact.vertex[1], contact.edge[0]}; };
     before_.clear();
-    for (std::size_t i = 0; i < size(); ++i) before_.push_back(number(faces_->all()[i]));
+    for (std::size_t i = 0; i < size(); ++i) before_.push_back(number(rows_[i]));
     if (!find(begin, h, corner_rate)) return true;
     const auto closes = [&](const FaceContact& contact) {
         const auto rate = [&](Index corner) -> Vec2 {
             return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : corner_rate[corner];
         };
-        return contact.gap + h * contact.normal.dot(contact.jump(rate)) < -1e-12 * contact.length;
+        const double at_end = contact.gap + h * contact.normal.dot(contact.jump(rate));
+        return at_end < std::min(0.0, contact.gap) - 1e-12 * contact.length;
     };
-    return faces_ && std::ranges::any_of(faces_->all(), [&](const FaceContact& contact) {
-               return std::ranges::find(before_, number(contact)) == before_.end() && closes(contact);
-           });
+    return std::ranges::any_of(rows_, [&](const FaceContact& contact) {
+        return std::ranges::find(before_, number(contact)) == before_.end() && closes(contact);
+    });
 }
 
 PointSides FacePoints::sides_of(const FaceContact& contact, const CornerPartition& nodes) const {
@@ -47,7 +75,7 @@ PointSides FacePoints::sides_of(const FaceContact& contact, const CornerPartitio
 
 const std::vector<PointSides>& FacePoints::sides(const CornerPartition& nodes) {
     sides_.clear();
-    for (std::size_t i = 0; i < size(); ++i) sides_.push_back(sides_of(faces_->all()[i], nodes));
+    for (std::size_t i = 0; i < size(); ++i) sides_.push_back(sides_of(rows_[i], nodes));
     return sides_;
 }
 
@@ -63,31 +91,32 @@ double FacePoints::touching_gap(const State& begin, const FaceContact& contact) 
 }
 
 ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const CornerPartition& nodes) const {
-    const FaceContact& contact = faces_->all()[i];
+    const FaceContact& contact = rows_[i];
     const State& begin = *step.begin;
     const auto velocity = [&](Index corner) -> Vec2 {
         return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : begin.velocity[begin.node_of_corner[corner]];
     };
     const double rate = contact.normal.dot(contact.jump(velocity));
-    ActivePoint made{
-        .sides = sides_of(contact, nodes),
-        .fan = between_faces,
-        .normal = -contact.normal,  // from the vertex to the edge
-        .law = {.u_N = contact.gap,
-                .u_T = 0,
-                .strength = 0,
-                .cohesion = 0,
-                .material = &law_,
-                .friction = law_between_faces(model_, contact).friction,
-                .contact = contact_bound_theta(contact.gap, rate, 0, step.h, step.theta, touching_gap(begin, contact)),
-                .step = &step}};
+    const ContactLaw law = law_between_faces(model_, contact);
+    ActivePoint made{.sides = sides_of(contact, nodes),
+                     .fan = between_faces,
+                     .normal = -contact.normal,  // from the vertex to the edge
+                     .law = {.u_N = contact.gap,
+                             .u_T = 0,
+                             .strength = 0,
+                             .cohesion = 0,
+                             .material = &law_,
+                             .friction = law.friction,
+                             .contact = contact_bound_theta(contact.gap, rate, law.restitution, step.h, step.theta,
+                                                            touching_gap(begin, contact)),
+                             .step = &step}};
     apply_prescribed(nodes, made);
     made.law.set_staircase();
     return made;
 }
 
 void FacePoints::add_impulse(std::size_t i, const Vec2& impulse, std::vector<Vec2>& of_corner) const {
-    const FaceContact& contact = faces_->all()[i];
+    const FaceContact& contact = rows_[i];
     const auto add = [&](Index corner, double weight) {
         if (model_.ground_at(corner) == nullptr) of_corner[corner] += weight * impulse;
     };
@@ -95,18 +124,23 @@ void FacePoints::add_impulse(std::size_t i, const Vec2& impulse, std::vector<Vec
     for (const Index corner : contact.vertex) add(corner, -0.5);
 }
 
-void FacePoints::store(std::span<const ActivePoint> points, double kick, State& end) const {
+void FacePoints::store(std::span<const ActivePoint> points, const StepContext& step, State& end,
+                       StepReport& report) const {
+    const double time = model_.large_rotation ? step.h : 1;
     end.face_contacts.clear();
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const FaceContact& contact = faces_->all()[i];
+        const FaceContact& contact = rows_[i];
         // with N from the vertex to the edge, both components are the opposite on the vertex along n and t of the edge
         const PointResponse& q = points[i].response;
+        report.add_depth((contact.depth - step.h * points[i].rate.x()) / contact.length,
+                         place_of(model_, end, contact.vertex[1]));
         end.face_contacts.push_back({.vertex = contact.vertex[1],
                                      .edge = contact.edge[0],
                                      .entering = contact.vertex[0],
-                                     .contact = q.contact / kick,
-                                     .tangential = q.tangential / kick});
+                                     .contact = q.contact / step.kick() * time,
+                                     .tangential = q.tangential / step.kick() * time});
     }
+    report.face_contacts = std::ssize(points);
 }
 
 }  // namespace knap

@@ -2,6 +2,7 @@
 
 #include "base/reserve_capacity.hpp"
 #include "stepper/common/point_work.hpp"
+#include "stepper/contact/retirement.hpp"
 #include "stepper/implicit/step_lcp.hpp"
 
 #include <algorithm>
@@ -53,11 +54,11 @@ ImplicitScheme::ImplicitScheme(const Model& model, const SchemeOptions& options)
 }
 
 StepReport ImplicitScheme::step(const State& begin, double h, State& end) {
-    face_rate_.assign(model_.mesh.n_corners(), Vec2::Zero());
+    guess_rates(begin, face_rate_);
     for (int round = 1;; ++round) {
         StepReport report;
         if (faces_.find(begin, h, face_rate_)) report = solve_step(begin, h, end);
-        else report.rejection = Rejection::contact_speed;
+        else faces_.reject(report);
         if (!faces_.may_meet() || report.rejection != Rejection::none) return report;
         read_corner_rates(face_rate_);
         if (!faces_.lacked(begin, h, face_rate_)) return report;
@@ -104,14 +105,12 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
                            options_.damping_of == DampingOf::motion ? step_.kick() * options_.damping : 0);
     contacts_.find(begin, h, obstacles_.rate(), {});
     // guesses: rates of the last step, since velocities oscillate with theta = 1/2; tractions of the last step
-    const std::vector<Vec2>& rate = begin.has_end_velocities() ? begin.rate : begin.velocity;
-    corner_rate_.clear();
-    for (const Index node : begin.node_of_corner) corner_rate_.push_back(Vec2(rate[node]));
+    guess_rates(begin, corner_rate_);
     if (bulk_.frames()) bulk_.turn_rates(corner_rate_), turn();
     active_.assign(model_.fans.size(), 0);
     guess_.assign(model_.fan_points.size() + faces_.size() + contacts_.all().size(), Vec2::Zero());
     for (std::size_t i = 0; i < faces_.size(); ++i)
-        guess_[model_.fan_points.size() + i] = step_.kick() * faces_.force_before(i);
+        guess_[model_.fan_points.size() + i] = step_.kick() * faces_.force_before(i, begin);
     for (std::size_t rank = 0; rank < begin.split_fans.size(); ++rank) {
         const Fan& fan = model_.fans[begin.split_fans[rank]];
         active_[begin.split_fans[rank]] = 1;
@@ -125,6 +124,13 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
             guess_[fan.first_point + j] = impulse * known.traction + Vec2(strength * known.cohesion, 0);
         }
     }
+}
+
+/// Those of the last step.
+void ImplicitScheme::guess_rates(const State& begin, std::vector<Vec2>& of_corner) const {
+    const std::vector<Vec2>& rate = begin.has_end_velocities() ? begin.rate : begin.velocity;
+    of_corner.clear();
+    for (const Index node : begin.node_of_corner) of_corner.push_back(Vec2(rate[node]));
 }
 
 /// All active points, until no further fan opens: preliminary solutions tell which fans do. Where friction makes the
@@ -186,7 +192,7 @@ void ImplicitScheme::solve_turning_body(StepReport& report) {
         const double error = turning_error(), falling = falls * std::exchange(before_last, last);
         const bool turned = error <= least_error ||
                             (error <= std::max(turned_at_all * scale, far_from_rounding * rounding) && error > falling);
-        if (carried && turned && coarse_goal_ <= least_error && std::exchange(may_open_, true)) return;
+        if (carried && turned && coarse_goal_ <= least_error && std::exchange(may_open_, true)) return solver_.refine();
         may_open_ = may_open_ || error <= near_solution * scale;
         n_rising = error > least ? n_rising + 1 : 0;
         least = std::min(least, error), last = error;
@@ -202,6 +208,7 @@ void ImplicitScheme::solve_turning_body(StepReport& report) {
 void ImplicitScheme::turn() {
     bulk_.linearise(corner_rate_);
     turned_points_.set(*step_.begin, step_.h, corner_rate_);
+    faces_.turn(*step_.begin, step_.h, corner_rate_);
 }
 
 /// turn() at the solution. Returns by how much its equations were wrong [N s].
@@ -221,6 +228,8 @@ double ImplicitScheme::turning_error() {
         error = std::max({error, point.mass * (now.convected - point.support_rate).norm(),
                           point.impulse().norm() * (now.middle.turned(at.normal) - point.normal).norm()});
     }
+    for (std::size_t i = 0; i < faces_.size(); ++i)
+        error = std::max(error, face_points()[i].impulse().norm() * faces_.change(i, face_points()[i]));
     return std::isfinite(error) ? error : infinity;
 }
 
@@ -313,11 +322,11 @@ void ImplicitScheme::make_points() {
         const std::size_t first = x_.points.size();
         double stiffest = 0;
         for (Index i = fan.first_point; active_[f] && i < fan.first_point + fan.n_points; ++i) {
-            if (unbreakable(model_, model_.fan_points[i])) continue;
+            const FanPoint& at = model_.fan_points[i];
+            if (unbreakable(model_, at) || step_.begin->has_retired(at.point)) continue;
             active_point_of_[i] = static_cast<Index>(x_.points.size());
-            ActivePoint& made = x_.points.emplace_back(
-                interface_point(model_, step_, partition_, f, i,
-                                bulk_.frames() ? turned_points_.of(f, model_.fan_points[i]) : PointTurn{}));
+            ActivePoint& made = x_.points.emplace_back(interface_point(
+                model_, step_, partition_, f, i, bulk_.frames() ? turned_points_.of(f, at) : PointTurn{}));
             made.mass = mass_between(made.sides.before, made.sides.after);
             stiffest = std::max(stiffest, made.law.ramp_stiffness());
         }
@@ -516,7 +525,7 @@ void ImplicitScheme::store(State& end, StepReport& report) {
         end.velocity[to] = bulk_.end_velocity(node, x_.rate[node]);
         end.rate[to] = x_.rate[node];
     }
-    faces_.store(face_points(), step_.kick(), end);
+    faces_.store(face_points(), step_, end, report);
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
     const std::vector<Vec2>& reaction = reactions();
     for (Index i = 0; i < partition_.n_nodes(); ++i) {
@@ -529,8 +538,9 @@ void ImplicitScheme::store(State& end, StepReport& report) {
         const Fan& fan = model_.fans[end.split_fans[rank]];
         for (Index j = 0; j < fan.n_points; ++j) {
             const Index active = active_point_of_[fan.first_point + j];
-            if (active < 0) continue;
             const FanPoint& at = model_.fan_points[fan.first_point + j];
+            if (begin.has_retired(at.point)) end.points[end.first_point[rank] + j].traction.setZero();
+            if (active < 0) continue;
             const ActivePoint& point = x_.points[active];
             PointState& state = end.points[end.first_point[rank] + j];
             const Vec2 u = opening(model_, end, at.point);
@@ -553,6 +563,7 @@ void ImplicitScheme::store(State& end, StepReport& report) {
                              report);
         }
     }
+    if (bulk_.frames() && faces_.may_meet()) retire_points(model_, begin.retired, end);
 }
 
 /// With the place: a point that lost cohesion, or the node with the largest residual.

@@ -58,6 +58,7 @@ private:
     void turn();
     double turning_error();
     void store_guesses();
+    void guess_rates(const State& begin, std::vector<Vec2>& of_corner) const;
     void solve_free_obstacles(StepReport& report);
     FreeObstacles::Body body_at_contacts() const { return {contact_points(), x_.rate, partition_, momentum_scale_}; }
     const std::vector<Vec2>& reactions();

@@ -95,7 +95,11 @@ bool ThetaMatrix::set(const CornerPartition& nodes, double stiffness_factor, dou
     bool other_nodes = active_ != nodes.active;
     if (other_factor) factor_.touch_all();
     stiffness_factor_ = stiffness_factor, mass_factor_ = mass_factor;
-    const bool others_meet = !std::ranges::equal(meetings_, meetings) || (other_nodes && !meetings.empty());
+    const auto same_nodes = [](const PointSides& a, const PointSides& b) {
+        return a.before == b.before && a.after == b.after && a.second_node == b.second_node &&
+               a.before_too == b.before_too && a.leaf_corner == b.leaf_corner;
+    };
+    const bool others_meet = !std::ranges::equal(meetings_, meetings, same_nodes) || (other_nodes && !meetings.empty());
     for (std::size_t f = 0; (other_nodes || others_meet) && f < model_.fans.size(); ++f)
         if (others_meet || active_.empty() || active_[f] != nodes.active[f]) place_fan(model_.fans[f]);
     if (others_meet) place_meetings(meetings), other_nodes = true;
