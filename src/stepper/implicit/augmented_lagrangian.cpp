@@ -41,6 +41,7 @@ AugmentedLagrangian::AugmentedLagrangian(const Model& model, const ImplicitBulk&
       fans_(model, matrix),
       line_search_(model),
       active_set_(model, matrix, newton_, line_search_),
+      interior_point_(matrix, newton_),
       series_(model, matrix),
       cycle_(model.fan_points.size()) {
     reserve_capacity(model.mesh.n_corners(), before_.rate, first_.rate, completed_.rate);
@@ -71,6 +72,10 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
         if (solve_by_pieces()) return true;
     }
     begin_again();
+    if (kind_.has_pieces && kind_.faces && kind_.friction && InteriorPoint::fits(points)) {
+        if (solve_from_inside()) return true;
+        begin_again();
+    }
     const Outcome outcome = alternate_with_friction(effort);
     // obstacles couple the whole body and may jam it: a smaller step is the better answer
     if (outcome != Outcome::cycling || effort == Effort::little || (kind_.obstacles && !kind_.faces))
@@ -118,6 +123,13 @@ bool AugmentedLagrangian::solve_by_pieces() {
     if (kind_.has_pieces && find_pieces()) return true;
     return pieces_ != ActiveSet::Result::found && !kind_.friction && !newton_.newton_matrix.is_indefinite() &&
            find_solution(max_newton_steps) && !newton_.newton_matrix.is_indefinite();
+}
+
+/// Where the pieces are not found from an approximation, a better one follows.
+bool AugmentedLagrangian::solve_from_inside() {
+    interior_point_.begin();
+    return std::ranges::any_of(std::array{1e-5, 1e-7, 1e-9},
+                               [&](double goal) { return interior_point_.approach(goal) && find_pieces(); });
 }
 
 /// Coulomb's law has no potential, so Newton's method may cycle. Tresca's law then leads nearer to the solution.

@@ -19,6 +19,7 @@
 // QPALM, Math. Prog. Comp. 2022, for the exact line search and the proximal Newton step.)
 #include "stepper/implicit/active_set.hpp"
 #include "stepper/implicit/fan_sweep.hpp"
+#include "stepper/implicit/interior_point.hpp"
 #include "stepper/implicit/newton_cycle.hpp"
 
 #include <algorithm>
@@ -87,6 +88,7 @@ private:
 
     bool solve_on_points_alone();
     bool solve_by_pieces();
+    bool solve_from_inside();
     Outcome alternate_with_friction(Effort effort);
     bool solve_with_other_augmentations();
     bool find_pieces();
@@ -108,6 +110,7 @@ private:
     FanSweep fans_;
     LineSearch line_search_;
     ActiveSet active_set_;
+    InteriorPoint interior_point_;
     MultiplierSeries series_;
     NewtonCycle cycle_;
     Kind kind_;
