@@ -92,12 +92,7 @@ function sliderOf(slider) {
   const label = document.createElement("label"), name = document.createElement("span"), output = document.createElement("output"),
     input = document.createElement("input");
   name.textContent = slider.label;
-  const toml = element("scenario").value;
-  const present = new RegExp(`^\\s*${slider.keys[0][0].split(".").pop()}\\s*=\\s*"?([-0-9.eE]+)`, "m");
-  const tableOfKey = toml.slice(Math.max(0, toml.indexOf(`[${slider.keys[0][0].split(".").slice(0, -1).join(".")}]`)));
-  const start = slider.value ?? Number(present.exec(tableOfKey)?.[1] ?? slider.values[slider.values.length >> 1]);
-  const nearest = slider.values.reduce((best, v, i) => Math.abs(v - start) < Math.abs(slider.values[best] - start) ? i : best, 0);
-  Object.assign(input, { type: "range", min: 0, max: slider.values.length - 1, step: 1, value: nearest });
+  Object.assign(input, { type: "range", min: 0, max: slider.values.length - 1, step: 1, value: slider.values.indexOf(slider.value) });
   input.dataset.key = slider.keys[0][0];
   const apply = () => {
     const value = slider.values[input.value], text = `${value} ${slider.unit}`.trim();
