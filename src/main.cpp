@@ -2,6 +2,7 @@
 #include "app/run/run.hpp"
 #include "app/setup/process.hpp"
 #include "base/error.hpp"
+#include "base/terminal.hpp"
 #include "base/text.hpp"
 
 #include <fcntl.h>
@@ -40,7 +41,7 @@ void find_own_font() {
     if (std::filesystem::exists(fonts, none)) setenv("FONTCONFIG_FILE", fonts.c_str(), 0);
 }
 
-void print_error(const std::string& message) { std::fprintf(stderr, "%s\n", knap::printable(message).c_str()); }
+void print_error(const std::string& message) { knap::print_messages(knap::printable(message) + "\n"); }
 
 }  // namespace
 
@@ -58,7 +59,7 @@ int main(int argc, char** argv) {
         if (!written && !reader_is_gone(STDOUT_FILENO)) throw knap::OutputError("cannot write to standard output");
         return code;
     } catch (const knap::UserError& error) {
-        std::fputs(error.what(), stderr);
+        knap::print_messages(error.what());
         const std::size_t n = error.diagnostics.size();
         std::fprintf(stderr, "%zu error%s, nothing was run.\n", n, n == 1 ? "" : "s");
         return knap::exit_bad_input;

@@ -54,6 +54,24 @@ std::string list_of_texts(const std::string& text) {
 /// The help on an option that sets a key whose values are words; completion reads it, the scenario checks the value.
 std::string words_of(const char* key) { return "TEXT:{" + CLI::detail::join(find_key(key)->words, ",") + "}"; }
 
+/// Whether a name ends as that of a picture, of a format that knap writes or not.
+bool is_picture(const std::filesystem::path& name) {
+    static constexpr std::string_view endings[] = {".png", ".svg", ".pdf",  ".webp", ".gif",  ".mp4", ".eps",
+                                                   ".ps",  ".jpg", ".jpeg", ".tif",  ".tiff", ".bmp"};
+    return std::ranges::count(endings, name.extension().string()) > 0;
+}
+
+/// For options that name a directory of runs.
+const CLI::Validator is_directory_name(
+    [](const std::string& name) {
+        return is_picture(name) ? "`" + name +
+                                      "` is a picture by its name, and this is the directory of a run; "
+                                      "`knap render RUN -o " +
+                                      name + "` draws a picture"
+                                : std::string();
+    },
+    "");
+
 const char* const path = "PATH";  // completion offers files for such values only
 
 /// The commands with their options, and the variables that the options set.
@@ -104,6 +122,7 @@ private:
         command
             ->add_option("-o,--output", options.output,
                          "directory of the " + kind + "; default " + directories + "/<name>")
+            ->check(is_directory_name)
             ->type_name(path);
         command->add_option("-j,--jobs", options.n_at_once, "runs at the same time, with one thread each")
             ->check(CLI::Range(1, 1024));
@@ -124,7 +143,9 @@ private:
             return run_scenario(read(), run_);
         });
         add_scenario(command, set_key);
-        command->add_option("-o,--output", run_.output, "directory of the run; default runs/<name>")->type_name(path);
+        command->add_option("-o,--output", run_.output, "directory of the run; default runs/<name>")
+            ->check(is_directory_name)
+            ->type_name(path);
         command
             ->add_option("-j,--threads", run_.threads,
                          "threads; default OMP_NUM_THREADS, SLURM_CPUS_PER_TASK or all. Results do not depend on it")
@@ -203,6 +224,7 @@ private:
         command->add_option("--seeds", calibrate_.seeds, "strips under each load, or specimens")
             ->check(CLI::Range(1, 1000));
         command->add_option("-o,--output", calibrate_.batch.output, "directory of the runs; default calibrations")
+            ->check(is_directory_name)
             ->type_name(path);
         command->add_option("-j,--jobs", calibrate_.batch.n_at_once, "runs at the same time")
             ->check(CLI::Range(1, 1024));
@@ -235,18 +257,30 @@ private:
 
     void add_render() {
         CLI::App* command = add("render", "draw figures of a finished run", [this] {
-            const CLI::App* const command = app.get_subcommand("render");
+            std::filesystem::path directory = output_;
+            if (is_picture(output_)) {
+                if (!figure_.file.empty())
+                    throw UserError("two-names",
+                                    "`--output " + output_.string() + "` and `--file " + figure_.file +
+                                        "` are two names of one picture",
+                                    "leave --file out, or name a directory");
+                directory = output_.has_parent_path() ? output_.parent_path() : ".";
+                figure_.file = output_.filename();
+            }
             const bool animates = animate_ || figure_.is_animation();
-            if (animates && figure_.show.empty()) figure_.show = "cracks";
+            if ((animates || !figure_.file.empty()) && figure_.show.empty()) figure_.show = "cracks";
             if (figure_.file.empty()) figure_.file = figure_.show + (animates ? ".webp" : ".png");
-            if (animates && command->count("--width") == 0) figure_.width = animation_width;
+            if (animates) figure_.width = animation_width;
+            if (const Quantity width = parse_quantity(width_); !width_.empty() && width.unit.empty())
+                figure_.width = static_cast<int>(std::clamp(quantity(width_, ""), -1e9, 1e9));
+            else if (!width_.empty()) figure_.paper_width = quantity(width_, "m");
             if (!every_.empty()) figure_.every = quantity(every_, "s");
             for (const std::string& text : at_) figure_.at.push_back(quantity(text, "s"));
             for (const std::string& text : range_)
                 figure_.range.push_back(quantity(text, unit_of_figure(figure_.show, figure_.colour)));
             const auto metres = [&](int i) { return quantity(box_[i], "m"); };
             if (!box_.empty()) figure_.box = Box{{metres(0), metres(1)}, {metres(2), metres(3)}};
-            return render_run(directory_, figure_, output_);
+            return render_run(directory_, figure_, directory);
         });
         command->add_option("run", directory_, "run directory")->required();
         std::vector<std::string> subjects = figure_subjects();
@@ -260,7 +294,9 @@ private:
                     if (show.empty() || show == "list") list_subjects();
                     figure_.show = show;
                 },
-                "subject; `list` or none: the subjects with a line each; without --show the figures of the scenario")
+                "subject; `list` or none: the subjects with a line each; without it the figures of the scenario, in a "
+                "named "
+                "picture cracks")
             ->expected(0, 1)
             ->check(CLI::IsMember(subjects));
         command->add_option("--file", figure_.file,
@@ -282,8 +318,12 @@ private:
             ->check(CLI::PositiveNumber);
         command->add_option("--curves", figure_.curves, "curves that grow below the body")
             ->check(CLI::IsMember(growing_subjects()));
-        command->add_option("--width", figure_.width, "pixels")->check(CLI::Range(200, 20000));
-        command->add_option("-o,--output", output_, "directory for the pictures; default <run>/rendered")
+        command->add_option("--width", width_, "pixels, or on paper (.svg, .pdf), as in 84mm");
+        command->add_option("--font-size", figure_.font_size, "of labels on paper, in points; default with a width 8")
+            ->check(CLI::Range(4., 40.));
+        command
+            ->add_option("-o,--output", output_,
+                         "directory for the pictures, default <run>/rendered; or a picture, as in cracks.pdf")
             ->type_name(path);
     }
 
@@ -345,7 +385,7 @@ private:
     }
 
     std::string scenario_, until_, dump_lcp_, refine_, levels_, schemes_, reference_, seeds_, name_, from_, solver_,
-        every_;
+        every_, width_;
     std::vector<std::string> overrides_, quantities_, at_, box_, range_;
     std::filesystem::path output_, directory_;
     std::vector<std::filesystem::path> runs_, problems_;

@@ -14,12 +14,14 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
+#include "base/terminal.hpp"
 #include "base/whole_file.hpp"
 #include "element/triangle_matrices.hpp"
 #include "mesh/mesh_file.hpp"
 #include "microstructure/grain_mesh.hpp"
 #include "model/part_of_body.hpp"
 #include "model/selections.hpp"
+#include "scenario/schema.hpp"
 #include "scenario/specimen_strength.hpp"
 #include "scenario/write_scenario.hpp"
 #include "stepper/common/pieces_of_body.hpp"
@@ -327,7 +329,7 @@ void print_members(const Scenario& scenario, const Cost& cost) {
 }
 
 void print_warnings(const std::vector<Diagnostic>& warnings) {
-    for (const Diagnostic& warning : warnings) std::fputs(format(warning).c_str(), stderr);
+    for (const Diagnostic& warning : warnings) print_messages(format(warning));
 }
 
 /// Which pieces are rigid at the start, and between which times of steps the run lies.
@@ -429,17 +431,25 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
     return exit_done;
 }
 
+/// By the line `#:schema` editors with a TOML extension complete and check keys.
+constexpr const char* schema_file = "knap.schema.json";
+
 ExitCode write_new_scenario(const std::string& name, const std::string& from, bool force) {
     const std::filesystem::path file = name.ends_with(".toml") ? name : name + ".toml";
     const std::string stem = file.stem().string(),
                       text = from.empty() ? new_scenario(stem) : renamed(built_in_scenario(from), stem);
     read_scenario_text(new_scenario(stem), file.string());  // refuses a name that a scenario cannot have
-    std::vector<BuiltIn> written{{file.string(), text}};
+    std::vector<BuiltIn> written{{file.string(), std::string("#:schema ") + schema_file + "\n" + text}};
     for (const BuiltIn& mesh : built_in_files())  // that it names
         if (text.find('"' + mesh.name + '"') != text.npos)
             written.push_back({(file.parent_path() / mesh.name).string(), mesh.text});
     for (const BuiltIn& one : written)
         if (!force) refuse_existing(one.name);
+    const std::filesystem::path schema = file.parent_path() / schema_file;
+    if (std::error_code none; std::filesystem::exists(schema, none))  // of another version of this program
+        if (read_given_file(schema, "cannot-read").find("\"title\": \"knap scenario\"") == std::string::npos && !force)
+            refuse_existing(schema);
+    written.push_back({schema.string(), json_schema()});
     for (const BuiltIn& one : written) write_new_file(one.name, one.text);
     std::printf("wrote %s; next: knap check %s, knap run %s\n", file.string().c_str(), file.string().c_str(),
                 file.string().c_str());

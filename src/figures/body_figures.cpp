@@ -388,7 +388,7 @@ Plot body_plot(Box seen, const FigureOptions& options, double below) {
     const Vec2 stretch = stretch_of(seen, options.aspect);
     Plot plot;
     const auto place = [&](double left) {
-        const double width = page_width - left - (options.panel ? panel_margin : margin_right);
+        const double width = options.page().width - left - (options.panel ? panel_margin : margin_right);
         Vec2 size = stretch.cwiseProduct(seen.extent());
         const Vec2 min(size.y() * min_size / max_height, size.x() * (options.panel ? 0.3 : 1) * min_size / width);
         const Vec2 missing = (min - size).cwiseMax(0), margin = 0.5 * missing.cwiseQuotient(stretch);
@@ -448,7 +448,8 @@ Legend body_legend(const FigureOptions& options, const Frame& frame, const Figur
 
 DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Histories& histories,
                       const FigureContext& context, const std::filesystem::path& file, const FigureScale& scale) {
-    const double full_width = page_width - margin_left - margin_right;
+    const Page page = options.page();
+    const double full_width = page.width - margin_left - margin_right;
     const Legend legend = body_legend(options, frame, context, scale);
     const double below = options.panel ? 0 : legend_height(legend, full_width);
     const Plot plot = body_plot(scale.seen, options, options.panel ? panel_margin : below + 36);
@@ -465,7 +466,7 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     for (Index c = 0; c < 3 * frame.n_triangles(); ++c)
         corners.push_back(plot.on_page(deformed(frame, c, options.deform)));
 
-    Canvas canvas(file, area.top() + (options.panel ? panel_margin : title.height()), options.width);
+    Canvas canvas(file, area.top() + (options.panel ? panel_margin : title.height()), options.width, page);
     canvas.clip(area);
     draw_obstacles(canvas, plot, frame, options.deform);
     for (const auto& [ends, colour] : drawing.paths) {
@@ -496,7 +497,7 @@ DrawnFigure draw_body(const FigureOptions& options, const Frame& frame, const Hi
     canvas.unclip();
     if (!options.panel) {
         plot.draw_axes(canvas, false);
-        draw_title(canvas, title, narrow ? margin_left : area.left, narrow ? page_width - margin_right : area.right(),
+        draw_title(canvas, title, narrow ? margin_left : area.left, narrow ? page.width - margin_right : area.right(),
                    area.top());
         draw_legend(canvas, legend, {margin_left, 0, full_width, below});
     }

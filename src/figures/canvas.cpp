@@ -172,16 +172,39 @@ Image made(cairo_surface_t* surface, int width, int height) {
 }
 
 /// A vector file is written to `bytes` while it is drawn.
-cairo_surface_t* make_surface(const std::filesystem::path& file, double height, double scale, std::string& bytes) {
-    if (file.extension() == ".svg") return cairo_svg_surface_create_for_stream(append, &bytes, page_width, height);
-    if (file.extension() == ".pdf") return cairo_pdf_surface_create_for_stream(append, &bytes, page_width, height);
+cairo_surface_t* make_surface(const std::filesystem::path& file, double height, int pixels, const Page& page,
+                              std::string& bytes) {
+    const double width_pt = page.width * page.points, height_pt = height * page.points;
+    if (file.extension() == ".svg") return cairo_svg_surface_create_for_stream(append, &bytes, width_pt, height_pt);
+    if (file.extension() == ".pdf") return cairo_pdf_surface_create_for_stream(append, &bytes, width_pt, height_pt);
     if (!file.empty() && file.extension() != ".png")
         throw UserError("figure-file", "figures cannot be written as `" + file.filename().string() + "`",
                         "known endings: .png, .svg, .pdf");
-    const int width = static_cast<int>(std::lround(page_width * scale)),
-              rows = static_cast<int>(std::lround(height * scale));
+    const int rows = static_cast<int>(std::lround(height * (pixels / page.width)));
     return cairo_surface_reference(
-        made(cairo_image_surface_create(CAIRO_FORMAT_RGB24, width, rows), width, rows).get());
+        made(cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels, rows), pixels, rows).get());
+}
+
+/// A text of an SVG file, which Cairo would draw as outlines; `at` [unit] from the upper left of the page, before it is
+/// turned.
+std::string svg_text(const Vec2& at, const std::vector<TextPart>& parts, double y, const TextStyle& style,
+                     const Page& page) {
+    static constexpr const char* anchors[] = {"start", "middle", "end"};
+    const auto number = [](double value) { return decimal(value, std::chars_format::general, 6); };
+    std::string text =
+        "<text transform=\"translate(" + number(page.points * at.x()) + " " + number(page.points * at.y()) +
+        ") rotate(" + number(-style.angle) + ") scale(" + number(page.points) + ")\" y=\"" + number(y) +
+        "\" text-anchor=\"" + anchors[static_cast<int>(style.across)] +
+        "\" font-family=\"DejaVu Sans, Verdana, sans-serif\" font-weight=\"" + (style.bold ? "bold" : "normal") +
+        "\" font-size=\"" + number(style.size) + "\" fill=\"#262626\" xml:space=\"preserve\">";
+    double drop = 0;
+    for (const TextPart& part : parts) {
+        text += "<tspan dy=\"" + number(part.y - drop) + "\" font-size=\"" + number(part.size) + "\">";
+        for (const char c : part.text)
+            text += c == '&' ? std::string("&amp;") : c == '<' ? std::string("&lt;") : std::string(1, c);
+        text += "</tspan>", drop = part.y;
+    }
+    return text + "</text>\n";
 }
 
 }  // namespace
@@ -227,13 +250,15 @@ std::vector<double> line_pattern(int kind, double width) {
     }
 }
 
-Canvas::Canvas(std::filesystem::path file, double height, int pixels)
+Canvas::Canvas(std::filesystem::path file, double height, int pixels, const Page& page)
     : file_(std::move(file)),
+      page_(page),
       height_(height),
-      pixels_per_unit_(pixels / page_width),
-      surface_(make_surface(file_, height, pixels_per_unit_, bytes_)),
+      pixels_per_unit_(pixels / page.width),
+      surface_(make_surface(file_, height, pixels, page, bytes_)),
       cairo_(cairo_create(surface_)) {
-    if (has_pixels()) cairo_scale(cairo_, pixels_per_unit_, pixels_per_unit_);
+    const double scale = has_pixels() ? pixels_per_unit_ : page.points;
+    cairo_scale(cairo_, scale, scale);
     cairo_translate(cairo_, 0, height);
     cairo_scale(cairo_, 1, -1);
     if (file_.extension() == ".svg") cairo_svg_surface_set_document_unit(surface_, CAIRO_SVG_UNIT_PT);
@@ -364,13 +389,15 @@ void Canvas::text(const Vec2& at, const std::string& text, const TextStyle& styl
         const double x = x0 + part.x, y = to_baseline * style.size + part.y;
         select_font(cairo_, part.size, style.bold);
         cairo_move_to(cairo_, x, y);
-        cairo_show_text(cairo_, part.text.c_str());
+        if (file_.extension() != ".svg") cairo_show_text(cairo_, part.text.c_str());
         const Vec2 corner(x + part.extents.x_bearing, -y - part.extents.y_bearing);
         for (const double dx : {0., part.extents.width})
             for (const double dy : {0., part.extents.height})
                 box.extend(at + Eigen::Rotation2Dd(style.angle * degree) * Vec2(corner + Vec2(dx, -dy)));
     }
     cairo_restore(cairo_);
+    if (file_.extension() == ".svg")
+        svg_texts_ += svg_text({at.x(), height_ - at.y()}, parts, to_baseline * style.size, style, page_);
     texts_.push_back({text, {box.min().x(), box.min().y(), box.sizes().x(), box.sizes().y()}});
 }
 
@@ -383,6 +410,7 @@ DrawnFigure Canvas::finish() {
     if (status == CAIRO_STATUS_SUCCESS) status = cairo_surface_status(surface_);
     if (status != CAIRO_STATUS_SUCCESS)
         throw OutputError("cannot write " + file_.string() + ": " + cairo_status_to_string(status));
+    if (!svg_texts_.empty()) bytes_.insert(bytes_.rfind("</svg>"), svg_texts_);
     if (file_.empty())
         return {"", height_, std::move(texts_), Image(cairo_surface_reference(surface_), cairo_surface_destroy)};
     write_whole_file(file_, bytes_);

@@ -1,8 +1,8 @@
 #pragma once
-// A page to draw on with Cairo; no display is needed. The page is `page_width` units wide, x to the right, y upwards,
+// A page to draw on with Cairo; no display is needed. The page is `Page::width` units wide, x to the right, y upwards,
 // and is written as PNG, SVG or PDF according to the ending of the file, or kept in memory where there is no file.
-// Units do not depend on the resolution; in vector files a unit is a point. Texts may have subscripts: "c_{R}". Every
-// text is recorded with the box of its ink, so that tests find texts that overlap or leave the page.
+// Units do not depend on the resolution. Texts may have subscripts: "c_{R}"; in SVG and PDF files they are texts, not
+// outlines. Every text is recorded with the box of its ink, so that tests find texts that overlap or leave the page.
 #include "base/vec.hpp"
 
 #include <filesystem>
@@ -16,6 +16,12 @@ typedef struct _cairo_surface cairo_surface_t;
 namespace knap {
 
 inline constexpr double page_width = 560, type_size = 11;  // [unit] type_size: of labels in all figures
+
+/// A narrower page has larger type.
+struct Page {
+    double width = page_width;  // [unit]
+    double points = 1;          // [pt] of a unit, in vector files
+};
 
 struct Colour {
     double red = 0, green = 0, blue = 0, alpha = 1;
@@ -81,7 +87,7 @@ class Canvas {
 public:
     /// `height` [unit]; `pixels`: width of a PNG or of an image in memory, for which `file` is empty. Throws UserError
     /// for an ending other than .png, .svg and .pdf.
-    Canvas(std::filesystem::path file, double height, int pixels);
+    Canvas(std::filesystem::path file, double height, int pixels, const Page& page = {});
     ~Canvas();
     Canvas(const Canvas&) = delete;
     Canvas& operator=(const Canvas&) = delete;
@@ -113,7 +119,9 @@ private:
     bool has_pixels() const { return file_.empty() || file_.extension() == ".png"; }
 
     std::filesystem::path file_;
-    std::string bytes_;  // of the file
+    std::string bytes_;      // of the file
+    std::string svg_texts_;  // elements of an SVG file
+    Page page_;
     double height_, pixels_per_unit_;
     cairo_surface_t* surface_;
     cairo_t* cairo_;

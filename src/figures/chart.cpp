@@ -7,7 +7,8 @@
 namespace knap {
 namespace {
 
-constexpr double plot_height = 260, max_chart_height = 900, chart_margin_right = 16, chart_gap = 12;  // [unit]
+constexpr double plot_height = 260, max_chart_height = 900, narrow_page = 450, chart_margin_right = 16,
+                 chart_gap = 12;  // [unit]
 
 /// Points on all curves of the page, closer together than letters.
 std::vector<Vec2> sampled(const std::vector<std::vector<Vec2>>& lines, double step) {
@@ -113,17 +114,20 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
         .size = larger * type_size};
 
     const std::vector<LegendEntry> entries = place.panel ? std::vector<LegendEntry>() : entries_of(chart);
-    const double legend_width = entries.empty() ? 0 : entries_width(entries) + chart_gap;
-    plot.area = {0, 42 * larger, page_width,
-                 std::max(plot_height, std::min(entries_height(entries, legend_width - chart_gap), max_chart_height))};
-    const int max_x = place.panel ? 5 : 9, max_y = place.panel ? 5 : 8;
+    const bool legend_below = place.page.width < narrow_page;
+    const double width = place.page.width, row = width - 2 * chart_margin_right,
+                 legend_width = entries.empty() || legend_below ? 0 : entries_width(entries) + chart_gap,
+                 below = entries.empty() || !legend_below ? 0 : legend_height({.entries = entries}, row),
+                 beside = legend_below ? 0 : entries_height(entries, legend_width - chart_gap);
+    plot.area = {0, 42 * larger + below, width, std::max(plot_height, std::min(beside, max_chart_height))};
+    const int max_x = place.panel || legend_below ? 5 : 9, max_y = place.panel ? 5 : 8;
     plot.fit_ticks(max_x, max_y);
     plot.area.left = std::max(58 * larger, plot.y_label_width() + 2.6 * plot.size);
-    plot.area.width = page_width - plot.area.left - chart_margin_right - legend_width;
+    plot.area.width = width - plot.area.left - chart_margin_right - legend_width;
     plot.fit_ticks(max_x, max_y);
-    const Title title = fitted_title(chart.title, "", page_width - plot.area.left - chart_margin_right);
+    const Title title = fitted_title(chart.title, "", width - plot.area.left - chart_margin_right);
 
-    Canvas canvas(file, plot.area.top() + (place.panel ? 14 : title.height()), pixels);
+    Canvas canvas(file, plot.area.top() + (place.panel ? 14 : title.height()), pixels, place.page);
     plot.draw_axes(canvas, true);
     std::vector<std::vector<Vec2>> lines;
     canvas.clip({plot.area.left - 1, plot.area.bottom - 1, plot.area.width + 2, plot.area.height + 2});
@@ -144,9 +148,11 @@ DrawnFigure draw_chart(const Chart& chart, const std::filesystem::path& file, in
     }
     canvas.unclip();
     for (const Curve& curve : chart.curves) draw_points(canvas, plot, curve);
-    draw_entries(canvas, entries,
-                 {plot.area.right() + chart_gap, plot.area.bottom, legend_width - chart_gap, plot.area.height});
-    if (!place.panel) draw_title(canvas, title, plot.area.left, page_width - chart_margin_right, plot.area.top());
+    if (below > 0) draw_legend(canvas, {.entries = entries}, {chart_margin_right, 0, row, below});
+    else
+        draw_entries(canvas, entries,
+                     {plot.area.right() + chart_gap, plot.area.bottom, legend_width - chart_gap, plot.area.height});
+    if (!place.panel) draw_title(canvas, title, plot.area.left, width - chart_margin_right, plot.area.top());
     if (!chart.levels.empty()) draw_levels(canvas, plot, chart.levels, sampled(lines, 0.4 * plot.size));
     return canvas.finish();
 }

@@ -43,6 +43,7 @@ Box axis_ranges(const Chart& chart);
 struct ChartPlace {
     std::optional<Box> axes;  // the axes span this range at least
     bool panel = false;       // one of several in a sheet: larger type, no title, no legend
+    Page page = {};
     // of an animation: number of points of each curve that are drawn, of those that have more than one
     std::size_t n_points = std::numeric_limits<std::size_t>::max();
 };

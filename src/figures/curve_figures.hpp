@@ -29,7 +29,8 @@ Chart fragment_size_chart(const History& fragments);
 
 /// Rose diagram of the directions of broken interfaces, weighted by length: the area of a petal is the broken length
 /// within its 10 degrees, tension inside, shear outside. Directions have no sense, so every petal is drawn twice.
-DrawnFigure draw_rose(const History& breaks, const std::string& title, const std::filesystem::path& file, int pixels);
+DrawnFigure draw_rose(const History& breaks, const std::string& title, const std::filesystem::path& file, int pixels,
+                      const Page& page = {});
 
 inline constexpr int n_petals = 18;
 

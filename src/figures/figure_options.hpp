@@ -10,6 +10,8 @@
 
 namespace knap {
 
+struct Page;  // figures/canvas.hpp
+
 inline constexpr int animation_width = 800;  // [pixel] unless it is given
 
 /// [[figure]] of a scenario.
@@ -22,6 +24,8 @@ struct FigureOptions {
     std::optional<Box> box;             // part of the body
     std::vector<double> range;          // [SI] of the colours, two values; empty = from the data
     int width = 1600;                   // [pixel]
+    double paper_width = 0;             // [m] of a vector file; 0: page_width points
+    double font_size = 0;               // [pt] of labels; 0: that of a figure without paper_width, 8 pt on paper
     std::string title;                  // empty = that of the run
     std::string over = "displacement";  // reactions: one of figure_abscissas(); probes: "temperature", else time
     std::vector<double> mark;           // [SI] isolines of a temperature; of curves places of the abscissa
@@ -34,6 +38,8 @@ struct FigureOptions {
     std::string curves;                 // of an animation: one of growing_subjects(), below the body; empty = none
 
     bool is_animation() const;
+    /// Of charts and bodies; a rose has page_width units on any paper.
+    Page page() const;
 };
 
 /// What a figure needs of a run besides its frames and histories.

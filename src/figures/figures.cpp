@@ -1,5 +1,6 @@
 #include "figures/figures.hpp"
 
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "figures/animation.hpp"
@@ -8,6 +9,7 @@
 #include "figures/curve_figures.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 namespace knap {
 namespace {
@@ -125,6 +127,16 @@ const char* missing(const std::string& show, const std::string& colour, const Hi
     return nullptr;
 }
 
+/// Of the rose, whose drawing is fixed.
+bool has_fixed_type(const std::string& show) {
+    const CurveKind* const kind = curve_kind(show);
+    return kind && !kind->chart;
+}
+
+void require(bool holds, const char* code, const std::string& message) {
+    if (!holds) throw UserError(code, message);
+}
+
 void check(const FigureOptions& options) {
     const auto check_word = [](const char* code, const std::string& word, const char* what,
                                const std::vector<std::string>& known) {
@@ -134,9 +146,7 @@ void check(const FigureOptions& options) {
     check_word("figure-show", options.show, "a subject of figures", figure_subjects());
     check_word("figure-colour", options.colour, "a quantity that colours cracks", figure_colours());
     check_word("figure-over", options.over, "an abscissa of reactions", figure_abscissas());
-    const auto require = [](bool holds, const char* code, const std::string& message) {
-        if (!holds) throw UserError(code, message);
-    };
+    check_type(options);
     require(std::isfinite(options.deform), "figure-deform",
             "displacements cannot be magnified by " + std::to_string(options.deform));
     require(options.aspect >= 1 && options.aspect <= 1000, "figure-aspect",
@@ -166,6 +176,20 @@ std::filesystem::path file_name(const FigureOptions& options, double time) {
 }
 
 }  // namespace
+
+void check_type(const FigureOptions& options) {
+    const double points = 72 / 0.0254 * options.paper_width;  // [pt]
+    require(points == 0 || (points >= 50 && points <= 5000), "figure-width",
+            "a figure on paper is 18 mm to 1.7 m wide, not " + readable(options.paper_width, "m"));
+    constexpr double least_width = 200;  // [unit] with room for axes and their numbers
+    const Page page = options.page();
+    require(page.width >= least_width, "figure-font",
+            "labels of " + short_number(page.points * type_size) + " pt leave no room on a page of " +
+                readable(options.paper_width > 0 ? options.paper_width : page_width * 0.0254 / 72, "m") + ": at most " +
+                short_number(std::floor(10 * page.points * type_size * page.width / least_width) / 10) + " pt");
+    require(!has_fixed_type(options.show) || options.font_size == 0, "figure-font",
+            "a rose has type by its width; leave font_size out");
+}
 
 void check_figure(const FigureOptions& options, const Histories& histories) {
     check(options);
@@ -222,6 +246,31 @@ std::vector<std::string> growing_subjects() {
 
 bool FigureOptions::is_animation() const { return knap::is_animation(file); }
 
+Page FigureOptions::page() const {
+    constexpr double on_paper = 8;  // [pt]
+    if (panel || (paper_width == 0 && font_size == 0)) return {};
+    const double width = paper_width > 0 ? 72 / 0.0254 * paper_width : page_width;  // [pt]
+    if (has_fixed_type(show)) return {.points = width / page_width};
+    const double points = (font_size > 0 ? font_size : on_paper) / type_size;
+    return {.width = width / points, .points = points};
+}
+
+std::string caption_of(const FigureOptions& options, const std::filesystem::path& file) {
+    const std::filesystem::path own = options.file;
+    const std::string name = file.stem().string(), stem = own.stem().string();
+    if (file.extension() != own.extension() || !name.starts_with(stem)) return "";
+    const std::string after = name.substr(stem.size());  // "_40us"
+    if (!after.empty() && (options.at.size() < 2 || after[0] != '_')) return "";
+    const CurveKind* const curve = curve_kind(options.show);
+    std::string text = curve ? curve->doc : doc_of_body(options.show);
+    if (by_colour(options.show)) text += ", coloured by " + crack_colour(options.colour).quantity;
+    if (options.is_animation()) text += ", moving";
+    else if (!after.empty()) text += ", t = " + after.substr(1);
+    else if (!curve) text += options.at.empty() ? ", at the end of the run" : ", t = " + time_text(options.at[0]);
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return (options.title.empty() ? "" : options.title + ": ") + text;
+}
+
 bool shows_body(const std::string& subject) { return body_kind(subject) != nullptr; }
 
 bool has_few_colours(const std::string& subject) {
@@ -264,7 +313,8 @@ Vec2 picture_size(const FigureOptions& options, const Vec2& extent) {
             body_plot({Vec2::Zero(), extent.cwiseMax(1e-6 * extent.maxCoeff())}, options, legend).area.top() + title;
         if (!options.curves.empty()) height += chart;
     }
-    return options.width / page_width * Vec2(page_width, height);
+    const double width = options.page().width;
+    return options.width / width * Vec2(width, height);
 }
 
 double longest_side(const FigureOptions& options) {
@@ -314,11 +364,11 @@ DrawnFigure draw_figure(const FigureOptions& options, const Frame& frame, const 
                          common ? *common : body_scale(options, frame, histories));
     const std::string title = options.title.empty() ? context.title : options.title;
     const CurveKind& kind = *curve_kind(options.show);
-    if (!kind.chart) return draw_rose(histories.breaks, title, directory / options.file, options.width);
+    if (!kind.chart) return draw_rose(histories.breaks, title, directory / options.file, options.width, options.page());
     Chart chart = chart_of(kind, {histories, options, context});
     if (!title.empty()) chart.title = title;
     chart.marks = options.mark;
-    ChartPlace place{.axes = {}, .panel = options.panel};
+    ChartPlace place{.axes = {}, .panel = options.panel, .page = options.page()};
     if (common) place.axes = common->seen;
     return draw_chart(chart, directory / options.file, options.width, place);
 } catch (const std::bad_alloc&) {
@@ -334,7 +384,7 @@ DrawnFigure draw_picture(const FigureOptions& options, const Frame& frame, const
     const std::vector<double> times = (histories.*kind.table).column("time");
     const auto n = std::ranges::upper_bound(times, frame.time * (1 + 1e-9)) - times.begin();
     const DrawnFigure below = draw_chart(kind.chart({histories, options, context}), "", options.width,
-                                         {.n_points = static_cast<std::size_t>(n)});
+                                         {.page = options.page(), .n_points = static_cast<std::size_t>(n)});
     drawn.image = stacked(drawn.image, below.image);
     return drawn;
 } catch (const std::bad_alloc&) {

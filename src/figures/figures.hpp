@@ -63,6 +63,12 @@ double longest_side(const FigureOptions& options);
 /// [byte] About the memory that it needs while it is drawn.
 double drawing_memory(const FigureOptions& options, const Vec2& extent);
 
+/// What it shows, in words: "Cracks by opening at t = 40 us"; "" where `file` is none of its pictures.
+std::string caption_of(const FigureOptions& options, const std::filesystem::path& file);
+
+/// Throws UserError where paper_width and font_size do not fit each other.
+void check_type(const FigureOptions& options);
+
 /// Throws UserError, with what can be drawn, where these histories are not enough for a figure.
 void check_figure(const FigureOptions& options, const Histories& histories);
 

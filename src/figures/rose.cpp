@@ -43,9 +43,10 @@ std::vector<Petal> petals(const History& breaks) {
     return found;
 }
 
-DrawnFigure draw_rose(const History& breaks, const std::string& title, const std::filesystem::path& file, int pixels) {
+DrawnFigure draw_rose(const History& breaks, const std::string& title, const std::filesystem::path& file, int pixels,
+                      const Page& page) {
     const Title heading = fitted_title(title, "", page_width - 60);
-    Canvas canvas(file, plot_top + heading.height(), pixels);
+    Canvas canvas(file, plot_top + heading.height(), pixels, page);
     const std::vector<Petal> all = petals(breaks);
     double total = 0, longest = 0;
     for (const Petal& petal : all) total += petal.length(), longest = std::max(longest, petal.length());

@@ -73,8 +73,14 @@ public:
 
 private:
     [[noreturn]] void fail(const std::string& message) const {
-        throw UserError(
-            std::vector{Diagnostic{.code = "matrix-market", .message = message, .file = source_, .line = n_lines_}});
+        const std::string line = line_.str();
+        throw UserError(std::vector{Diagnostic{.code = "matrix-market",
+                                               .message = message,
+                                               .file = source_,
+                                               .line = n_lines_,
+                                               .column = 1,
+                                               .length = static_cast<int>(line.size()),
+                                               .source_line = line}});
     }
 
     /// To the next line, which may be blank or a comment where `any` is set.
@@ -123,9 +129,12 @@ LcpProblem read_lcp(const std::filesystem::path& stem) {
     std::string base = stem.string();
     if (base.ends_with(".L.mtx") || base.ends_with(".q.mtx")) base.resize(base.size() - 6);
     const LcpMatrix M = read_matrix_market_file(base + ".L.mtx"), q = read_matrix_market_file(base + ".q.mtx");
-    if (M.rows() != M.cols()) throw UserError("matrix-market", "the matrix of `" + base + ".L.mtx` is not square");
+    if (M.rows() != M.cols())
+        throw UserError("matrix-market", concatenated("the matrix of `", base, ".L.mtx` is not square: ", M.rows(),
+                                                      " rows, ", M.cols(), " columns"));
     if (q.cols() != 1 || q.rows() != M.rows())
-        throw UserError("matrix-market", "`" + base + ".q.mtx` must have one column and as many rows as the matrix");
+        throw UserError("matrix-market", concatenated("`", base, ".q.mtx` must have one column and ", M.rows(),
+                                                      " rows as the matrix; it has ", q.cols(), " and ", q.rows()));
     return {M, Eigen::MatrixXd(q).col(0)};
 }
 

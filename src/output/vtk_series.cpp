@@ -249,7 +249,7 @@ vtkFieldData* data_of(vtkUnstructuredGrid* grid, Of of) {
 }
 
 /// Returns the checksum of the file.
-std::uint64_t write_part(const FramePart& part, const Frame& frame, const path& file) {
+std::uint64_t write_part(const FramePart& part, const Frame& frame, Compression compression, const path& file) {
     const Entries points = points_of(part, frame);
     const bool is_outline = part.geometry.position == &F::obstacle_position;
     const Index n = is_outline ? frame.n_outline() : part.geometry.points_per_cell;
@@ -283,7 +283,11 @@ std::uint64_t write_part(const FramePart& part, const Frame& frame, const path& 
     writer->SetInputData(grid);
     writer->SetDataModeToAppended();
     writer->EncodeAppendedDataOff();
-    writer->SetCompressorTypeToLZ4();
+    switch (compression) {
+        case Compression::none: writer->SetCompressorTypeToNone(); break;
+        case Compression::lz4: writer->SetCompressorTypeToLZ4(); break;
+        case Compression::zlib: writer->SetCompressorTypeToZLib(), writer->SetCompressionLevel(1);
+    }
     writer->WriteToOutputStringOn();  // VTK does not look whether the system takes the last bytes
     if (writer->Write() == 0 || writer->GetErrorCode() != vtkErrorCode::NoError)
         throw OutputError("cannot make " + file.string() + ": " +
@@ -363,8 +367,8 @@ const std::vector<OutputTable>& frame_outputs() {
     return tables;
 }
 
-VtkSeries::VtkSeries(path run, std::vector<double> written, std::vector<Sums> sums)
-    : run_(std::move(run)), times_(std::move(written)), sums_(std::move(sums)) {
+VtkSeries::VtkSeries(path run, std::vector<double> written, std::vector<Sums> sums, Compression compression)
+    : run_(std::move(run)), times_(std::move(written)), sums_(std::move(sums)), compression_(compression) {
     prepare_vtk();
     std::error_code error;
     std::filesystem::create_directories(run_ / "fields", error);
@@ -386,7 +390,7 @@ void VtkSeries::write(const Frame& frame) {
     const bool obstacles = frame.n_obstacles() > 0;
     Sums sums{};
     for (std::size_t k = 0; k < parts_with(obstacles).size(); ++k)
-        sums[k] = write_part(parts()[k], frame, run_ / file_of(parts()[k], times_.size()));
+        sums[k] = write_part(parts()[k], frame, compression_, run_ / file_of(parts()[k], times_.size()));
     times_.push_back(frame.time), sums_.push_back(sums);
     write_collection(run_, times_, obstacles);
 }

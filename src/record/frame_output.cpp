@@ -7,7 +7,7 @@
 namespace knap {
 
 void FrameOutput::open() {
-    series_.emplace(directory_, times_, sums_);
+    series_.emplace(directory_, times_, sums_, compression_);
     series_->list(!model_.obstacles.empty());
     writer_.emplace([this](const State& then) {
         Frame frame = make_frame(model_, then, false);

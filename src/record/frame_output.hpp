@@ -11,8 +11,14 @@ namespace knap {
 class FrameOutput {
 public:
     /// `every` [s]; 0: only frames of figures. `time` must outlive it.
-    FrameOutput(const Model& model, std::filesystem::path directory, double every, OutputTime& time)
-        : model_(model), directory_(std::move(directory)), every_(every), clock_(every), time_(time) {}
+    FrameOutput(const Model& model, std::filesystem::path directory, double every, Compression compression,
+                OutputTime& time)
+        : model_(model),
+          directory_(std::move(directory)),
+          every_(every),
+          compression_(compression),
+          clock_(every),
+          time_(time) {}
 
     bool has_times() const { return every_ > 0; }
     bool is_open() const { return writer_.has_value(); }
@@ -41,6 +47,7 @@ private:
     const Model& model_;
     std::filesystem::path directory_;
     double every_;
+    Compression compression_;
     Every clock_;
     OutputTime& time_;
     std::vector<double> times_;

@@ -9,7 +9,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
+#include <ctime>
 #include <sstream>
 
 namespace knap {
@@ -19,31 +21,54 @@ constexpr std::size_t max_whole = 1'300'000;  // [byte] of pictures that are kep
 constexpr int small_width = 900;              // [pixel] of further ones
 
 const char* const style = R"(
-body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: #222; max-width: 60em; margin: 2em auto;
-       padding: 0 1em }
-h1 { font-size: 1.6em; margin: 0 }
-h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid #ccc }
+:root { color-scheme: light dark; --ink: #222; --paper: #fff; --faint: #5b5b5b; --line: #ccc; --code: #f6f6f6;
+        --bad: #a11 }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #dcdcdc; --paper: #17191c; --faint: #a8a8a8; --line: #44484d; --code: #22262a; --bad: #ff8a80 }
+}
+body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); background: var(--paper);
+       max-width: 60em; margin: 2em auto; padding: 0 1em }
+a { color: inherit }
+h1 { font-size: 1.6em; margin: 0; overflow-wrap: anywhere }
+h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid var(--line) }
 .question { font-style: italic; margin: .3em 0 1em }
-.bad { color: #a11 }
-.bad li, .warn li { list-style: "\26A0  "; margin: .2em 0 }
+.bad { color: var(--bad) }
+.bad li, .warn li { list-style: "\26A0  "; margin: .2em 0; overflow-wrap: anywhere }
 table { border-collapse: collapse; font-size: .9em }
-th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid #e4e4e4 }
-td { font-variant-numeric: tabular-nums; overflow-wrap: break-word }
+th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid var(--line) }
+td { font-variant-numeric: tabular-nums; overflow-wrap: anywhere }
 figure { margin: 0 0 1em; break-inside: avoid }
-img { max-width: 100%; height: auto }
-figcaption { color: #555; font-size: .85em }
-pre { white-space: pre-wrap; overflow-wrap: anywhere; background: #f6f6f6; padding: .6em; font-size: .85em }
+img { max-width: 100%; height: auto; background: #fff }
+figcaption { color: var(--faint); font-size: .85em }
+pre { white-space: pre-wrap; overflow-wrap: anywhere; background: var(--code); padding: .6em; font-size: .85em }
 input[type=range] { width: 100% }
+button { min-height: 2.4em }
 .figures { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1em }
 .figures > :only-child { grid-column: 1 / -1 }
 .short { white-space: nowrap }
+@media screen and (max-width: 44em) {
+  .figures { grid-template-columns: 1fr }
+  body { margin: 1em auto }
+  th, td { padding-right: .5em; min-width: 3.5em }
+}
 @page { size: A4; margin: 15mm }
 @media print {
+  :root { color-scheme: light; --ink: #222; --paper: #fff; --faint: #5b5b5b; --line: #ccc; --bad: #a11 }
   body { margin: 0; max-width: none; font-size: 10pt }
   .screen, details { display: none }
   tr { break-inside: avoid }
   h2 { break-after: avoid }
 }
+)";
+
+/// Loads the page again; one whose time of writing (data-written) stays behind says so.
+const char* const reloading = R"(
+const live = document.getElementById("live"), wait = live.dataset.period,
+      age = Date.now() / 1000 - live.dataset.written;
+if (age > 60 + 4 * wait)
+  document.getElementById("stale").textContent = " Nothing new for " + Math.round(age / 60) +
+    " min: steps take long, or the run was killed; the same command then continues it.";
+setTimeout(() => location.reload(), 1000 * wait);
 )";
 
 const char* const moving = R"(
@@ -171,7 +196,13 @@ std::string html_slider(const std::vector<std::pair<std::string, std::string>>& 
            "]</script>\n<script>" + moving + "</script>\n";
 }
 
-std::string html_figures(const std::vector<std::filesystem::path>& files) {
+std::string html_picture(const std::string& bytes, const std::string& caption) {
+    return "<figure><img alt=\"" + html_text(caption) + "\" src=\"" + address_of("webp", bytes) + "\">\n<figcaption>" +
+           html_text(caption) + "</figcaption></figure>\n";
+}
+
+std::string html_figures(const std::vector<std::filesystem::path>& files,
+                         const std::function<std::string(const std::filesystem::path&)>& caption) {
     struct File {
         std::filesystem::path path;
         std::size_t size;
@@ -194,11 +225,11 @@ std::string html_figures(const std::vector<std::filesystem::path>& files) {
     for (const auto& [path, size, whole] : found) {
         const std::string ending = path.extension().string(), type = ending == ".svg" ? "svg+xml" : ending.substr(1);
         if (!whole && ending != ".png") continue;
-        const std::string name = html_text(path.filename().string());
-        text += "<figure><img alt=\"" + name + "\" src=\"" +
+        const std::string words = html_text(caption(path)), name = html_text(path.filename().string());
+        text += "<figure><img alt=\"" + (words.empty() ? name : words) + "\" src=\"" +
                 (whole ? address_of(type, read_whole_file(path)) : address_of("webp", webp_of_png(path, small_width))) +
-                "\">\n<figcaption>" + (path.parent_path().filename() == "figures" ? "figures/" : "") + name +
-                "</figcaption></figure>\n";
+                "\">\n<figcaption>" + words + (words.empty() ? "" : " · ") +
+                (path.parent_path().filename() == "figures" ? "figures/" : "") + name + "</figcaption></figure>\n";
     }
     return text.empty() ? "" : "<div class=\"figures\">\n" + text + "</div>\n";
 }
@@ -211,10 +242,18 @@ std::string html_page(const std::string& title, const std::string& question, con
            "</body>\n</html>\n";
 }
 
+std::string html_live(const std::string& state, double period) {
+    const std::string seconds = std::to_string(std::lround(std::max(period, 1.)));
+    return "<p id=\"live\" data-written=\"" + std::to_string(std::time(nullptr)) + "\" data-period=\"" + seconds +
+           "\">" + html_text(state) + "<span id=\"stale\" class=\"bad\"></span></p>\n<script>" + reloading +
+           "</script>\n<noscript><meta http-equiv=\"refresh\" content=\"" + seconds + "\"></noscript>\n";
+}
+
 std::string question_of(const std::string& scenario) {
     std::istringstream lines(scenario);
     std::string text;
     for (std::string line; std::getline(lines, line) && line.starts_with('#');) {
+        if (line.starts_with("#:")) continue;  // for editors
         const std::string words(trimmed(std::string_view(line).substr(1)));
         if (words.empty()) return "";
         text += (text.empty() ? "" : " ") + words;

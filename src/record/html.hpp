@@ -1,6 +1,7 @@
 #pragma once
 // report.html: one page that holds its pictures, needs no network, and prints on A4.
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -28,11 +29,19 @@ std::string html_of_markdown(const std::string& text);
 std::string html_slider(const std::vector<std::pair<std::string, std::string>>& pictures);
 
 /// Pictures of files inside the page: the smallest ones as they are up to a total size, further ones smaller. Files of
-/// other kinds, and files that no longer exist, are left out.
-std::string html_figures(const std::vector<std::filesystem::path>& files);
+/// other kinds, and files that no longer exist, are left out. `caption`: what a file shows, in words, or "".
+std::string html_figures(const std::vector<std::filesystem::path>& files,
+                         const std::function<std::string(const std::filesystem::path&)>& caption);
+
+/// One picture of .webp.
+std::string html_picture(const std::string& bytes, const std::string& caption);
 
 /// All of it. `question`: below the title.
 std::string html_page(const std::string& title, const std::string& question, const std::string& body);
+
+/// A line about a run that goes on; the page loads itself again every `period` [s], and says so where it no longer
+/// changes.
+std::string html_live(const std::string& state, double period);
 
 /// The first comment of a scenario up to its question mark; empty where it does not ask.
 std::string question_of(const std::string& scenario);

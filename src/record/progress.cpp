@@ -1,6 +1,7 @@
 #include "record/progress.hpp"
 
 #include "base/formatted.hpp"
+#include "base/terminal.hpp"
 
 #include <sys/ioctl.h>
 #include <unistd.h>
@@ -77,7 +78,7 @@ void Progress::finish(const State& now, const Recorder& recorder) {
 
 void Progress::print(const std::string& text) const {
     if (terminal_) std::fputs("\r\033[K", file_);
-    std::fputs(text.c_str(), stderr);
+    print_messages(text);
 }
 
 }  // namespace knap

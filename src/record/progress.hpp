@@ -19,9 +19,9 @@ public:
     /// Prints to stderr, above the line that is rewritten; also without a progress line.
     void print(const std::string& text) const;
 
-private:
     std::string line(const State& now, const Recorder& recorder) const;
 
+private:
     std::FILE* file_;
     bool terminal_;
     double start_;  // [s]

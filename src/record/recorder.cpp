@@ -33,7 +33,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
       lines_(options_.history_every),
       fragments_(options_.fragments_every),
       figures_(model, options_.directory, options_.figures, options_.context, tables_.all(), time_),
-      frames_(model, options_.directory, options_.frame_every, time_) {
+      frames_(model, options_.directory, options_.frame_every, options_.compression, time_) {
     const std::vector<Measure<EnergyRow>> energies = energy_columns(options_.works);
     tables_.add(&Histories::energy, names_of<EnergyRow>(energies),
                 [this, energies](const State&) { return values_of<EnergyRow>(energies, ledger_.row()); });

@@ -28,11 +28,12 @@ struct LawStrength {
 };
 
 struct RecorderOptions {
-    std::filesystem::path directory;  // of the run; empty: nothing is written
-    double end = 0;                   // [s]
-    double frame_every = 0;           // [s] 0 = no frames except those of figures that are drawn at the end
-    double history_every = 0;         // [s]
-    double fragments_every = 0;       // [s] between lines of fragment_history.csv; 0 = only start and end
+    std::filesystem::path directory;              // of the run; empty: nothing is written
+    double end = 0;                               // [s]
+    Compression compression = Compression::none;  // of frames
+    double frame_every = 0;                       // [s] 0 = no frames except those of figures that are drawn at the end
+    double history_every = 0;                     // [s]
+    double fragments_every = 0;                   // [s] between lines of fragment_history.csv; 0 = only start and end
     MassMatrix mass = MassMatrix::lumped;
     RareWorks works;
     CrackOptions cracks;

@@ -20,6 +20,8 @@ void add_history(KeyTable& t, std::string_view what, std::string_view csv) {
     t.number("table", "s", "factor over time as pairs [time, factor], linear between them and constant outside")
         .points().second("");
     t.text("csv", csv);
+    t.number("table_period", "s", "the points of table or csv, with times from 0 to this, repeat until time.end; at "
+        "the end of a period the factor jumps where the first and the last one differ").above(0).computed("none");
 }
 
 void add_thermal(KeyTable& t) {

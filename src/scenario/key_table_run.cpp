@@ -88,7 +88,11 @@ void add_keys_of_run(KeyTable& t) {
     t.number("states", "s", "times at which the whole state is kept, for other runs that start from it (time.start)")
         .one_or_list().above(0).computed("none").to(&OutputOptions::states);
     t.flag("fields", "write .vtu frames").otherwise("true").to(&OutputOptions::fields);
-    t.flag("report", "write report.html, a page with figures, frames, numbers and warnings; of studies and sweeps, too")
+    t.word("compression", {"none", "lz4", "zlib"}, "of .vtu frames: lz4 halves them and takes half as long again, "
+        "which ParaView, VTK and knap.py read, but meshio does not; zlib leaves 40 % and takes eight times as long")
+        .otherwise("none").to(&OutputOptions::compression, {Compression::none, Compression::lz4, Compression::zlib});
+    t.flag("report", "write report.html, a page with figures, frames, numbers and warnings; of studies and sweeps, "
+        "too; while a run goes on it shows its progress and loads itself again (not with --quiet)")
         .otherwise("true").to(&OutputOptions::report);
     t.flag("trajectories", "write trajectories.csv, a small table of the pieces that move, in place of "
         "fragment_paths.csv: a sweep draws the ways of all its runs from it; in sweeps with random members of pieces "
@@ -191,6 +195,10 @@ void add_keys_of_run(KeyTable& t) {
         .to(&FigureOptions::measured_by);
     t.integer("width", "width in pixels").at_least(200).at_most(20000).computed("1600, of an animation 800")
         .to(&FigureOptions::width);
+    t.number("paper_width", "m", "width of .svg and .pdf files, as in \"84 mm\"").above(0).computed("198 mm")
+        .to(&FigureOptions::paper_width);
+    t.number("font_size", "", "size of labels in points on paper; larger type leaves less room").at_least(4).at_most(40)
+        .computed("8 with paper_width").to(&FigureOptions::font_size);
     t.text("title", "title; empty: that of the scenario").otherwise("").to(&FigureOptions::title);
     t.flag("panel", "without title, legend and axes, as a panel of a contact sheet: knap sweep draws the panels of all "
         "runs with one colour range").otherwise("false").to(&FigureOptions::panel);

@@ -215,7 +215,7 @@ const char* table_example(std::string_view key) {
 /// Keys beside temperatures that stay.
 void refuse_with_frozen(Reading& reading) {
     const Table table = reading.table("heat");
-    for (const char* key : {"conduction", "ramp", "table", "csv"})
+    for (const char* key : {"conduction", "ramp", "table", "csv", "table_period"})
         if (table.given(key))
             table.error("exclusive-keys", key, "has no meaning where temperatures are frozen",
                         "a temperature, or temperature = \"frozen\" alone");

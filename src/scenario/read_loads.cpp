@@ -5,6 +5,39 @@
 #include <algorithm>
 
 namespace knap {
+namespace {
+
+/// The points of `table` or `csv` again and again up to time.end. Where they end before their period, the last value
+/// stays until its end.
+void repeat(const Table& table, TimeFunction& history) {
+    constexpr double max_points = 2e5;
+    if (!table.has("table_period")) return;
+    const double period = *table.number("table_period"), end = table.reading().table("time").number("end").value_or(0);
+    const TimeFunction once = history;
+    if (once.time.empty())
+        return table.error("missing-key", "table_period", "belongs to the points of a table", "table or csv");
+    if (once.time.front() < 0 || once.time.back() > period * (1 + 1e-12))
+        return table.error("out-of-range", "table_period",
+                           "= " + readable(period, "s", 6) + ", but the table has times from " +
+                               readable(once.time.front(), "s", 6) + " to " + readable(once.time.back(), "s", 6),
+                           "times from 0 to the period");
+    const double n = std::ceil(end / period);
+    if (n * static_cast<double>(once.time.size() + 1) > max_points)
+        return table.error("out-of-range", "table_period",
+                           "= " + readable(period, "s", 6) + formatted(" repeats %.3g times until time.end", n),
+                           formatted("a run keeps at most %.0f points of a table", max_points));
+    const auto add = [&](double time, double value) {
+        if (history.time.empty() || history.time.back() != time || history.value.back() != value)
+            history.time.push_back(time), history.value.push_back(value);
+    };
+    history = {};
+    for (double k = 0; k < n; ++k) {
+        if (k > 0) add(k * period, once.value.back()), add(k * period, once.value.front());
+        for (std::size_t i = 0; i < once.time.size(); ++i) add(k * period + once.time[i], once.value[i]);
+    }
+}
+
+}  // namespace
 
 TimeFunction read_history(const Table& table) {
     const auto form = table.one_of({"ramp", "table", "csv"}, false);
@@ -23,6 +56,7 @@ TimeFunction read_history(const Table& table) {
             history.time.push_back(point.x());
             history.value.push_back(point.y());
         }
+    repeat(table, history);
     return history;
 }
 

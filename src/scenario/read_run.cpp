@@ -263,6 +263,14 @@ void read_figure(const Table& table, std::set<std::string>& files) {
         table.error("exclusive-keys", "measured", "belongs to the body or to curves over two axes");
     if (table.has("measured") && figure.measured_by.empty())
         table.error("missing-key", "measured", "has no source", "measured_by = \"authors, year\"");
+    if (table.has("file") && figure.paper_width > 0 && type != ".svg" && type != ".pdf")
+        table.error("exclusive-keys", "paper_width", "belongs to .svg and .pdf files", "width, in pixels");
+    try {
+        check_type(figure);
+    } catch (const UserError& error) {
+        table.error("figure-font", figure.font_size > 0 ? "font_size" : "paper_width",
+                    "is not possible: " + error.diagnostics.front().message);
+    }
     table.scenario().figures.push_back(std::move(figure));
 }
 

@@ -17,6 +17,7 @@
 #include "model/loads.hpp"
 #include "model/model.hpp"
 #include "model/obstacle.hpp"
+#include "output/vtk_series.hpp"
 #include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
 #include "scenario/strength_options.hpp"
@@ -95,14 +96,15 @@ struct TimeOptions {
 };
 
 struct OutputOptions {
-    double every = 0;              // [s] between field frames
-    double history_every = 0;      // [s] between lines of energy.csv and cracks.csv
-    bool fields = true;            // write .vtu frames
-    bool breaks = false;           // write breaks.csv
-    bool trajectories = false;     // write trajectories.csv in place of fragment_paths.csv
-    bool report = true;            // write report.html
-    double checkpoint_every = 60;  // [s] of wall time between checkpoints
-    std::vector<double> states;    // [s] at which the whole state is kept
+    double every = 0;                             // [s] between field frames
+    double history_every = 0;                     // [s] between lines of energy.csv and cracks.csv
+    bool fields = true;                           // write .vtu frames
+    Compression compression = Compression::none;  // of these
+    bool breaks = false;                          // write breaks.csv
+    bool trajectories = false;                    // write trajectories.csv in place of fragment_paths.csv
+    bool report = true;                           // write report.html
+    double checkpoint_every = 60;                 // [s] of wall time between checkpoints
+    std::vector<double> states;                   // [s] at which the whole state is kept
 };
 
 /// A mesh that was read from a file.

@@ -118,7 +118,32 @@ Json json_words(const std::vector<std::string>& words) {
     return any.size() == 1 ? any[0] : Json{{"anyOf", any}};
 }
 
-Json json_value(const Key& key) {
+/// The name of a kind of values in "$defs": "J/m2" -> "J_m2".
+std::string name_of_kind(std::string_view unit) {
+    std::string name(unit.empty() ? "number" : unit);
+    std::ranges::replace_if(
+        name, [](unsigned char c) { return !std::isalnum(c); }, '_');
+    return name;
+}
+
+/// Texts with a number and a unit, by the unit of plain numbers.
+Json json_kinds() {
+    Json kinds = Json::object();
+    const auto add = [&](std::string_view unit) {
+        if (unit != "*" && unit != "=")
+            kinds[name_of_kind(unit)] = {{"type", "string"},
+                                         {"title", unit.empty() ? std::string("a number") : describe_unit(unit)},
+                                         {"pattern", quantity_pattern(unit)}};
+    };
+    for (const Key& key : keys()) {
+        if (key.kind != Kind::number) continue;
+        add(key.unit), add(key.second_unit);
+        for (const std::string& multiple : key.multiples) add(multiple);
+    }
+    return kinds;
+}
+
+Json json_value(const Key& key, std::string_view unit) {
     const auto ranged = [&](const char* type) {
         Json json{{"type", type}};
         const Range& range = key.range;
@@ -129,8 +154,10 @@ Json json_value(const Key& key) {
     if (key.kind == Kind::boolean) return {{"type", "boolean"}};
     if (key.kind == Kind::integer) return ranged("integer");
     if (key.kind == Kind::text) return key.words.empty() ? Json{{"type", "string"}} : json_words(key.words);
-    const Json with_unit{{"type", "string"}, {"pattern", "^ *[-+]?[0-9.]"}};
-    Json any = Json::array({ranged("number"), with_unit});
+    Json any = Json::array({ranged("number")});
+    if (unit == "*") any.push_back({{"type", "string"}, {"pattern", "^ *[-+]?[0-9.]"}});
+    else any.push_back({{"$ref", "#/$defs/" + name_of_kind(unit)}});
+    for (const std::string& multiple : key.multiples) any.push_back({{"$ref", "#/$defs/" + name_of_kind(multiple)}});
     if (!key.words.empty()) any.push_back(json_words(key.words));
     return {{"anyOf", any}};
 }
@@ -142,10 +169,15 @@ Json json_array(const Json& items, std::size_t min, std::size_t max) {
 }
 
 Json json_form(const Key& key) {
-    const Json one = json_value(key);
+    const Json one = json_value(key, key.unit);
     if (key.form == Form::one) return one;
     const FormRule rule = rule_of(key.form);
-    const Json list = json_array(key.form == Form::points ? json_array(one, 2, 2) : one, rule.min, rule.max);
+    Json point = json_array(one, 2, 2);
+    if (key.second_unit != "=") {
+        point.erase("items");
+        point["prefixItems"] = {one, json_value(key, key.second_unit)};
+    }
+    const Json list = json_array(key.form == Form::points ? point : one, rule.min, rule.max);
     return key.form == Form::one_or_list ? Json{{"anyOf", {one, list}}} : list;
 }
 
@@ -205,6 +237,7 @@ std::string schema_text() {
 std::string json_schema() {
     Json root{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "knap scenario"}};
     root.update(json_members(""));
+    root["$defs"] = json_kinds();
     return root.dump(2) + "\n";
 }
 

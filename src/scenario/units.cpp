@@ -244,6 +244,48 @@ std::string units_markdown() {
            "`N*s`, `mm/ms`, `m s-2`, `/s` or `1/s`, `1/day`.\n";
 }
 
+std::string quantity_pattern(std::string_view unit) {
+    constexpr int max_exponent = 4;
+    struct Group {  // of symbols with one dimension
+        Dimension dimension;
+        std::string symbols;
+    };
+    std::vector<Group> groups;
+    std::string any_prefix;
+    for (const auto& [prefix, exponent] : prefixes)
+        any_prefix += (any_prefix.empty() ? "(?:" : "|") + std::string(prefix);
+    any_prefix += ")?";
+    for (const Unit& each : units) {
+        auto group = std::ranges::find(groups, each.dimension, &Group::dimension);
+        if (group == groups.end()) group = groups.insert(group, {each.dimension, ""});
+        group->symbols +=
+            (group->symbols.empty() ? "" : "|") + (each.prefixes.empty() ? "" : any_prefix) + std::string(each.symbol);
+    }
+    const auto power = [](const Group& group, int exponent) {
+        const std::string written = std::to_string(exponent);
+        return "(?:" + group.symbols + ")" + (exponent == 1 ? "(?:\\^?1)?" : "\\^?" + written);
+    };
+    const auto product = [](const Group& a, int i, const Group& b, int j) {
+        Dimension found;
+        for (const auto& [name, member] : base_units)
+            found.*member = i * (a.dimension.*member) + j * (b.dimension.*member);
+        return found;
+    };
+    const Dimension wanted = dimension_of(unit);
+    std::string forms = "(?:1?/ *)?[^ */.,0-9][^ */.,]*(?:[ */.]+[^ */.,]+){2,}";
+    for (const Group& a : groups)
+        for (int i = -max_exponent; i <= max_exponent; ++i) {
+            if (i == 0) continue;
+            if (product(a, i, a, 0) == wanted) forms += "|" + power(a, i) + "|1?/ *" + power(a, -i);
+            for (const Group& b : groups)
+                for (int j = -max_exponent; j <= max_exponent; ++j)
+                    if (j != 0 && product(a, i, b, j) == wanted)
+                        forms += "|" + power(a, i) + "(?: *[*.] *| +)" + power(b, j) + "|" + power(a, i) + " */ *" +
+                                 power(b, -j);
+        }
+    return "^ *[-+]{0,2}(?:[0-9]+\\.?[0-9]*|\\.[0-9]+)(?:[eE][-+]?[0-9]+)? *(?:" + forms + ")? *$";
+}
+
 Dimension dimension_of(std::string_view unit) { return scale_of(unit).value_or(Scale{}).dimension; }
 
 std::string kind_name(const Dimension& dimension) {

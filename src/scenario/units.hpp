@@ -35,6 +35,10 @@ std::string kind_name(const Dimension& dimension);
 /// first.
 std::string unit_suggestion(std::string_view unknown, std::string_view expected);
 
+/// A regular expression (ECMAScript) of texts with a number and a unit of the kind of `unit`. Units of one or two
+/// factors are checked, as J/m2; of those with more, which are rare, only the form is.
+std::string quantity_pattern(std::string_view unit);
+
 /// A Markdown table of all units.
 std::string units_markdown();
 

@@ -83,8 +83,15 @@ TEST_CASE("new --from copies a built-in scenario with its comments and the mesh 
     const std::string text = text_of(folder.path / "my_disc.toml"),
                       original = text_of(KNAP_SOURCE_DIR "/scenarios/brazilian_disc.toml");
     CHECK(text.find("name  = \"my_disc\"\n") != text.npos);
-    CHECK(text.size() == original.size() - std::string("brazilian_disc").size() + std::string("my_disc").size());
-    CHECK(text.starts_with(original.substr(0, original.find("name"))));
+    const std::string for_editors = "#:schema knap.schema.json\n";
+    CHECK(text.size() ==
+          for_editors.size() + original.size() - std::string("brazilian_disc").size() + std::string("my_disc").size());
+    CHECK(text.starts_with(for_editors + original.substr(0, original.find("name"))));
+    CHECK(text_of(folder.path / "knap.schema.json") == command("schema --json").text);
+    std::ofstream(folder.path / "knap.schema.json") << "{}";  // of someone else
+    CHECK(command("new " + folder.in_shell("plate")).has("file-exists"));
+    CHECK_FALSE(fs::exists(folder.path / "plate.toml"));
+    fs::remove(folder.path / "knap.schema.json");
     CHECK(command("new --from bar_pulled_apart " + folder.in_shell("my_disc.toml")).has("file-exists"));
     CHECK(command("new --from bar_puled_apart " + folder.in_shell("bar")).has("did you mean `bar_pulled_apart`"));
     REQUIRE(command("new --from hopkinson_time_piece " + folder.in_shell("bar")).code == 0);

@@ -45,6 +45,12 @@ TEST_CASE("lcp refuses what it cannot read and says when nothing solves a proble
     const Answer bad = command("lcp " + folder.in_shell("bad"));
     CHECK(bad.code == 2);
     CHECK(bad.has("bad.L.mtx:3"));
+    CHECK(bad.has("3 | x"));
+    std::ofstream(folder.path / "head.L.mtx") << "MatrixMarket matrix array real general\n1 1\n1\n";
+    std::ofstream(folder.path / "head.q.mtx") << "%%MatrixMarket matrix array real general\n1 1\n1\n";
+    CHECK(command("lcp " + folder.in_shell("head")).has("1 | MatrixMarket matrix array real general"));
+    std::ofstream(folder.path / "head.L.mtx") << "%%MatrixMarket matrix array real general\n2 1\n1\n1\n";
+    CHECK(command("lcp " + folder.in_shell("head")).has("is not square: 2 rows, 1 columns"));
     knap::write_lcp(folder.path / "infeasible",
                     knap::lcp_problem(-Eigen::MatrixXd::Identity(1, 1), -Eigen::VectorXd::Ones(1)));
     CHECK(command("lcp --solver all " + folder.in_shell("infeasible")).code == 3);

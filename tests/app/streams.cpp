@@ -1,6 +1,9 @@
 // Standard streams that are closed, or whose reader goes away.
 #include "app/program.hpp"
 
+#include <cstdlib>
+#include <regex>
+
 namespace streams_test {
 
 using namespace program;
@@ -41,6 +44,26 @@ TEST_CASE("a reader of the messages who goes away ends nothing") {
                 folder.in_shell("sweep")) == "code 0\n");
     CHECK(fs::file_size(folder.path / "sweep/sweep.csv") > 0);
     CHECK(codes("list") == "code 0\n");
+}
+
+TEST_CASE("messages have colours on a terminal and nowhere else") {
+    if (std::system("script --version >/dev/null 2>&1") != 0) {
+        MESSAGE("skipped: there is no script (Debian: bsdutils)");
+        return;
+    }
+    const auto on_terminal = [](const std::string& variables) {  // script opens a pseudoterminal
+        return shell("env " + variables +
+                     " script -qec \"'" KNAP_PROGRAM "' check bar_ramp_wave -s mesh.siz=1\" /dev/null")
+            .text;
+    };
+    const std::string plain = command("check bar_ramp_wave -s mesh.siz=1").text,
+                      coloured = on_terminal("-u NO_COLOR TERM=xterm");
+    CHECK(plain.starts_with("error[unknown-key]: "));
+    CHECK(plain.find('\033') == std::string::npos);
+    CHECK(coloured.starts_with("\033[1;31merror[unknown-key]\033[0m: "));
+    CHECK(std::regex_replace(coloured, std::regex("\033\\[[0-9;]*m|\r"), "") == plain);
+    for (const char* variables : {"NO_COLOR=1 TERM=xterm", "-u NO_COLOR TERM=dumb"})
+        CHECK(on_terminal(variables).find('\033') == std::string::npos);
 }
 
 }  // namespace streams_test

@@ -3,6 +3,7 @@
 #include "support/synthetic_run.hpp"
 
 #include "base/error.hpp"
+#include "base/whole_file.hpp"
 #include "figures/animation.hpp"
 #include "figures/contact_sheet.hpp"
 #include "figures/curve_figures.hpp"
@@ -28,7 +29,7 @@ namespace {
 std::filesystem::path pictures() { return picture_directory("test_figures"); }
 
 /// No text leaves the page or runs into another.
-void check_type(const DrawnFigure& figure) {
+void check_type(const DrawnFigure& figure, double width = page_width) {
     CHECK(figure.texts.size() >= 8);
     for (std::size_t i = 0; i < figure.texts.size(); ++i) {
         const auto& [text, box] = figure.texts[i];
@@ -36,7 +37,7 @@ void check_type(const DrawnFigure& figure) {
              box.height);
         CHECK(box.left >= 2);
         CHECK(box.bottom >= 2);
-        CHECK(box.right() <= page_width - 2);
+        CHECK(box.right() <= width - 2);
         CHECK(box.top() <= figure.height - 2);
         for (std::size_t j = 0; j < i; ++j) {
             INFO("and ", figure.texts[j].text);
@@ -70,6 +71,40 @@ TEST_CASE("figures: every subject is drawn without a display at the requested wi
         CHECK(picture.inked() > (shows_body(subject) ? 0.4 : 0.02));
         CHECK(picture.inked() < 0.9);
     }
+}
+
+TEST_CASE("figures: on paper a vector file has its width and its type and its texts are texts") {
+    const FigureContext context{.title = "σ < 3 & 4: Edge-cracked block in tension", .rayleigh_speed = 2125};
+    for (const std::string show : {"energy", "crack_length", "cracks", "stress_yy"}) {
+        FigureOptions options{.file = show + "_paper.svg", .show = show, .paper_width = 84e-3, .font_size = 7};
+        const DrawnFigure drawn = draw_figure(options, plate(), synthetic::histories(), context, pictures());
+        CAPTURE(show);
+        const double points = 72 / 25.4 * 84;
+        CHECK(options.page().width * options.page().points == doctest::Approx(points));
+        CHECK(options.page().points * type_size == doctest::Approx(7));
+        check_type(drawn, options.page().width);
+        const std::string svg = read_whole_file(drawn.file);
+        CHECK(svg.find("width=\"238.11") != svg.npos);
+        CHECK((svg.find("t = 40") != svg.npos) == shows_body(show));
+        CHECK(svg.find("σ &lt; 3 &amp; 4") != svg.npos);
+        CHECK(svg.find("glyph") == svg.npos);
+        CHECK(svg.ends_with("</svg>\n"));
+    }
+    FigureOptions narrow{.file = "n.svg", .show = "energy", .paper_width = 30e-3, .font_size = 12};
+    CHECK_THROWS_WITH_AS(check_figure(narrow, synthetic::histories()), doctest::Contains("at most 4.6 pt"), UserError);
+    narrow.font_size = 4;
+    check_figure(narrow, synthetic::histories());
+}
+
+TEST_CASE("figures: captions say what a picture shows") {
+    const FigureOptions cracks{.file = "a.png", .at = {20e-6, 40e-6}}, energy{.file = "e.png", .show = "energy"};
+    CHECK(caption_of(cracks, "x/a_40us.png") == "Broken and damaged interfaces, coloured by opening, t = 40us");
+    CHECK(caption_of(energy, "e.png") == "All terms of the energy balance over time");
+    CHECK(caption_of(energy, "e_40us.png").empty());
+    CHECK(caption_of(energy, "e.svg").empty());
+    const FigureOptions speed{.file = "s.png", .show = "speed", .title = "Waves"};
+    CHECK(caption_of(speed, "s.png").starts_with("Waves: "));
+    CHECK(caption_of(speed, "s.png").ends_with(" on the body, at the end of the run"));
 }
 
 TEST_CASE("figures: a body of which a failed run threw parts away is drawn where it is") {

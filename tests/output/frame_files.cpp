@@ -70,6 +70,21 @@ TEST_CASE("frame files: the bulk comes back") {
         CHECK(std::abs(read.stress_zz[t] - written.stress_zz[t]) <= single * std::abs(written.stress_zz[t]));
 }
 
+TEST_CASE("frame files: each compression gives back the same frame") {
+    const Frame written = synthetic::frame(20);
+    std::vector<std::uintmax_t> sizes;
+    for (const Compression compression : {Compression::none, Compression::lz4, Compression::zlib}) {
+        const fs::path run = fresh("compression");
+        VtkSeries(run, {}, {}, compression).write(written);
+        const Frame read = read_frame(run, 0);
+        CHECK(distance(read.position, written.position) == 0);
+        CHECK(read.region == written.region);
+        sizes.push_back(fs::file_size(run / "fields/bulk_0000.vtu"));
+    }
+    CHECK(sizes[0] > 1.3 * sizes[1]);
+    CHECK(sizes[1] > 1.1 * sizes[2]);
+}
+
 TEST_CASE("frame files: those of versions that stored three stresses are read") {
     const fs::path old = KNAP_SOURCE_DIR "/tests/output/data/three_stresses";  // bar_pulled_apart in triangles of 4 mm
     REQUIRE(frame_times(old).size() == 2);

@@ -83,6 +83,15 @@ class OneRun(unittest.TestCase):
         grid = knap.read_vtu(old)
         self.assertEqual(grid["stress"].shape, (len(grid.cells), 3))
 
+    def test_frames_of_each_compression_are_the_same(self):
+        keys = {"mesh.size": "1 mm", "output.every": 10e-6, "load[0].ramp": "10 us", "figure": [], "output.report": False, "expect": {}}
+        frames = [knap.run("bar_pulled_apart", {**keys, "output.compression": word}, runs / word, threads=1).frame()
+                  for word in ("none", "lz4", "zlib")]
+        for frame in frames:
+            for part, first in ((frame.bulk, frames[0].bulk), (frame.interfaces, frames[0].interfaces)):
+                np.testing.assert_array_equal(part.points, first.points)
+                for name in first: np.testing.assert_array_equal(part[name], first[name])
+
     def test_mistakes_are_those_of_the_program(self):
         with self.assertRaisesRegex(knap.KnapError, "exit code 2(?s:.*)mesh.siz"):
             knap.run("bar_pulled_apart", {"mesh.siz": "1 mm"}, runs / "mistake")

@@ -104,6 +104,7 @@ ramp = "10 us"
 on = { box = [0, 0, 1, 1] }
 velocity = ["free", "1 mm/ms"]
 table = [["0 us", 0], ["10 us", 1], ["20 us", 0.5]]
+table_period = "30 us"
 [[load]]
 on = "window"
 displacement = ["1 um", "free"]
@@ -198,6 +199,7 @@ theta = 0.75
 [output]
 every = "1 us"
 history_every = "0.1 us"
+compression = "lz4"
 checkpoint_every = "5 s"
 states = ["0.2 us", "0.4 us"]
 fields = false
@@ -230,6 +232,8 @@ deform = 10
 box = [0, 0, 0.01, 0.02]
 range = [0, 1]
 width = 800
+paper_width = "84 mm"
+font_size = 7.5
 title = "Cracks"
 over = "time"
 aspect = 5
@@ -744,6 +748,7 @@ const Case cases[] = {
     {rectangle, "load[1].on.box", "[0, 0, 1, 1]"},
     {rectangle, "load[1].velocity", "[\"free\", 1]"},
     {rectangle, "load[1].table", "[[0, 0], [1e-05, 1], [2e-05, 0.5]]"},
+    {rectangle, "load[1].table_period", "3e-05"},
     {rectangle, "load[2].displacement", "[1e-06, \"free\"]"},
     {rectangle, "load[3].body_force", "[0, -3]"},
     {rectangle, "load[4].acceleration", "[0, -9.81]"},
@@ -819,6 +824,7 @@ const Case cases[] = {
     {rectangle, "output.checkpoint_every", "5"},
     {rectangle, "output.states", "[2e-07, 4e-07]"},
     {rectangle, "output.fields", "false"},
+    {rectangle, "output.compression", "\"lz4\""},
     {rectangle, "output.report", "false"},
     {rectangle, "output.breaks", "true"},
     {tested, "specimen.test", "\"bending\""},
@@ -851,6 +857,8 @@ const Case cases[] = {
     {rectangle, "figure[0].range", "[0, 1]"},
     {rectangle, "figure[1].range", "[-1e+06, 1e+06]"},
     {rectangle, "figure[0].width", "800"},
+    {rectangle, "figure[0].paper_width", "0.084"},
+    {rectangle, "figure[0].font_size", "7.5"},
     {rectangle, "figure[0].title", "\"Cracks\""},
     {rectangle, "limits.penetration", "2e-06"},
     {rectangle, "limits.law_lag", "0.3"},
@@ -1112,9 +1120,18 @@ TEST_CASE("keys: each is read and survives the resolved scenario") {
 }
 
 TEST_CASE("keys: each is in the test above and is found by its pattern") {
-    std::set<std::string> tested{
-        "load[].csv", "obstacle[].csv",      "pressure[].csv",         "interface.*.csv", "heat.csv",
-        "heat.table", "heat.exchange[].csv", "heat.exchange[].on.body"};  // the same readers, with tests of their own
+    std::set<std::string> tested{"load[].csv",
+                                 "obstacle[].csv",
+                                 "pressure[].csv",
+                                 "interface.*.csv",
+                                 "heat.csv",
+                                 "heat.table",
+                                 "heat.exchange[].csv",
+                                 "heat.exchange[].on.body",
+                                 "obstacle[].table_period",
+                                 "pressure[].table_period",
+                                 "heat.table_period",
+                                 "heat.exchange[].table_period"};  // the same readers, with tests of their own
     for (const Case& c : cases) tested.insert(pattern_of(c.path));
     std::set<std::string_view> seen;
     for (const Key& key : keys()) {
@@ -1384,6 +1401,38 @@ TEST_CASE("scenario: temperatures from a csv file") {
         }
     }
     std::filesystem::remove_all(directory);
+}
+
+TEST_CASE("scenario: a table with a period repeats until the end of the run") {
+    const auto load = [](const std::string& keys) {
+        return samples::least + "[[load]]\non = \"top\"\ntraction = [0, 1]\n" + keys;
+    };
+    const std::string of_least = "table = [[0, 0], [\"1 us\", 2], [\"2 us\", 1]]\n";
+    const ReadResult result = samples::read(load(of_least + "table_period = \"3 us\"\n"));
+    const double end = result.scenario.time.end;
+    REQUIRE(end > 9e-6);
+    const TimeFunction& factor = result.scenario.loads.at(0).history;
+    double sum = 0;  // of one period: 1 + 1.5 + 1 us
+    for (const double t : {0.25e-6, 1.5e-6, 2.5e-6})
+        for (int k = 0; k * 3e-6 + t < end; ++k)
+            CHECK(factor(k * 3e-6 + t) == doctest::Approx(factor(t)).epsilon(1e-9));
+    for (int k = 0; k < 3; ++k)
+        sum += 3e-6 *
+               (factor.beyond_trapezoid(k * 3e-6, (k + 1) * 3e-6) + 0.5 * (factor(k * 3e-6) + factor((k + 1) * 3e-6)));
+    CHECK(sum == doctest::Approx(3 * 3.5e-6));
+    CHECK(factor(2.9e-6) == 1);  // the last value stays, then the factor jumps
+    CHECK(factor(3.1e-6) == doctest::Approx(0.2));
+    const auto refused = [&](const std::string& keys, const std::string& words) {
+        try {
+            samples::read(load(keys));
+            FAIL("read ", keys);
+        } catch (const UserError& error) {
+            CHECK_MESSAGE(std::string(error.what()).find(words) != std::string::npos, error.what());
+        }
+    };
+    refused("table_period = \"3 us\"\n", "belongs to the points of a table");
+    refused(of_least + "table_period = \"1.5 us\"\n", "has times from 0 s to 2 ");
+    refused("table = [[0, 0], [\"1 ps\", 1]]\ntable_period = \"1 ps\"\n", "repeats");
 }
 
 TEST_CASE("scenario: a history from a csv file is part of the resolved scenario") {

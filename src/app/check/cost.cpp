@@ -170,7 +170,9 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     const double of_program = 75 + std::max(0.0, picture - 40);  // with a usual picture
     cost.memory = of_program + of_triangle * largest_growth * drawn;
     cost.least_memory = of_program + of_triangle * growth * drawn;
-    cost.disk = cost.n_frames * (6e-3 + 85e-6 * 0.5 * (1 + growth) * drawn);
+    constexpr double of_compression[] = {206e-6, 85e-6, 65e-6};  // [MB] a triangle
+    cost.disk = cost.n_frames *
+                (6e-3 + of_compression[static_cast<int>(scenario.output.compression)] * 0.5 * (1 + growth) * drawn);
     return cost;
 }
 

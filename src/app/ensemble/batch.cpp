@@ -178,6 +178,25 @@ bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>&
     return !signals.interrupted();
 }
 
+/// What a figure of a study or a sweep shows, by its name.
+std::string caption_of(const fs::path& figure) {
+    static constexpr std::pair<std::string_view, std::string_view> kinds[] = {
+        {"work_precision_", "Error over processor time: "},
+        {"convergence_", "Error over the refined step or mesh: "},
+        {"statistics_over_time_", "Mean and standard deviation over seeds, by processor time: "},
+        {"statistics_", "Mean and standard deviation over seeds, by the refined step or mesh: "},
+        {"sweep", "The last state of every run, with one range of colours"},
+        {"trajectories", "Ways of the pieces of all runs"},
+        {"heights", "Height above the ground along the way, percentiles over all runs"},
+        {"energies", "Kinetic energy along the way, percentiles over all runs"},
+        {"run_out", "Where the pieces of all runs come to rest"},
+        {"sizes", "Sizes of the pieces of all runs"}};
+    const std::string name = figure.stem().string();
+    for (const auto& [prefix, words] : kinds)
+        if (name.starts_with(prefix)) return std::string(words) + name.substr(prefix.size());
+    return "";
+}
+
 /// report.html, with the way to the reports of its runs.
 void write_report(const Ensemble& ensemble, const std::vector<fs::path>& figures, const std::string& overview,
                   const Texts& command, const fs::path& directory) {
@@ -196,7 +215,7 @@ void write_report(const Ensemble& ensemble, const std::vector<fs::path>& figures
         html_page(ensemble.title.empty() ? ensemble.name : ensemble.title, ensemble.question,
                   html_section("Warnings", html_list(troubles, "bad")) +
                       html_section("Results", html_of_markdown(overview)) +
-                      html_section("Figures", html_figures(figures)) +
+                      html_section("Figures", html_figures(figures, caption_of)) +
                       (runs.empty() ? "" : html_section("Runs", "<ul>\n" + runs + "</ul>\n")) +
                       html_section("How to repeat it",
                                    html_table({}, {{"command", command_line(command)},

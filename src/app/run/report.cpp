@@ -128,8 +128,18 @@ std::vector<std::size_t> from_coarse_to_fine(std::size_t n) {
     return order;
 }
 
-/// What the first figure of the body shows, else cracks. The colours are those of the last frame. `watch`: runs since
-/// the report began.
+/// What the first figure of the body shows, else cracks.
+FigureOptions frame_options(const Recorder& recorder) {
+    FigureOptions options;
+    const auto first =
+        std::ranges::find_if(recorder.options().figures, [](const FigureOptions& f) { return shows_body(f.show); });
+    if (first != recorder.options().figures.end()) options = *first;
+    options.width = picture_width, options.panel = false, options.curves.clear(), options.file = "frames.webp";
+    options.paper_width = 0, options.font_size = 0;
+    return options;
+}
+
+/// The colours are those of the last frame. `watch`: runs since the report began.
 std::string frames(const RunRecord& record, const Recorder& recorder, const fs::path& directory,
                    const Stopwatch& watch) {
     std::vector<double> times;
@@ -139,11 +149,7 @@ std::string frames(const RunRecord& record, const Recorder& recorder, const fs::
         // no frames, or their list is damaged
     }
     if (times.empty()) return "";
-    FigureOptions options{.file = "frames.webp"};
-    const auto first =
-        std::ranges::find_if(recorder.options().figures, [](const FigureOptions& f) { return shows_body(f.show); });
-    if (first != recorder.options().figures.end()) options = *first;
-    options.width = picture_width, options.panel = false, options.curves.clear(), options.file = "frames.webp";
+    const FigureOptions options = frame_options(recorder);
     const FigureContext& context = recorder.options().context;
     const Histories& histories = recorder.histories();
     std::map<std::size_t, std::pair<std::string, std::string>> pictures;
@@ -168,6 +174,12 @@ std::string frames(const RunRecord& record, const Recorder& recorder, const fs::
     return html_slider(list);
 }
 
+std::string title_of(const Scenario& scenario) { return scenario.title.empty() ? scenario.name : scenario.title; }
+
+std::string scenario_text(const std::string& toml) {
+    return "<details><summary>Scenario</summary><pre>" + html_text(toml) + "</pre></details>\n";
+}
+
 }  // namespace
 
 std::string quoted_for_shell(const std::string& word) {
@@ -187,15 +199,50 @@ std::string command_line(const std::vector<std::string>& words) {
 void write_report(const Scenario& scenario, const RunRecord& record, const Recorder& recorder,
                   const fs::path& directory) {
     const Stopwatch watch;
-    const std::string text = read_whole_file(directory / "scenario.toml"), figures = html_figures(record.figures);
+    const auto caption = [&](const fs::path& file) {
+        for (const FigureOptions& figure : recorder.options().figures)
+            if (const std::string words = caption_of(figure, file); !words.empty()) return words;
+        return std::string();
+    };
+    const std::string text = read_whole_file(directory / "scenario.toml"),
+                      figures = html_figures(record.figures, caption);
     const std::string body =
         warnings_of(record) + html_section("Frames", frames(record, recorder, directory, watch)) +
         html_section("Figures", figures) + html_section("What was computed", computed(scenario, record)) +
         html_section("Expected results", expectations(record)) + html_section("Results", number_rows(record)) +
         html_section("Is the run valid?", gates(record)) + html_section("How to repeat it", origin(record)) +
-        "<details><summary>Scenario</summary><pre>" + html_text(text) + "</pre></details>\n";
-    write_whole_file(directory / "report.html",
-                     html_page(scenario.title.empty() ? scenario.name : scenario.title, question_of(text), body));
+        scenario_text(text);
+    write_whole_file(directory / "report.html", html_page(title_of(scenario), question_of(text), body));
+}
+
+void LiveReport::write(const std::string& state, const Model& model, const State& now, const RunRecord& record,
+                       const Recorder& recorder) {
+    const Stopwatch watch;
+    FigureOptions options = frame_options(recorder);
+    options.curves = "energy";
+    const FigureContext& context = recorder.options().context;
+    const Histories& histories = recorder.histories();
+    std::string picture;
+    try {
+        const Frame frame = make_frame(model, now, false);
+        const FigureScale scale = scale_of(options, frame, histories, context);
+        picture = html_picture(webp_of(draw_picture(options, frame, histories, context, scale).image),
+                               options.show + " and energies at t = " + time_text(now.time));
+    } catch (const UserError&) {
+        // what only the end of a run has
+    }
+    const std::string text = read_whole_file(directory_ / "scenario.toml");
+    try {
+        write_whole_file(
+            directory_ / "report.html",
+            html_page(title_of(scenario_), question_of(text),
+                      html_live("This run goes on: " + state, period_) + picture +
+                          html_section("Warnings", html_list(record.warnings, "warn")) + scenario_text(text)));
+    } catch (const OutputError&) {
+        // a full disk ends the run where its results are written, not here
+    }
+    period_ = std::max(shortest_period, watch.cpu() / share_of_live);
+    next_ = clock_.wall() + period_;
 }
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 #pragma once
 // report.html of a run: its question, warnings, frames, figures, what was computed, its numbers, and how to repeat it.
 #include "app/run/run_directory.hpp"
+#include "base/stopwatch.hpp"
 #include "model/model.hpp"
 #include "record/recorder.hpp"
 #include "scenario/scenario.hpp"
@@ -11,6 +12,26 @@ namespace knap {
 /// would take more than a few percent of the processor time of the run.
 void write_report(const Scenario& scenario, const RunRecord& record, const Recorder& recorder,
                   const std::filesystem::path& directory);
+
+/// report.html while the run goes on, which loads itself again: progress, the present state and the energies so far.
+class LiveReport {
+public:
+    LiveReport(const Scenario& scenario, std::filesystem::path directory)
+        : scenario_(scenario), directory_(std::move(directory)) {}
+
+    bool is_due() const { return clock_.wall() >= next_; }
+    /// `state`: a line about the progress.
+    void write(const std::string& state, const Model& model, const State& now, const RunRecord& record,
+               const Recorder& recorder);
+
+private:
+    static constexpr double shortest_period = 3,  // [s] wall time; a shorter run has none
+        share_of_live = 0.02;                     // of the processor time, at most
+    const Scenario& scenario_;
+    std::filesystem::path directory_;
+    Stopwatch clock_;
+    double period_ = shortest_period, next_ = shortest_period;  // [s]
+};
 
 /// A word of a shell command, in quotes where it needs them.
 std::string quoted_for_shell(const std::string& word);

@@ -15,6 +15,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
+#include "base/terminal.hpp"
 #include "base/whole_file.hpp"
 #include "record/progress.hpp"
 #include "stepper/moreau_jean.hpp"
@@ -130,6 +131,7 @@ private:
     bool tells_damping_ = true;
     bool depends_on_end_ = false;  // the following steps are not those of a longer run, and are not saved
     std::optional<Progress> progress_;
+    std::optional<LiveReport> live_;        // none with --quiet
     std::vector<std::string> lost_of_log_;  // in an earlier part of the run
 
     /// The simulated time is over, or the body is at rest.
@@ -291,6 +293,8 @@ void Run::count(const StepReport& report) {
     triangle_steps_ += setup_.model.mesh.n_triangles();
     recorder_.after_step(now_, report);
     progress_->after_step(now_, recorder_, setup_.model.mesh.n_triangles());
+    if (live_ && live_->is_due())
+        live_->write(progress_->line(now_, recorder_), setup_.model, now_, record_, recorder_);
     report_warnings();
     if (states_.is_due(now_)) states_.write(memory());
     const GateKeeper& gates = recorder_.gates();
@@ -301,6 +305,7 @@ void Run::count(const StepReport& report) {
 
 void Run::step_to_end() {
     progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_);
+    if (setup_.scenario.output.report && !setup_.options.quiet) live_.emplace(setup_.scenario, setup_.directory);
     stepping_ = Stopwatch();
     if (setup_.scenario.time.start_in_equilibrium && now_.n_steps == 0) report(start_damage_text(setup_.model, now_));
     states_.skip_to(now_);
@@ -431,7 +436,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     for (const auto& found : {findings_of_model(read, model, plan), of_obstacles, read.warnings})
         for (const Diagnostic& warning : found) {
             warnings += format(warning), record.warnings.push_back(warning.message);
-            if (!options.quiet || warning.code == "no-contact") std::fputs(format(warning).c_str(), stderr);
+            if (!options.quiet || warning.code == "no-contact") print_messages(format(warning));
         }
     FirstFiles files{{"scenario.toml", read.source.text()}, {"resolved.toml", resolved_for_run(read)}};
     for (const NamedFile& file : scenario.files) files.emplace_back(file.name, file.bytes);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <regex>
 #include <thread>
 
 namespace run_test {
@@ -82,6 +83,15 @@ TEST_CASE("a run directory is complete") {
                     " --show stress_yy --at 20us --file s.svg --range -1MPa 3MPa --box 40mm 10mm 70mm 30mm");
         CHECK(render.code == 0);
         CHECK(fs::file_size(folder.path / "run/rendered/s.svg") > 1000);
+        const std::string run = folder.in_shell("run"), to = "render " + run + " -o " + folder.in_shell("paper/c.pdf");
+        CHECK(command(to + " --width 84mm --font-size 7").code == 0);  // without --show: cracks
+        const std::string pdf = text_of(folder.path / "paper/c.pdf");
+        CHECK(pdf.starts_with("%PDF"));
+        CHECK(std::regex_search(pdf, std::regex("MediaBox \\[ ?0 0 238\\.1")));  // [pt]
+        CHECK(command(to + " --file d.pdf").has("two names of one picture"));
+        CHECK(command("render " + run + " --show energy -o " + folder.in_shell("paper/c.eps")).has(".png, .svg, .pdf"));
+        CHECK(command("render " + run + " --show energy --width 30mm --font-size 12 -o x.svg").has("at most 4.6 pt"));
+        CHECK(command("run bar_ramp_wave -o c.pdf").has("is a picture by its name"));
         CHECK(command("render " + folder.in_shell("run")).code == 0);
         CHECK(command("render " + folder.in_shell("run") + " --show nothing").code == 2);
         CHECK(command("render " + folder.in_shell("run") + " --show speed --at 20mm").has("a length"));

@@ -1,0 +1,82 @@
+"""report.html in headless Chromium: `browser.py KNAP DIRECTORY`. At the widths of a phone, a tablet and a screen nothing is wider than the
+page; text stands off from the page in light and in dark mode; paper is A4; a live page loads itself. Exit code 77: no Chromium."""
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+if not chromium:
+    print("skipped: there is no chromium (Debian: chromium)")
+    sys.exit(77)
+knap, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+shutil.rmtree(folder, ignore_errors=True)
+folder.mkdir(parents=True)
+
+
+def browse(page, *options):
+    """What the browser prints. File pages may look into frames of each other; as root it has no sandbox."""
+    return subprocess.run([chromium, "--headless=new", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files",
+                           f"--user-data-dir={folder}/profile", *options, page.as_uri()],
+                          check=True, capture_output=True, text=True, timeout=300).stdout
+
+
+def measured(page, width, dark):
+    """Of a page in a frame of this width: width of its content, columns of its figures, contrast of its text, texts of pictures."""
+    harness = folder / "harness.html"
+    harness.write_text(f"""<iframe id="f" style="width:{width}px;height:800px;border:0" src="{page.as_uri()}"></iframe><pre id="out"></pre><script>
+const light = text => {{ const [r, g, b] = text.match(/[0-9.]+/g).map(x => (x /= 255) <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
+                         return 0.2126 * r + 0.7152 * g + 0.0722 * b; }};
+const contrast = (a, b) => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
+document.getElementById("f").onload = () => {{
+  const d = document.getElementById("f").contentDocument, of = e => d.defaultView.getComputedStyle(e), paper = light(of(d.body).backgroundColor);
+  const texts = [...d.querySelectorAll("body, figcaption, .bad, pre, td")].map(e => contrast(light(of(e).color), paper));
+  const figures = d.querySelector(".figures");
+  document.getElementById("out").textContent = "MEASURED " + JSON.stringify({{ width: d.documentElement.scrollWidth,
+    columns: figures ? of(figures).gridTemplateColumns.split(" ").length : 0, contrast: Math.min(...texts), dark: paper < 0.5,
+    texts: [...d.images].map(i => i.alt) }});
+}};</script>""")
+    found = re.search(r"MEASURED (\{.*?\})<", browse(harness, "--window-size=1400,900", f"--blink-settings=preferredColorScheme={0 if dark else 1}",
+                                                    "--virtual-time-budget=20000", "--dump-dom"), re.DOTALL)
+    assert found, "the page was not measured"
+    return json.loads(found[1].replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">"))
+
+
+environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+subprocess.run([knap, "run", "edge_cracked_block", "-q", "-s", "mesh.size=2 mm", "-s", "expect={dissipated={below=0}}", "-o", folder / "run"],
+               env=environment, stdout=subprocess.DEVNULL)
+report = folder / "run/report.html"
+for width, columns in ((375, 1), (768, 2), (1280, 2)):
+    for dark in (False, True):
+        page = measured(report, width, dark)
+        print(width, "dark" if dark else "light", {name: page[name] for name in ("width", "columns", "contrast")})
+        assert page["width"] <= width, page
+        assert page["columns"] == columns, page
+        assert page["dark"] == dark, page
+        assert page["contrast"] >= 4.5, page  # WCAG 2.1, AA
+        assert all(len(text.split()) >= 3 for text in page["texts"]), page["texts"]
+
+browse(report, f"--print-to-pdf={folder}/report.pdf", "--no-pdf-header-footer")
+pdf = (folder / "report.pdf").read_bytes()
+sides = re.search(rb"/MediaBox \[0 0 ([0-9.]+) ([0-9.]+)\]", pdf)
+assert sides and abs(float(sides[1]) - 595.3) < 1.5 and abs(float(sides[2]) - 841.9) < 1.5, sides  # [pt] A4
+print("paper", sides[1].decode(), "x", sides[2].decode(), "pt")
+
+live = subprocess.Popen([knap, "run", "edge_cracked_block", "-s", "mesh.size=0.3 mm", "-s", "figure=[]", "-s", "expect={}", "-o", folder / "live"],
+                        env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+try:
+    page = folder / "live/report.html"
+    while not page.exists() and live.poll() is None: time.sleep(0.1)
+    text = page.read_text()
+    page = folder / "live.html"  # as it was at this moment
+    page.write_text(text)
+    assert 'id="live"' in text and "location.reload()" in text, "no live page"
+    assert "This run goes on" in browse(page, "--dump-dom")
+    assert measured(page, 375, True)["width"] <= 375
+finally:
+    live.kill()
+print("live page read")
