@@ -21,8 +21,8 @@ install(FILES tools/package/copyright README.md CHANGELOG.md CITATION.cff codeme
 # the pages and what they link to, in the places where they link to it
 file(GLOB_RECURSE pages RELATIVE ${CMAKE_SOURCE_DIR} CONFIGURE_DEPENDS src/*.md scenarios/*.md scenarios/*.toml tests/*.md
      tests/verification/*.png tests/verification/*.csv tests/lcp/*.csv tests/stepper/absorbing.cpp tests/stepper/adapt/excavation.cpp third_party_notes/*.md
-      tools/bench/*.md tools/bench/*.csv scenarios/results/*.csv scenarios/fits/*.csv
-      tools/python/*.py tools/python/*.ipynb)
+     tools/bench/*.md tools/bench/*.csv scenarios/results/*.csv scenarios/fits/*.csv tools/browser/*.md
+     tools/python/*.py tools/python/*.ipynb)
 foreach(page ${pages})
   get_filename_component(folder ${page} DIRECTORY)
   install(FILES ${page} DESTINATION ${CMAKE_INSTALL_DOCDIR}/${folder} ${for_both})

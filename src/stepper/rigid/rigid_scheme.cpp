@@ -42,7 +42,9 @@ void RigidScheme::renew(const State& begin) {
         auto found = std::ranges::find_if(
             loads_, [&](const PieceLoad& at) { return at.piece == piece && at.history == load.history; });
         if (found == loads_.end()) found = loads_.insert(found, {piece, load.history, Vec2::Zero(), 0, 0});
-        const Vec2& arm = known_->arm[begin.node_of_corner[load.corner]];
+        const Index node = begin.node_of_corner[load.corner];
+        // all corners of a fan that split since had its one node
+        const Vec2& arm = known_->arm[node < std::ssize(known_->arm) ? node : model_.fan_of_corner[load.corner]];
         found->force += load.force, found->cross += cross(arm, load.force), found->dot += arm.dot(load.force);
     }
     contacts_.renew(begin);
