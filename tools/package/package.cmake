@@ -11,6 +11,18 @@ install(TARGETS knap RUNTIME ${for_both})
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/tools/package/knap.1)
 execute_process(COMMAND gzip -9nc ${CMAKE_SOURCE_DIR}/tools/package/knap.1 OUTPUT_FILE ${CMAKE_BINARY_DIR}/knap.1.gz COMMAND_ERROR_IS_FATAL ANY)  # -n: no time in it
 install(FILES ${CMAKE_BINARY_DIR}/knap.1.gz DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 ${for_both})
+set(CPACK_PACKAGE_CONTACT "The authors of knap <maintainers@users.noreply.h-seed-75b4ef65.example>")
+file(STRINGS ${CMAKE_SOURCE_DIR}/CITATION.cff released REGEX "^date-released")
+string(REGEX REPLACE "date-released: *" "" released "${released}")
+execute_process(COMMAND ${CMAKE_COMMAND} -E env LC_ALL=C date -R -u -d ${released} OUTPUT_VARIABLE released OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+file(WRITE ${CMAKE_BINARY_DIR}/changelog "knap (${PROJECT_VERSION}) unstable; urgency=medium
+
+  * What a user notices: CHANGELOG.md.
+
+ -- ${CPACK_PACKAGE_CONTACT}  ${released}
+")
+execute_process(COMMAND gzip -9nc ${CMAKE_BINARY_DIR}/changelog OUTPUT_FILE ${CMAKE_BINARY_DIR}/changelog.gz COMMAND_ERROR_IS_FATAL ANY)
+install(FILES ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION ${CMAKE_INSTALL_DOCDIR} ${for_both})
 install(FILES tools/package/knap.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME knap ${for_both})
 install(FILES tools/package/_knap DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/vendor-completions ${for_both})
 install(FILES tools/package/knap.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d ${for_both})
@@ -41,14 +53,14 @@ install(CODE "set(program \"$<TARGET_FILE:knap>\")\nset(fonts \"${KNAP_FONT}\")"
 install(SCRIPT tools/package/libraries.cmake ${for_archive})
 
 set(CPACK_GENERATOR DEB TGZ)
-set(CPACK_PACKAGE_CONTACT "the authors of knap")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "2D dynamic fracture with nonsmooth cohesive interfaces")
-set(CPACK_PACKAGE_DESCRIPTION "Meshes a body, lets waves and cracks run through it with a cohesive interface on every edge of the mesh,
- contact, friction and impact included, and draws crack patterns and energy curves. One scenario file, one command.")
+set(CPACK_PACKAGE_DESCRIPTION "Meshes a body, lets waves and cracks run through it with a cohesive
+ interface on every edge of the mesh, contact, friction and impact included,
+ and draws crack patterns and energy curves. One scenario file, one command.")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS fonts-dejavu-core)  # found at run time, by name
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "fonts-dejavu-core, python3:any")  # the font is found at run time, by name; scripts in share/knap/python
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/tools/package/generator.cmake)
 include(CPack)
