@@ -16,6 +16,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <functional>
@@ -58,7 +59,9 @@ std::string words_of(const char* key) { return "TEXT:{" + CLI::detail::join(find
 bool is_picture(const std::filesystem::path& name) {
     static constexpr std::string_view endings[] = {".png", ".svg", ".pdf",  ".webp", ".gif",  ".mp4", ".eps",
                                                    ".ps",  ".jpg", ".jpeg", ".tif",  ".tiff", ".bmp"};
-    return std::ranges::count(endings, name.extension().string()) > 0;
+    std::string ending = name.extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    return std::ranges::count(endings, ending) > 0;
 }
 
 /// For options that name a directory of runs.

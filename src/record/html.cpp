@@ -36,7 +36,8 @@ h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid var(--lin
 .bad li, .warn li { list-style: "\26A0  "; margin: .2em 0; overflow-wrap: anywhere }
 table { border-collapse: collapse; font-size: .9em }
 th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid var(--line) }
-td { font-variant-numeric: tabular-nums; overflow-wrap: anywhere }
+td { font-variant-numeric: tabular-nums; overflow-wrap: break-word }
+.table { overflow-x: auto }
 figure { margin: 0 0 1em; break-inside: avoid }
 img { max-width: 100%; height: auto; background: #fff }
 figcaption { color: var(--faint); font-size: .85em }
@@ -56,6 +57,7 @@ button { min-height: 2.4em }
   :root { color-scheme: light; --ink: #222; --paper: #fff; --faint: #5b5b5b; --line: #ccc; --bad: #a11 }
   body { margin: 0; max-width: none; font-size: 10pt }
   .screen, details { display: none }
+  td { overflow-wrap: anywhere }
   tr { break-inside: avoid }
   h2 { break-after: avoid }
 }
@@ -138,9 +140,10 @@ std::string html_text(std::string_view text) {
 
 std::string html_table(const HtmlRow& header, const std::vector<HtmlRow>& rows) {
     if (rows.empty()) return "";
-    std::string text = "<table>\n" + (header.empty() ? "" : "<thead>" + cells(header, "th") + "</thead>\n");
+    std::string text =
+        "<div class=\"table\"><table>\n" + (header.empty() ? "" : "<thead>" + cells(header, "th") + "</thead>\n");
     for (const HtmlRow& row : rows) text += cells(row, "td");
-    return text + "</table>\n";
+    return text + "</table></div>\n";
 }
 
 std::string html_section(const std::string& heading, const std::string& content) {

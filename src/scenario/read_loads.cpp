@@ -14,7 +14,7 @@ void repeat(const Table& table, TimeFunction& history) {
     if (!table.has("table_period")) return;
     const double period = *table.number("table_period"), end = table.reading().table("time").number("end").value_or(0);
     const TimeFunction once = history;
-    if (once.time.empty())
+    if (once.time.empty() || table.has("ramp"))
         return table.error("missing-key", "table_period", "belongs to the points of a table", "table or csv");
     if (once.time.front() < 0 || once.time.back() > period * (1 + 1e-12))
         return table.error("out-of-range", "table_period",

@@ -128,7 +128,11 @@ ReadResult read_scenario(const std::filesystem::path& file, const std::vector<st
 
 ReadResult open_scenario(const std::string& file_or_name, const std::vector<std::string>& overrides) {
     std::error_code code;
-    if (std::filesystem::exists(file_or_name, code)) return read_scenario(file_or_name, overrides);
+    // a folder of that name may be the output of an earlier run, a scenario it is not
+    const bool is_folder_of_name =
+        std::filesystem::is_directory(file_or_name, code) && std::ranges::count(built_in_scenarios(), file_or_name) > 0;
+    if (std::filesystem::exists(file_or_name, code) && !is_folder_of_name)
+        return read_scenario(file_or_name, overrides);
     const BuiltIn& found = built_in_scenario(file_or_name);
     return read_text(found.text, found.name, overrides, {.directory = {}, .in_program = true});
 }

@@ -161,6 +161,15 @@ TEST_CASE("listing: every key with its value and origin") {
     CHECK(has("mesh.size                          0.001 m"));
 }
 
+TEST_CASE("built-in: a folder of that name is the output of a run and hides it not") {
+    const std::string name = "bar_pulled_apart";
+    REQUIRE(!std::filesystem::exists(name));
+    std::filesystem::create_directory(name);
+    CHECK(open_scenario(name).scenario.name == name);
+    CHECK_THROWS_WITH_AS(open_scenario("."), doctest::Contains("is a directory"), UserError);
+    std::filesystem::remove(name);
+}
+
 TEST_CASE("built-in: a clear begin of a name is enough") {
     CHECK(open_scenario("edge-crack", {}).scenario.name == "edge_cracked_block");
     CHECK(open_scenario("edge_cracked_block_f", {}).scenario.name == "edge_cracked_block_fine");

@@ -1431,6 +1431,7 @@ TEST_CASE("scenario: a table with a period repeats until the end of the run") {
         }
     };
     refused("table_period = \"3 us\"\n", "belongs to the points of a table");
+    refused("ramp = \"1 us\"\ntable_period = \"3 us\"\n", "belongs to the points of a table");
     refused(of_least + "table_period = \"1.5 us\"\n", "has times from 0 s to 2 ");
     refused("table = [[0, 0], [\"1 ps\", 1]]\ntable_period = \"1 ps\"\n", "repeats");
 }

@@ -92,6 +92,7 @@ TEST_CASE("a run directory is complete") {
         CHECK(command("render " + run + " --show energy -o " + folder.in_shell("paper/c.eps")).has(".png, .svg, .pdf"));
         CHECK(command("render " + run + " --show energy --width 30mm --font-size 12 -o x.svg").has("at most 4.6 pt"));
         CHECK(command("run bar_ramp_wave -o c.pdf").has("is a picture by its name"));
+        CHECK(command("run bar_ramp_wave -o C.PDF").has("is a picture by its name"));
         CHECK(command("render " + folder.in_shell("run")).code == 0);
         CHECK(command("render " + folder.in_shell("run") + " --show nothing").code == 2);
         CHECK(command("render " + folder.in_shell("run") + " --show speed --at 20mm").has("a length"));

@@ -58,7 +58,7 @@ from), residuals.csv, predictions.csv, parameters.tex and report.html. The same 
     def work():
         from . import inference, report
         found, runs = _start(options, "fits")
-        log = (lambda text: None) if options.quiet else (lambda text: print(text, flush=True))
+        log = (lambda text: None) if options.quiet else (lambda text: print(text, flush=True, file=sys.stderr if options.print_commands else None))
         try:
             if found.options["method"] == "least squares":
                 u, residuals = inference.least_squares(found, runs, log)

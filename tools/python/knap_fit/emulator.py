@@ -17,9 +17,9 @@ class Emulator:
     m + sum_j g_j(u) v_j, its covariance V diag(var g_j) V^T; what the components leave out is `rest` at each place. The
     variance of runs with other seeds at one place is found with the other parameters of the covariance (white noise)."""
 
-    def __init__(self, u, values, level, before=None):
-        """u: points; values: over points, seeds and places, nan where a run failed; `before`: an emulator of fewer points,
-        whose covariances the search starts from."""
+    def __init__(self, u, values, level):
+        """u: points; values: over points, seeds and places, nan where a run failed. The search for the covariances starts from
+        fixed places alone, so that the same runs give the same emulator, however a fit came to them."""
         gp = need("sklearn.gaussian_process", "python3-sklearn", "the emulator")
         kernels = gp.kernels
         seeds = np.isfinite(values).all(axis=2)
@@ -40,9 +40,9 @@ class Emulator:
         self.scale = np.maximum(g.std(axis=0), 1e-9 * level)
         self.processes, self.noise = [], np.zeros(r)
         for j in range(r):
-            kernel = (kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([1.0] * k, [(0.05, 30)] * k, nu=2.5)
-                      + kernels.WhiteKernel(1e-2, (1e-6, 1.0)))
-            starts = [kernel, *([before.processes[j].kernel_] if before and j < len(before.processes) else [])]
+            starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
+                      + kernels.WhiteKernel(noise, (1e-6, 1.0))
+                      for length, noise in ((1.0, 1e-2), (0.3, 1e-2), (3.0, 1e-2), (1.0, 1e-5), (3.0, 1e-5))]
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
                 found = [gp.GaussianProcessRegressor(start, random_state=1).fit(self.u, g[:, j] / self.scale[j]) for start in starts]

@@ -170,8 +170,7 @@ class Fit:
         """The posterior from the runs that there are. An error term of the model is added where the data need one."""
         for measured in self.problem.measured:
             try:
-                self.emulators[measured.title] = Emulator(self.runs.points, self.runs.of(measured), measured.level,
-                                                          self.emulators.get(measured.title))
+                self.emulators[measured.title] = Emulator(self.runs.points, self.runs.of(measured), measured.level)
             except ValueError as error:
                 why = next((text for text in self.runs.why.values() if text), "")
                 if measured.use == "fit":

@@ -1,6 +1,7 @@
 """Tables, pictures and report.html of a fit."""
 import csv
 import html
+from statistics import NormalDist
 
 import numpy as np
 
@@ -57,7 +58,8 @@ def write(fit):
         if m.values is None:
             continue
         r = m.values - middle
-        z = r / np.maximum((upper - lower) / 3.29, 1e-300)  # the interval of a normal distribution has 3.29 deviations at 90 %
+        deviations = 2 * NormalDist().inv_cdf(0.5 + problem.options["interval"] / 200)  # of the interval: 3.29 at 90 %
+        z = r / np.maximum((upper - lower) / deviations, 1e-300)
         for j in range(m.size):
             row = [m.title, float(m.x[j]) if m.x is not None else "", m.unit, float(m.values[j]), float(middle[j]), float(lower[j]), float(upper[j])]
             if m.use == "fit":

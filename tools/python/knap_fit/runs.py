@@ -100,6 +100,9 @@ class Runs:
                 return job, 3, str(error), None
         done = subprocess.run(self.command(*job), capture_output=True, text=True)
         why = "" if done.returncode in (0, 4) else (done.stderr.strip().splitlines() or ["no message"])[0]
+        file = self.folder(*job) / "run.json"
+        if done.returncode == 3 and file.exists():
+            why = json.loads(file.read_text()).get("reason") or why
         return job, done.returncode, why, None
 
     def finish(self):
