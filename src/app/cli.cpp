@@ -298,8 +298,7 @@ private:
                     figure_.show = show;
                 },
                 "subject; `list` or none: the subjects with a line each; without it the figures of the scenario, in a "
-                "named "
-                "picture cracks")
+                "named picture cracks")
             ->expected(0, 1)
             ->check(CLI::IsMember(subjects));
         command->add_option("--file", figure_.file,

@@ -128,7 +128,7 @@ ReadResult read_scenario(const std::filesystem::path& file, const std::vector<st
 
 ReadResult open_scenario(const std::string& file_or_name, const std::vector<std::string>& overrides) {
     std::error_code code;
-    // a folder of that name may be the output of an earlier run, a scenario it is not
+    // a folder with the name of a built-in scenario is the output of an earlier run: it does not hide the scenario
     const bool is_folder_of_name =
         std::filesystem::is_directory(file_or_name, code) && std::ranges::count(built_in_scenarios(), file_or_name) > 0;
     if (std::filesystem::exists(file_or_name, code) && !is_folder_of_name)

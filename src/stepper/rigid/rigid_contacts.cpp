@@ -364,12 +364,13 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
         if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
         const Vec2 sudden = row.impulse - row.lasting;
         const bool is_sudden = sudden.x() > 0;
-        const double approach = is_sudden ? std::max(0.0, -row.before.x()) : 0,  // which friction stops, too
-            stopped = is_sudden && !step.first ? sudden.x() * row.own_N : 0,
-                     slope = is_sudden ? std::min(std::abs(sudden.y()) / sudden.x(), row.law.friction) : 0,
-                     blow = std::hypot(1, slope) * std::max(approach, stopped + std::max(0.0, -row.after.x())),
-                     load =
-                         std::min(row.impulse.x(), row.lasting.x()) / (step.kick_time * row.length * model_.thickness);
+        // friction stops a part of the approach, too, so W_NN p alone may be less
+        const double approach = is_sudden ? std::max(0.0, -row.before.x()) : 0;
+        const double stopped = is_sudden && !step.first ? sudden.x() * row.own_N : 0;
+        const double slope = is_sudden ? std::min(std::abs(sudden.y()) / sudden.x(), row.law.friction) : 0;
+        const double blow = std::hypot(1, slope) * std::max(approach, stopped + std::max(0.0, -row.after.x()));
+        const double load =
+            std::min(row.impulse.x(), row.lasting.x()) / (step.kick_time * row.length * model_.thickness);
         // what is handed on to a piece that steps by itself, at another time and by other forces than in this step
         double of_row = sides_of(row, bodies) == Sides::mixed ? blow / (options_.thaw * weakest_) : 0;
         for (int k = 0; k < row.n_terms; ++k) {
