@@ -25,14 +25,18 @@ std::array<Index, 2> ends(const Mesh& mesh, const InteriorEdge& e) {
     return mesh.side_vertices(e.triangle[0], e.side[0]);
 }
 
-/// Format 2.2. Physical groups are the boundaries (lines), the regions (triangles) and the pre-cracks (lines).
+/// Format 2.2. Physical groups are boundaries, pre-cracks and joint sets (lines) and regions (triangles).
 std::string gmsh(const Mesh& mesh, const std::vector<std::string>& region_names) {
     Text out;
     const Index n_boundaries = static_cast<Index>(mesh.boundary_names.size());
     const auto n_cracked = std::ranges::count(mesh.interior_edges, true, &InteriorEdge::cracked);
     const auto n_unnamed = std::ranges::count(mesh.boundary_names, "");
+    const auto n_joined = std::ranges::count_if(mesh.interior_edges, [](const auto& e) { return e.joint >= 0; });
+    Index n_joints = 0;
+    for (const InteriorEdge& edge : mesh.interior_edges) n_joints = std::max(n_joints, edge.joint + 1);
+    const Index first_joint = n_boundaries + 2 + n_regions(mesh);
     out << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n"
-        << n_boundaries - n_unnamed + n_regions(mesh) + (n_cracked > 0 ? 1 : 0) << "\n";
+        << n_boundaries - n_unnamed + n_regions(mesh) + (n_cracked > 0 ? 1 : 0) + n_joints << "\n";
     for (Index i = 0; i < n_boundaries; ++i)
         if (!mesh.boundary_names[i].empty()) out << "1 " << i + 1 << " \"" << mesh.boundary_names[i] << "\"\n";
     if (n_cracked > 0) out << "1 " << n_boundaries + 1 << " \"crack\"\n";
@@ -41,10 +45,12 @@ std::string gmsh(const Mesh& mesh, const std::vector<std::string>& region_names)
         out << "2 " << n_boundaries + 2 + i << " \"" << (has_name ? region_names[i] : "region" + std::to_string(i))
             << "\"\n";
     }
+    for (Index i = 0; i < n_joints; ++i) out << "1 " << first_joint + i << " \"joint" << i << "\"\n";
     out << "$EndPhysicalNames\n$Nodes\n" << mesh.n_vertices() << "\n";
     for (Index v = 0; v < mesh.n_vertices(); ++v)
         out << v + 1 << " " << mesh.vertices[v].x() << " " << mesh.vertices[v].y() << " 0\n";
-    out << "$EndNodes\n$Elements\n" << std::ssize(mesh.boundary_edges) + n_cracked + mesh.n_triangles() << "\n";
+    out << "$EndNodes\n$Elements\n"
+        << std::ssize(mesh.boundary_edges) + n_cracked + n_joined + mesh.n_triangles() << "\n";
     Index n = 0;
     const auto element = [&](int type, Index group, const auto& vertices) {
         out << ++n << " " << type << " 2 " << group << " " << group;
@@ -55,6 +61,8 @@ std::string gmsh(const Mesh& mesh, const std::vector<std::string>& region_names)
         element(1, mesh.boundary_names[edge.boundary].empty() ? 0 : edge.boundary + 1, ends(mesh, edge));
     for (const InteriorEdge& edge : mesh.interior_edges)
         if (edge.cracked) element(1, n_boundaries + 1, ends(mesh, edge));
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        if (edge.joint >= 0) element(1, first_joint + edge.joint, ends(mesh, edge));
     for (Index t = 0; t < mesh.n_triangles(); ++t) element(2, n_boundaries + 2 + mesh.region[t], mesh.triangles[t]);
     out << "$EndElements\n";
     return out.text;

@@ -8,7 +8,7 @@
 namespace knap {
 
 /// Throws std::invalid_argument for another ending than .msh, .vtu, .svg. A .msh file has a physical group for each
-/// boundary, for each region (`region0` ... without names) and for the cracks (`crack`).
+/// boundary, for each region (`region0` ... without names), for the cracks (`crack`) and for each joint set (`joint0`).
 std::string mesh_as_text(const Mesh& mesh, const std::string& ending,
                          const std::vector<std::string>& region_names = {});
 

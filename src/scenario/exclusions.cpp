@@ -50,6 +50,9 @@ std::span<const Exclusion> exclusions() {
         {"[[joints]]", "mesh.file",
          "traces cut the shape before it is meshed, and the mesh of a file is given; [[mesh.joint]] makes its curves "
          "joints"},
+        {"[[traces]]", "mesh.file",
+         "traces cut the shape before it is meshed, and the mesh of a file is given; [[mesh.joint]] makes its curves "
+         "joints"},
         {"[[inclusions]]", "mesh.file", "they cut the shape before it is meshed, and the mesh of a file is given"},
         {"[[excavation]]", "[specimen]", "its gauges and its stress are those of the whole body"},
         {"[rigid]", "[heat]", "temperatures go on straining a piece, and a rigid one has no strains of its own"},

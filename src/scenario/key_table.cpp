@@ -46,8 +46,10 @@ void add_parts(KeyTable& t, const std::string& table) {
     t.number("centre", "m", "centre of a round hole").pair();
     t.number("radius", "m", "radius of a round hole, meshed as a polygon with at least twelve sides").above(0);
     t.text("name", "boundary name of its edge").a_name().computed("hole1, hole2, ...");
-    t.list(table + ".crack[]", "a closed crack without cohesion; contact and friction by the law of its materials");
+    t.list(table + ".crack[]", "a closed crack without cohesion, with contact and friction by the law of its "
+        "materials; or a joint with a law of its own");
     t.number("points", "m", "polyline of the crack").points().required();
+    t.text("interface", "name of the interface law of a joint; without it there is no cohesion");
     t.list(table + ".region[]", "a part of another material: points, centre and radius, or a box; the last one counts");
     t.number("points", "m", "corners in order").points();
     add_arcs(t, table + ".region[]", "sides between the points that are circular arcs");
@@ -252,6 +254,21 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.text("interface", "name of the interface law of the joints; without it they are cracked from the start");
     t.number("thickness", "m", "thickness of veins, at least half of mesh.size").above(0).to(&JointOptions::thickness);
     t.text("material", "material of veins");
+    t.text("body", "name of the body; required where there are several");
+
+    t.list("traces[]", "traces of joints and faults as they were mapped: closed cracks, or interfaces with a law of "
+        "their own. domain.snap joins ends that nearly meet");
+    t.text("file", "csv file, relative to the scenario file, with a line of names `trace, x [m], y [m], class` (the "
+        "class may be missing) and a line for each point of a trace, or GeoJSON (.geojson, .json) with lines")
+        .required();
+    t.text("class", "the traces of this class alone; other [[traces]] take the other classes of the file. Without it "
+        "all of them");
+    t.text("property", "column of the csv file, or property of GeoJSON, that gives the class").otherwise("class");
+    t.number("unit", "m", "length of one unit of coordinates that have none in the file; required for GeoJSON, whose "
+        "longitudes and latitudes must be projected before");
+    t.number("origin", "m", "coordinates of the file that are (0, 0) in the body").pair().otherwise("[0, 0]");
+    t.flag("crop", "true: what lies outside the body is left out; false: it is an error").otherwise("false");
+    t.text("interface", "name of the interface law of the traces; without it they are cracked from the start");
     t.text("body", "name of the body; required where there are several");
 
     t.list("map[]", "a picture whose colours are materials; a triangle takes the material that covers most of it");

@@ -230,31 +230,21 @@ void read_drawn_key(const Table& table, RandomMembers& random) {
 void read_drawn_lines(const Table& table, RandomMembers& random) {
     const auto bytes = table.bytes_of("file");
     if (!bytes) return;
-    const auto refuse = [&](const std::string& problem, int number, const std::string& line) {
-        table.reading().findings.add({.code = "bad-csv",
-                                      .message = problem,
-                                      .file = (table.reading().files.directory / table.text("file")).string(),
-                                      .line = number,
-                                      .column = 1,
-                                      .length = std::max<int>(1, static_cast<int>(line.size())),
-                                      .source_line = line,
-                                      .note = "first line: KEY [UNIT], KEY [UNIT], ...; each other one: their values"});
+    bool is_refused = false;
+    const auto refuse = [&](const std::string& problem, int number) {
+        table.error_in_file("bad-csv", "file", *bytes, number, problem,
+                            "first line: KEY [UNIT], KEY [UNIT], ...; each other one: their values");
+        is_refused = true;
+        return false;
     };
     std::vector<RandomKey> columns;
-    std::istringstream in(*bytes);
-    int number = 0;
-    for (std::string line; std::getline(in, line);) {
-        ++number;
-        if (line.ends_with('\r')) line.pop_back();
-        std::vector<std::string> cells;
-        std::istringstream parts(line.substr(0, line.find('#')));
-        for (std::string cell; std::getline(parts, cell, ',');) cells.emplace_back(trimmed(cell));
-        if (cells.empty() || (cells.size() == 1 && cells[0].empty())) continue;
+    for_each_line(*bytes, [&](int number, std::string_view line) {
+        const std::vector<std::string> cells = cells_of(line, ",");
         const bool names = columns.empty();
         if (!names && cells.size() != columns.size())
             return refuse("this line has " + std::to_string(cells.size()) + " values for " +
                               std::to_string(columns.size()) + " keys",
-                          number, line);
+                          number);
         for (std::size_t i = 0; i < cells.size(); ++i) {
             if (names) {
                 RandomKey& column = columns.emplace_back();
@@ -264,16 +254,20 @@ void read_drawn_lines(const Table& table, RandomMembers& random) {
                     column.unit = cells[i].substr(bracket + 2, cells[i].size() - bracket - 3);
                 column.distribution = RandomKey::Distribution::choice;
                 column.stream = "line of file";
-                if (!check_drawn_key(table, column.key, "file")) return;
+                if (!check_drawn_key(table, column.key, "file")) is_refused = true;
+                if (is_refused) return false;
                 continue;
             }
             const Quantity value = parse_quantity(cells[i]);
             if (!value.problem.empty() || !value.unit.empty())
-                return refuse("`" + cells[i] + "` of `" + columns[i].key + "` is not a number", number, line);
+                return refuse("`" + cells[i] + "` of `" + columns[i].key + "` is not a number", number);
             columns[i].choices.push_back(cells[i] + (columns[i].unit.empty() ? "" : " " + columns[i].unit));
         }
-    }
-    if (columns.empty() || columns.front().choices.empty()) return refuse("the file has no line of values", 0, "");
+        return true;
+    });
+    if (!is_refused && (columns.empty() || columns.front().choices.empty()))
+        refuse("the file has no line of values", 0);
+    if (is_refused) return;
     table.scenario().files.push_back({table.path("file"), "members.csv", *bytes});
     for (RandomKey& column : columns) add_drawn_key(table, "file", std::move(column), random);
 }

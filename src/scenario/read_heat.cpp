@@ -93,41 +93,35 @@ Thermal read_thermal(const Table& table, bool conduction) {
 std::shared_ptr<const GridTable> read_grid(const Table& table) {
     const auto bytes = table.bytes_of("temperature");
     if (!bytes) return nullptr;
-    const auto refuse = [&](const std::string& problem, int number = 0, const std::string& line = "") {
-        table.reading().findings.add({.code = "bad-csv",
-                                      .message = problem,
-                                      .file = (table.reading().files.directory / table.text("temperature")).string(),
-                                      .line = number,
-                                      .column = number > 0 ? 1 : 0,
-                                      .length = std::max<int>(1, static_cast<int>(line.size())),
-                                      .source_line = line,
-                                      .note = "each line: x, y, temperature or x, y, t, temperature [m, s, K]"});
+    bool is_refused = false;
+    const auto refuse = [&](const std::string& problem, int number = 0) {
+        table.error_in_file("bad-csv", "temperature", *bytes, number, problem,
+                            "each line: x, y, temperature or x, y, t, temperature [m, s, K]");
+        is_refused = true;
         return nullptr;
     };
     std::vector<std::array<double, 4>> rows;
-    std::istringstream in(*bytes);
     std::size_t n_columns = 0;
-    int number = 0;
-    for (std::string line; std::getline(in, line);) {
-        ++number;
-        std::string content = line.substr(0, line.find('#'));
+    for_each_line(*bytes, [&](int number, std::string_view line) {
+        std::string content(line);
         std::ranges::replace_if(
-            content, [](char c) { return c == ',' || c == ';' || c == '\t' || c == '\r'; }, ' ');
+            content, [](char c) { return c == ',' || c == ';' || c == '\t'; }, ' ');
         std::istringstream words(content);
         std::vector<double> numbers;
-        bool valid = true, empty = true;
-        for (std::string word; words >> word; empty = false) {
+        bool valid = true;
+        for (std::string word; words >> word;) {
             const Quantity quantity = parse_quantity(word);
             valid = valid && quantity.problem.empty() && quantity.unit.empty() && std::isfinite(quantity.value);
             numbers.push_back(quantity.value);
         }
-        if (empty || (!valid && rows.empty() && number == 1)) continue;  // comments, names
+        if (!valid && rows.empty() && number == 1) return true;  // names
         if (n_columns == 0) n_columns = numbers.size();
         if (!valid || numbers.size() != n_columns || n_columns < 3 || n_columns > 4)
-            return refuse("this line is not `x, y, temperature` or `x, y, t, temperature`, as all others", number,
-                          line);
-        rows.push_back({numbers[0], numbers[1], n_columns == 4 ? numbers[2] : 0, numbers.back()});
-    }
+            refuse("this line is not `x, y, temperature` or `x, y, t, temperature`, as all others", number);
+        else rows.push_back({numbers[0], numbers[1], n_columns == 4 ? numbers[2] : 0, numbers.back()});
+        return !is_refused;
+    });
+    if (is_refused) return nullptr;
     if (rows.empty()) return refuse("the file has no line of numbers");
     table.scenario().files.push_back({table.path("temperature"), "temperature.csv", *bytes});
     try {

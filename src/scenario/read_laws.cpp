@@ -138,7 +138,9 @@ public:
             if (with_grains) grain_[materials[a]] = a, known_.push_back(materials[a]);
         }
         if (with_grains) known_.emplace_back("within");
-        for (const char* list : {"support", "mesh.joint", "joints"})
+        std::vector<std::string> lists{"support", "mesh.joint", "joints", "traces", "domain.crack"};
+        for (std::size_t i = 0; i < reading.list("body").size(); ++i) lists.push_back(item("body", i) + ".crack");
+        for (const std::string& list : lists)
             for (const Table& table : reading.list(list)) free_names_.insert(table.text("interface"));
     }
 
@@ -272,15 +274,9 @@ void check_softening(Reading& reading) {
 
 void read_laws(Reading& reading) {
     LawTable(reading).read();
-    std::vector<Index>& of_joint = reading.scenario.law_of_joint;
+    for (std::size_t joint = 0; joint < reading.joint_tables.size(); ++joint)
+        reading.scenario.law_of_joint[joint] = named_law(reading.table(reading.joint_tables[joint])).value_or(-1);
     std::vector<Support>& supports = reading.scenario.supports;
-    std::size_t joint = 0;
-    for (const char* list : {"mesh.joint", "joints"})
-        for (const Table& table : reading.list(list)) {
-            if (!table.has("interface")) continue;
-            const Index law = named_law(table).value_or(-1);
-            if (joint < of_joint.size()) of_joint[joint++] = law;
-        }
     for (std::size_t i = 0; i < supports.size(); ++i) {
         const Table table = reading.table(item("support", i));
         Support& support = supports[i];

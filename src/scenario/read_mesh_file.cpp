@@ -69,13 +69,12 @@ void mark_curve(const Table& table, const Node& name, GmshMesh& read, const auto
 void mark_curves(const Table& table, GmshMesh& read) {
     for (const Node& name : table.items("cracks"))
         mark_curve(table, name, read, [](InteriorEdge& edge) { edge.cracked = true; });
-    std::vector<Index>& of_joint = table.scenario().law_of_joint;
     for (const Table& joint : table.list("joint")) {
         if (!joint.has("interface")) continue;  // reported
-        of_joint.push_back(-1);
+        const Index number = joint.new_joint_set();
         if (joint.has("curve"))
             mark_curve(table, table.reading().values.place_of(joint.path("curve")), read,
-                       [&](InteriorEdge& edge) { edge.joint = static_cast<Index>(of_joint.size()) - 1; });
+                       [&](InteriorEdge& edge) { edge.joint = number; });
     }
 }
 

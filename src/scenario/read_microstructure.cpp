@@ -1,5 +1,5 @@
-// [[inclusions]] and [[joints]], which become regions, holes and cracks of the shape; [[map]], whose colours are
-// materials; [[grains]].
+// [[inclusions]], [[joints]] and [[traces]], which become regions, holes and cracks of the shape; [[map]], whose
+// colours are materials; [[grains]].
 #include "figures/read_png.hpp"
 #include "microstructure/inclusions.hpp"
 #include "scenario/reading.hpp"
@@ -14,24 +14,6 @@ namespace {
 
 constexpr double min_size = 1.5;         // [mesh size] grains and inclusions of fewer triangles would have no shape
 constexpr int max_colour_distance = 80;  // of a pixel from its colour, in the RGB cube of side 255
-
-/// Random sets change a shape: that of the body they name, or of the only one. Null with a mesh file and without such a
-/// body.
-Body* body_of(const Table& set) {
-    std::vector<Body>& bodies = set.scenario().bodies;
-    if (set.reading().table("mesh").given("file")) {
-        set.exclude("", set.path().starts_with("joints") ? "[[joints]]" : "[[inclusions]]", "mesh.file",
-                    "curves and surfaces of the file ([[mesh.joint]]), or grains and maps");
-        return nullptr;
-    }
-    std::vector<std::string> names;
-    for (const Body& body : bodies) names.push_back(body.name);
-    if (!set.given("body") && bodies.size() > 1)
-        set.error("missing-key", "body", "is missing", "the name of a body: " + first_of(names));
-    if (!set.given("body")) return bodies.size() == 1 ? &bodies.front() : nullptr;
-    const auto found = set.reading().find(set.path("body"), "body", set.text("body"), names);
-    return found ? &bodies[*found] : nullptr;
-}
 
 /// Without a mistake so far.
 bool is_valid(const Table& set, const Body& body) {
@@ -48,14 +30,14 @@ void check_length(const Table& table, double mesh_size, const char* key, double 
 
 /// Calls `place`, which adds inclusions or joints to a part of the shape; reports its failure at `key`.
 template <class Place>
-void place_set(const Table& table, const Body& body, RandomSet::Part part, const std::string& key,
+void place_set(const Table& table, const Body& body, PlacedSet::Part part, const std::string& key,
                const std::string& cure, Place place) {
     const Shape& shape = body.shape;
     const auto size = [&] {
-        if (part == RandomSet::Part::regions) return shape.regions.size();
-        return part == RandomSet::Part::holes ? shape.holes.size() : shape.cracks.size();
+        if (part == PlacedSet::Part::regions) return shape.regions.size();
+        return part == PlacedSet::Part::holes ? shape.holes.size() : shape.cracks.size();
     };
-    RandomSet set{.path = table.path(),
+    PlacedSet set{.path = table.path(),
                   .body = static_cast<std::size_t>(&body - table.scenario().bodies.data()),
                   .part = part,
                   .first = size()};
@@ -65,11 +47,11 @@ void place_set(const Table& table, const Body& body, RandomSet::Part part, const
         table.error("geometry", key, std::string("cannot be met: ") + error.what(), cure);
     }
     set.n = static_cast<int>(size() - set.first);
-    table.scenario().random_sets.push_back(set);
+    table.scenario().placed_sets.push_back(set);
 }
 
 void read_inclusions(const Table& table, std::size_t number) {
-    Body* const body = body_of(table);
+    Body* const body = body_to_change(table);
     const MeshOptions& mesh = body ? body->mesh : table.scenario().mesh;
     const double size = mesh.size;
     const auto amount = table.one_of({"fraction", "number"}, true);
@@ -88,7 +70,7 @@ void read_inclusions(const Table& table, std::size_t number) {
                                                            (table.has("name") ? table.text("name") : "pores"));
     const std::string cure =
         "a smaller " + *amount + ", or a smaller distance" + (options.number > 0 ? ", or smaller inclusions" : "");
-    place_set(table, *body, pores ? RandomSet::Part::holes : RandomSet::Part::regions, *amount, cure, [&] {
+    place_set(table, *body, pores ? PlacedSet::Part::holes : PlacedSet::Part::regions, *amount, cure, [&] {
         return place_inclusions(body->shape, options, table.scenario().seed, "inclusions " + std::to_string(number))
             .fraction;
     });
@@ -96,7 +78,7 @@ void read_inclusions(const Table& table, std::size_t number) {
 
 void read_joints(const Table& table, std::size_t number) {
     Scenario& scenario = table.scenario();
-    Body* const body = body_of(table);
+    Body* const body = body_to_change(table);
     const double size = body ? body->mesh.size : scenario.mesh.size;
     JointOptions options{.tag = table.material("material"), .nearest = 0.2 * size};
     table.fill(options);
@@ -110,12 +92,9 @@ void read_joints(const Table& table, std::size_t number) {
     check_length(table, size, "spacing", 1, "");
     check_length(table, size, "thickness", 0.5, "half of ");
     if (!body || !is_valid(table, *body)) return;
-    if (has_law) {
-        options.joint = static_cast<Index>(scenario.law_of_joint.size());
-        scenario.law_of_joint.push_back(-1);  // set by read_laws
-    }
+    if (has_law) options.joint = table.new_joint_set();
     int n_left_out = 0;
-    place_set(table, *body, options.tag ? RandomSet::Part::regions : RandomSet::Part::cracks, "spacing",
+    place_set(table, *body, options.tag ? PlacedSet::Part::regions : PlacedSet::Part::cracks, "spacing",
               "a larger spacing or length, or a smaller body", [&] {
                   n_left_out = place_joints(body->shape, options, scenario.seed, "joints " + std::to_string(number));
                   return 0.;
@@ -229,10 +208,27 @@ void read_grains(const Table& table) {
 
 }  // namespace
 
+Body* body_to_change(const Table& entry) {
+    std::vector<Body>& bodies = entry.scenario().bodies;
+    if (entry.reading().table("mesh").given("file")) {
+        entry.exclude("", "[[" + entry.path().substr(0, entry.path().find('[')) + "]]", "mesh.file",
+                      "curves and surfaces of the file ([[mesh.joint]]), or grains and maps");
+        return nullptr;
+    }
+    std::vector<std::string> names;
+    for (const Body& body : bodies) names.push_back(body.name);
+    if (!entry.given("body") && bodies.size() > 1)
+        entry.error("missing-key", "body", "is missing", "the name of a body: " + first_of(names));
+    if (!entry.given("body")) return bodies.size() == 1 ? &bodies.front() : nullptr;
+    const auto found = entry.reading().find(entry.path("body"), "body", entry.text("body"), names);
+    return found ? &bodies[*found] : nullptr;
+}
+
 void read_microstructure(Reading& reading) {
     std::size_t n_inclusions = 0, n_joints = 0, n_maps = 0;
     for (const Table& table : reading.list("inclusions")) read_inclusions(table, n_inclusions++);
     for (const Table& table : reading.list("joints")) read_joints(table, n_joints++);
+    for (const Table& table : reading.list("traces")) read_traces(table);
     for (const Table& table : reading.list("map")) read_map(table, n_maps++);
     for (const Table& table : reading.list("grains")) read_grains(table);
 }

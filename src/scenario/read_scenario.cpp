@@ -62,29 +62,53 @@ std::string text_of_file(const std::filesystem::path& file) {
     }
 }
 
-/// "holes[1]" of a Shape -> "domain.hole[1]" of the scenario, "body[2].holes[1]" -> "body[2].hole[1]".
-std::string path_of_part(const std::string& part) {
-    const std::size_t dot = part.find('.');
-    const bool of_domain = dot == std::string::npos;
-    const std::string table = of_domain ? "domain" : part.substr(0, dot), own = of_domain ? part : part.substr(dot + 1);
-    if (own == "size") return of_domain ? "mesh.size" : table + ".mesh_size";
-    for (const auto& [list, key] : {std::pair{"holes", ".hole"}, {"cracks", ".crack"}, {"regions", ".region"}})
-        if (own.starts_with(list)) return table + key + own.substr(std::string_view(list).size());
-    return table;
-}
+/// Paths of tables by the parts of a Shape.
+class PathsOfParts {
+public:
+    explicit PathsOfParts(const Scenario& scenario) : scenario_(scenario) {}
 
-/// The text of a fault with the parts of a Shape that it names as in the scenario: "of cracks[107] at" -> "of
-/// `domain.crack[107]` at".
-std::string with_paths(std::string text, const std::string& part) {
-    const std::string prefix = part.substr(0, part.find('.') == std::string::npos ? 0 : part.find('.') + 1);
-    for (const char* const list : {"holes[", "cracks[", "regions["})
-        for (std::size_t at = 0; (at = text.find(list, at)) != std::string::npos;) {
-            const std::size_t length = text.find(']', at) + 1 - at;
-            const std::string path = "`" + path_of_part(prefix + text.substr(at, length)) + "`";
-            text.replace(at, length, path), at += path.size();
-        }
-    return text;
-}
+    /// "holes[1]" -> "domain.hole[1]", "body[2].holes[1]" -> "body[2].hole[1]", and of those that were placed the table
+    /// that placed them: "joints[0]".
+    std::string of(const std::string& part) const {
+        const std::size_t dot = part.find('.');
+        const bool of_domain = dot == std::string::npos;
+        const std::string table = of_domain ? "domain" : part.substr(0, dot),
+                          own = of_domain ? part : part.substr(dot + 1);
+        if (own == "size") return of_domain ? "mesh.size" : table + ".mesh_size";
+        for (const auto& [list, key, kind] : {std::tuple{"holes[", ".hole", PlacedSet::Part::holes},
+                                              {"cracks[", ".crack", PlacedSet::Part::cracks},
+                                              {"regions[", ".region", PlacedSet::Part::regions}})
+            if (own.starts_with(list)) {
+                const std::size_t number = std::stoul(own.substr(std::string_view(list).size()));
+                for (std::size_t body = 0; body < scenario_.bodies.size(); ++body)
+                    if (scenario_.bodies[body].path == table)
+                        return scenario_.table_of_part(body, kind, number, table + key);
+            }
+        return table;
+    }
+
+    /// The text of a fault with the tables of the parts that it names: "of cracks[107] at" -> "of `domain.crack[107]`
+    /// at".
+    std::string in_text(std::string text, const std::string& part) const {
+        const std::string prefix = part.substr(0, part.find('.') == std::string::npos ? 0 : part.find('.') + 1);
+        for (const char* const list : {"holes[", "cracks[", "regions["})
+            for (std::size_t at = 0; (at = text.find(list, at)) != std::string::npos;) {
+                const std::size_t length = text.find(']', at) + 1 - at;
+                const std::string path = quoted(of(prefix + text.substr(at, length)));
+                text.replace(at, length, path), at += path.size();
+            }
+        return text;
+    }
+
+    /// "traces[0] (line 12)" -> "`traces[0]` (line 12)"
+    static std::string quoted(const std::string& path) {
+        const std::size_t end = std::min(path.find(' '), path.size());
+        return "`" + path.substr(0, end) + "`" + path.substr(end);
+    }
+
+private:
+    const Scenario& scenario_;
+};
 
 /// The built-in scenario that a name means: itself, or the shortest name with this beginning if all others with it
 /// begin with that name (edge-crack: edge_cracked_block, not its variants). Empty: none.
@@ -153,6 +177,16 @@ const BuiltIn& built_in_scenario(const std::string& name) {
                       .note = "built in: " + joined(names)}});
 }
 
+std::string Scenario::table_of_part(std::size_t body, PlacedSet::Part part, std::size_t i,
+                                    const std::string& path) const {
+    for (const PlacedSet& set : placed_sets) {
+        if (set.body != body || set.part != part || i < set.first || i >= set.first + static_cast<std::size_t>(set.n))
+            continue;
+        return set.path + (set.is_random() ? "" : " (line " + std::to_string(set.file_lines[i - set.first]) + ")");
+    }
+    return item(path, i);
+}
+
 Diagnostic ReadResult::at(const std::string& key_path, Diagnostic message) const {
     message.file = source.name();
     if (const Node& node = values.place_of(key_path); node.is_placed()) {
@@ -164,8 +198,10 @@ Diagnostic ReadResult::at(const std::string& key_path, Diagnostic message) const
 
 std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
     std::vector<Diagnostic> found;
+    const PathsOfParts paths(scenario);
     for (const ShapeFault& fault : error.faults) {
-        std::string path = path_of_part(fault.part);
+        const std::string named = paths.of(fault.part);
+        std::string path = named.substr(0, named.find(' '));
         for (const Body& body : scenario.bodies)
             for (std::size_t i = 0; i < body.excavations.size(); ++i)
                 if (path == item(body.path + ".region", body.shape.regions.size() - body.excavations.size() + i))
@@ -173,8 +209,9 @@ std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
         std::string key = path;
         for (const char* outline : {".box", ".radius", ".size", ".points"})
             if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;
-        found.push_back(
-            at(key, {.code = "bad-shape", .message = "`" + path + "` " + with_paths(fault.text, fault.part)}));
+        const std::string what = named.starts_with(path) ? named : path;
+        found.push_back(at(key, {.code = "bad-shape",
+                                 .message = PathsOfParts::quoted(what) + " " + paths.in_text(fault.text, fault.part)}));
     }
     std::ranges::stable_sort(found, {}, &Diagnostic::line);
     return found;

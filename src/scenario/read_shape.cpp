@@ -153,7 +153,8 @@ void read_shape(const Table& table, const MeshOptions& mesh, const std::string& 
     }
     for (const Table& crack : table.list("crack"))
         if (std::vector<Vec2> points = curves.points(crack, 2); !points.empty())
-            shape.cracks.push_back({.points = std::move(points)});
+            shape.cracks.push_back(
+                {.points = std::move(points), .joint = crack.given("interface") ? crack.new_joint_set() : -1});
     for (const Table& region : table.list("region")) {
         const Index tag = region.material("material").value_or(shape.tag);
         if (std::vector<Vec2> points = curves.curve(region, true); !points.empty())

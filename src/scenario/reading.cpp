@@ -32,6 +32,16 @@ Index boundary_index(Shape& shape, const std::string& name) {
     return static_cast<Index>(found);
 }
 
+std::vector<std::string> cells_of(std::string_view line, std::string_view separators) {
+    std::vector<std::string> cells;
+    while (true) {
+        const std::size_t end = std::min(line.find_first_of(separators), line.size());
+        cells.emplace_back(trimmed(line.substr(0, end)));
+        if (end == line.size()) return cells;
+        line.remove_prefix(end + 1);
+    }
+}
+
 std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     constexpr int max_reports = 5;
     const auto bytes = table.bytes_of("csv");
@@ -69,24 +79,12 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     };
     std::vector<Vec2> pairs;
     double direction = file.unit.empty() ? 1 : 0;
-    int n_reports = 0, number = 0;
-    std::istringstream in(*bytes);
-    for (std::string line; std::getline(in, line);) {
+    int n_reports = 0;
+    for_each_line(*bytes, [&](int number, std::string_view line) {
         const auto report = [&](const std::string& problem) {
-            if (++n_reports > max_reports) return;
-            table.reading().findings.add({.code = "bad-csv",
-                                          .message = problem,
-                                          .file = (table.reading().files.directory / table.text("csv")).string(),
-                                          .line = number,
-                                          .column = 1,
-                                          .length = std::max<int>(1, static_cast<int>(line.size())),
-                                          .source_line = line,
-                                          .note = file.note});
+            if (++n_reports <= max_reports) table.error_in_file("bad-csv", "csv", *bytes, number, problem, file.note);
         };
-        ++number;
-        if (line.ends_with('\r')) line.pop_back();
-        const std::string content = line.substr(0, line.find('#'));
-        if (trimmed(content).empty()) continue;
+        const std::string content(line);
         const std::size_t comma = std::min(content.find_first_of(",;\t"), content.size());
         const std::string column_1 = content.substr(0, comma),
                           column_2 = content.substr(std::min(comma + 1, content.size()));
@@ -97,9 +95,9 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
             if (const std::string fault = fault_of_names({without_unit(column_1), without_unit(column_2)});
                 !fault.empty()) {
                 report(fault);
-                break;
+                return false;
             }
-            continue;
+            return true;
         }
         const double change = pairs.empty() || !first ? 0 : *first - pairs.back().x();
         if (direction == 0) direction = change;
@@ -110,7 +108,8 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
                    (file.unit.empty() ? " do not ascend"
                                       : " turn back: the lines are out of order (`points` may overhang)"));
         else pairs.emplace_back(*first, *second);
-    }
+        return true;
+    });
     if (pairs.empty() && n_reports == 0) table.error("bad-csv", "csv", "has no line `" + file.line + "`");
     if (n_reports > 0) return {};
     std::vector<Node> points;
@@ -196,6 +195,29 @@ void Table::error(const std::string& code, std::string_view key, const std::stri
 void Table::warning(const std::string& code, std::string_view key, const std::string& text, const std::string& note,
                     const std::string& hint) const {
     reading_.findings.warning(code, message(key, text), reading_.values.place_of(path(key)), note, hint);
+}
+
+void Table::error_in_file(const std::string& code, std::string_view key, const std::string& text, int line,
+                          const std::string& problem, const std::string& note) const {
+    std::istringstream in(text);
+    std::string quoted;
+    for (int i = 0; i < line && std::getline(in, quoted); ++i) {
+    }
+    if (quoted.ends_with('\r')) quoted.pop_back();
+    reading_.findings.add({.code = code,
+                           .message = problem,
+                           .file = (reading_.files.directory / this->text(key)).string(),
+                           .line = line,
+                           .column = line > 0 ? 1 : 0,
+                           .length = std::max<int>(1, static_cast<int>(quoted.size())),
+                           .source_line = quoted,
+                           .note = note});
+}
+
+Index Table::new_joint_set() const {
+    reading_.joint_tables.push_back(path_);
+    scenario().law_of_joint.push_back(-1);
+    return static_cast<Index>(scenario().law_of_joint.size()) - 1;
 }
 
 void Table::exclude(std::string_view key, std::string_view one, std::string_view other, const std::string& cure) const {

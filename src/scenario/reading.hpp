@@ -30,6 +30,7 @@ struct Reading {
     Findings& findings;
     Scenario& scenario;
     FileSource files;
+    std::vector<std::string> joint_tables = {};  // of each joint set the table whose key `interface` names its law
 
     Table table(const std::string& path);
     /// The tables of [[path]], or the tables [path.NAME].
@@ -98,6 +99,10 @@ public:
     void warning(const std::string& code, std::string_view key, const std::string& text, const std::string& note = {},
                  const std::string& hint = {}) const;
 
+    /// An error at a line of the file that a key names, whose text this is.
+    void error_in_file(const std::string& code, std::string_view key, const std::string& text, int line,
+                       const std::string& problem, const std::string& note) const;
+
     /// The error that two parts of the scenario do not go together, with the reason in exclusions.hpp, at
     /// a key of this table, of which `one` tells.
     void exclude(std::string_view key, std::string_view one, std::string_view other, const std::string& cure) const;
@@ -108,6 +113,8 @@ public:
     std::optional<Index> material(std::string_view key) const;
     /// The bytes of the file that a key names; none, and an error, if it cannot be read.
     std::optional<std::string> bytes_of(std::string_view key) const;
+    /// Number of a new joint set; read_laws finds the law that the key `interface` of this table names.
+    Index new_joint_set() const;
     /// An error if a load, obstacle or probe of this name would have columns with names that exist already.
     void check_column_name(const std::string& name) const;
 
@@ -121,6 +128,24 @@ private:
     std::string path_;
     Node& node_;
 };
+
+/// Calls visit(number, content) for the lines of a csv file that are neither empty nor a # comment, until it returns
+/// false.
+template <class Visit>
+void for_each_line(const std::string& text, const Visit& visit) {
+    int number = 0;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        std::string_view content(text.data() + begin, end - begin);
+        begin = end + 1, ++number;
+        if (content.ends_with('\r')) content.remove_suffix(1);
+        content = content.substr(0, content.find('#'));
+        if (!trimmed(content).empty() && !visit(number, content)) return;
+    }
+}
+
+/// The trimmed cells of a line; any of `separators` stands between two of them.
+std::vector<std::string> cells_of(std::string_view line, std::string_view separators);
 
 /// What a file of pairs contains, for messages.
 struct PairsFile {
@@ -150,6 +175,10 @@ std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh);
 TimeFunction read_history(const Table& table);
 /// The pairs [temperature, value] of a key; empty, and an error, where their temperatures do not ascend.
 TemperatureTable read_over_temperature(const Table& table, const char* key);
+/// [[traces]]: lines of a file become cracks of a shape.
+void read_traces(const Table& table);
+/// The body that an entry which changes a shape names, or the only one. Null with a mesh file and without such a body.
+Body* body_to_change(const Table& entry);
 /// The outline and the laws of an obstacle that is a polyline; its law elsewhere is read before.
 void read_polyline(const Table& table, Obstacle& obstacle);
 /// Friction and restitution of a table, or its R_N and R_T; what it does not give stays as in `law`.
@@ -169,7 +198,7 @@ void read_mesh_file(Reading& reading);
 // The blocks, in the order in which they are read.
 void read_materials(Reading& reading);       // before shape and laws
 void read_body(Reading& reading);            // [domain], [mesh], [[body]]: before everything that names a boundary
-void read_microstructure(Reading& reading);  // inclusions and joints, which change the shape; maps; grains
+void read_microstructure(Reading& reading);  // inclusions, joints, traces, which change the shape; maps; grains
 void read_supports(Reading& reading);        // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);
 void check_softening(Reading& reading);   // after laws and time

@@ -120,14 +120,18 @@ struct NamedFile {
     std::string prefix = {};  // of the name in the value of the key
 };
 
-/// The inclusions or joints placed for one [[inclusions]] or [[joints]]: a part of one of the lists of the shape.
-struct RandomSet {
+/// What one [[inclusions]], [[joints]] or [[traces]] placed: a part of one of the lists of the shape.
+struct PlacedSet {
     std::string path;      // "inclusions[0]"
     std::size_t body = 0;  // of Scenario::bodies
     enum class Part { regions, holes, cracks } part;
     std::size_t first = 0;
     int n = 0;
-    double fraction = 0;  // [-] of the area of the body; inclusions
+    double fraction = 0;               // [-] of the area of the body; inclusions
+    std::vector<int> file_lines = {};  // of each, in the file that has it; traces
+    int n_cropped = 0;                 // lines of the file that lie outside the body; traces
+
+    bool is_random() const { return file_lines.empty(); }  // else from a file
 };
 
 struct Scenario {
@@ -147,7 +151,10 @@ struct Scenario {
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // of [contact], as in Model
     std::vector<Index> law_within;                         // within a grain, by material
     std::vector<Index> law_of_joint;                       // by number of the joint set, of the sets with cohesion
-    std::vector<RandomSet> random_sets;
+    std::vector<PlacedSet> placed_sets;
+    /// The table to which line `i` of a list of a body's shape belongs: that which placed it, "joints[0]" or "traces[0]
+    /// (line 12)", or else number `i` of the list at `path`.
+    std::string table_of_part(std::size_t body, PlacedSet::Part part, std::size_t i, const std::string& path) const;
     std::vector<GrainedRock> rocks;
     std::vector<MaterialMap> maps;
     std::vector<NamedFile> files;  // copied to the run directory

@@ -157,10 +157,11 @@ TEST_CASE("CGAL and toml++ are each behind one file") {
                 CHECK_MESSAGE(file.path.starts_with("src/mesh/"), file.path);
 }
 
-TEST_CASE("CLI11 is in app only and JSON in app and record and the JSON schema") {
+TEST_CASE("CLI11 is in app only and JSON in app and record and the JSON schema and GeoJSON") {
     for (const std::string& user : users_of({"CLI/", "CLI11"})) CHECK(user.starts_with("src/app/"));
     for (const std::string& user : users_of({"nlohmann/"}))
-        CHECK((user.starts_with("src/app/") || user.starts_with("src/record/") || user == "src/scenario/schema.cpp"));
+        CHECK((user.starts_with("src/app/") || user.starts_with("src/record/") || user == "src/scenario/schema.cpp" ||
+               user == "src/scenario/read_traces.cpp"));
 }
 
 TEST_CASE("cereal is behind one file") {

@@ -39,6 +39,9 @@ centre = ["20 mm", "20 mm"]
 radius = "2 mm"
 [[domain.crack]]
 points = [["-50 mm", "20 mm"], ["-10 mm", "20 mm"]]
+[[domain.crack]]
+points = [["-30 mm", "6 mm"], ["-25 mm", "6 mm"]]
+interface = "default"
 [[domain.region]]
 box = ["0 mm", "1 mm", "50 mm", "41 mm"]
 material = "steel"
@@ -342,6 +345,7 @@ centre = ["20 mm", "20 mm"]
 radius = "4 mm"
 [[body.crack]]
 points = [["30 mm", "20 mm"], ["40 mm", "20 mm"]]
+interface = "default"
 [[body.region]]
 box = ["50 mm", "10 mm", "60 mm", "30 mm"]
 material = "steel"
@@ -385,6 +389,19 @@ body = "cap"
 direction = "60 deg"
 spacing = "20 mm"
 body = "body3"
+[[traces]]
+file = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/traces.csv"
+property = "class"
+class = "joint"
+unit = "1 cm"
+origin = ["-125 mm", "-20 mm"]
+crop = true
+interface = "default"
+body = "body3"
+[[traces]]
+file = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/traces.csv"
+class = "fault"
+body = "body1"
 [material.steel]
 density = 8000
 E = 190e9
@@ -693,6 +710,7 @@ const Case cases[] = {
     {rectangle, "domain.hole[1].centre", "[0.02, 0.02]"},
     {rectangle, "domain.hole[1].radius", "0.002"},
     {rectangle, "domain.hole[1].name", "\"hole2\""},
+    {rectangle, "domain.crack[1].interface", "\"default\""},
     {rectangle, "domain.crack[0].points", "[[-0.05, 0.02], [-0.01, 0.02]]"},
     {rectangle, "domain.region[0].box", "[0, 0.001, 0.05, 0.041]"},
     {rectangle, "domain.region[0].material", "\"steel\""},
@@ -933,6 +951,15 @@ const Case cases[] = {
     {scene, "body[0].hole[1].centre", "[0.02, 0.02]"},
     {scene, "body[0].hole[1].radius", "0.004"},
     {scene, "body[0].crack[0].points", "[[0.03, 0.02], [0.04, 0.02]]"},
+    {scene, "body[0].crack[0].interface", "\"default\""},
+    {scene, "traces[0].file", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/traces.csv\""},
+    {scene, "traces[0].property", "\"class\""},
+    {scene, "traces[0].class", "\"joint\""},
+    {scene, "traces[0].unit", "0.01"},
+    {scene, "traces[0].origin", "[-0.125, -0.02]"},
+    {scene, "traces[0].crop", "true"},
+    {scene, "traces[0].interface", "\"default\""},
+    {scene, "traces[0].body", "\"body3\""},
     {scene, "body[0].region[0].box", "[0.05, 0.01, 0.06, 0.03]"},
     {scene, "body[0].region[0].material", "\"steel\""},
     {scene, "body[0].region[1].centre", "[0.07, 0.02]"},

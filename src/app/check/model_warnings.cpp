@@ -92,18 +92,15 @@ std::vector<std::string> parts_near(const Scenario& scenario, const Vec2& x, dou
     };
     for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
         const Body& body = scenario.bodies[b];
-        const auto add_all = [&](RandomSet::Part part, const std::string& list, const auto& lines, bool closed) {
+        const auto add_all = [&](PlacedSet::Part part, const std::string& list, const auto& lines, bool closed) {
             for (std::size_t i = 0; i < lines.size(); ++i) {
-                const auto set = std::ranges::find_if(scenario.random_sets, [&](const RandomSet& s) {
-                    return s.body == b && s.part == part && i >= s.first && i < s.first + static_cast<std::size_t>(s.n);
-                });
-                add(set == scenario.random_sets.end() ? item(body.path + list, i) : set->path, lines[i].points, closed);
+                add(scenario.table_of_part(b, part, i, body.path + list), lines[i].points, closed);
             }
         };
         add(body.path, body.shape.outer.points, true);
-        add_all(RandomSet::Part::holes, ".hole", body.shape.holes, true);
-        add_all(RandomSet::Part::cracks, ".crack", body.shape.cracks, false);
-        add_all(RandomSet::Part::regions, ".region", body.shape.regions, true);
+        add_all(PlacedSet::Part::holes, ".hole", body.shape.holes, true);
+        add_all(PlacedSet::Part::cracks, ".crack", body.shape.cracks, false);
+        add_all(PlacedSet::Part::regions, ".region", body.shape.regions, true);
     }
     std::ranges::stable_sort(parts, {}, &std::pair<double, std::string>::first);
     std::vector<std::string> paths;
@@ -302,7 +299,7 @@ public:
             if (std::ranges::find(named, who) != named.end()) continue;
             named.push_back(who);
             if (named.size() > max_details) return;
-            add(parts.empty() ? "mesh.size" : parts[0], "small-step",
+            add(parts.empty() ? "mesh.size" : parts[0].substr(0, parts[0].find(' ')), "small-step",
                 formatted(
                     "a triangle at %s has an edge of %s where the mesh size is %s; its stable step of %s is %.3g times "
                     "smaller than the %s of that size, and all triangles use the smallest one. Next to it: %s",
@@ -313,7 +310,9 @@ public:
                 std::string(who.find(" and ") != who.npos || who.starts_with("two parts")
                                 ? "move one of them, let them meet, or remove the detail; "
                                 : "enlarge or remove it; ") +
-                    (scenario_.random_sets.empty() ? "" : "another seed places random traces elsewhere; ") +
+                    (std::ranges::any_of(scenario_.placed_sets, &PlacedSet::is_random)
+                         ? "another seed places random traces elsewhere; "
+                         : "") +
                     "bulk = \"implicit\" allows larger steps");
         }
     }

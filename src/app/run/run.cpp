@@ -445,7 +445,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter);
     try {
         if (!place.resumes())
-            place.log().add(warnings + random_sets_text(scenario) + probes_text(model, scenario.probes));
+            place.log().add(warnings + placed_sets_text(scenario) + probes_text(model, scenario.probes));
         std::optional<StartState> other;
         if (const NamedFile* file = scenario.start_file(); file != nullptr && !place.resumes()) {
             other.emplace(file->bytes, origin, scenario, model, excavations, adaptation);

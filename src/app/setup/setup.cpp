@@ -11,6 +11,7 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 namespace knap {
 
@@ -220,7 +221,8 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
 namespace {
 
 /// What the snap of a body moved and left out.
-std::string snap_text(const Body& body) {
+std::string snap_text(const Scenario& scenario, std::size_t number) {
+    const Body& body = scenario.bodies[number];
     SnapCounts counts;
     planar_graph(body.shape, 0, &counts);
     std::string text =
@@ -230,19 +232,43 @@ std::string snap_text(const Body& body) {
         text += formatted(", %d pieces left out, %s in all", counts.n_left_out,
                           readable(counts.length_left_out, "m").c_str());
     std::vector<std::string> lost;
-    for (const Index crack : counts.lost) lost.push_back(item(body.path + ".crack", crack));
+    for (const Index crack : counts.lost)
+        lost.push_back(scenario.table_of_part(number, PlacedSet::Part::cracks, static_cast<std::size_t>(crack),
+                                              body.path + ".crack"));
     if (!lost.empty()) text += "; wholly left out or on other lines: " + first_of(lost);
     return text + "\n";
 }
 
+/// [m] Length inside the body of some cracks of a shape.
+double length_inside(const Shape& shape, const PlacedSet& set) {
+    const PlanarGraph graph = planar_graph(shape, 0);
+    double sum = 0;
+    for (const GraphSegment& segment : graph.segments) {
+        if (segment.crack < static_cast<Index>(set.first) || segment.crack >= static_cast<Index>(set.first) + set.n)
+            continue;
+        const auto [a, b] = graph.line(segment);
+        sum += (b - a).norm();
+    }
+    return sum;
+}
+
+/// ", 515.3 m", and what snap leaves of it: lines that lie on others count once.
+std::string length_text(Shape shape, const PlacedSet& set) {
+    const double after = length_inside(shape, set);
+    const bool snaps = std::exchange(shape.snap, 0) > 0;
+    return ", " + readable(length_inside(shape, set), "m") + (snaps ? ", " + readable(after, "m") + " after snap" : "");
+}
+
 }  // namespace
 
-std::string random_sets_text(const Scenario& scenario) {
+std::string placed_sets_text(const Scenario& scenario) {
     std::string text;
-    for (const Body& body : scenario.bodies)
-        if (body.shape.snap > 0) text += snap_text(body);
-    for (const RandomSet& set : scenario.random_sets)
+    for (std::size_t i = 0; i < scenario.bodies.size(); ++i)
+        if (scenario.bodies[i].shape.snap > 0) text += snap_text(scenario, i);
+    for (const PlacedSet& set : scenario.placed_sets)
         text += formatted("  %-14s %d placed", set.path.c_str(), set.n) +
+                (set.is_random() ? "" : length_text(scenario.bodies[set.body].shape, set)) +
+                (set.n_cropped > 0 ? formatted(", %d outside the body left out", set.n_cropped) : "") +
                 (set.fraction > 0 ? formatted(", %.4g %% of the area of the body\n", 100 * set.fraction) : "\n");
     return text;
 }
