@@ -19,7 +19,12 @@ std::span<const Measure<Break>> break_columns() {
          "shear break",
          [](const B& b) { return b.shear; }},
         {"energy", "J", "fracture energy of the interface: G_c (at the temperature of the moment) times its area",
-         [](const B& b) { return b.energy; }}};
+         [](const B& b) { return b.energy; }},
+        {"opening", "m", "mean opening of the interface at this time", [](const B& b) { return b.jump.x(); }},
+        {"slip", "m",
+         "mean slip of the interface at this time: of its left side, seen along `angle`, over the right one; positive: "
+         "dextral",
+         [](const B& b) { return b.jump.y(); }}};
     return columns;
 }
 
@@ -74,13 +79,19 @@ std::vector<std::vector<double>> Breaks::found(const State& now) {
             if (angle < 0) angle += 180;
             if (angle >= 180) angle -= 180;
             double factor = 1;  // of incubated strengths, by area
-            for (Index p = 0; !now.incubation.empty() && p < model_.points_per_interface(); ++p) {
-                const FanPoint& at = model_.fan_points[model_.fan_point_of[model_.points_per_interface() * i + p]];
+            Vec2 mean(0, 0);    // [m] (u_N, u_T)
+            for (Index p = 0; p < model_.points_per_interface(); ++p) {
+                const Index number = model_.points_per_interface() * i + p;
+                const FanPoint& at = model_.fan_points[model_.fan_point_of[number]];
                 const double part = at.area / (interface.length * model_.thickness);
-                factor += part * (now.strength_factor(model_.fan_of_corner[at.corner()]) - 1);
+                mean += part * opening(model_, now, number);
+                if (!now.incubation.empty())
+                    factor += part * (now.strength_factor(model_.fan_of_corner[at.corner()]) - 1);
             }
             const double energy = factor * law.G_c * interface.length * model_.thickness;
-            const Break broken{now.time, 0.5 * (a + b), angle, interface.length, shear_[i], energy};
+            // T is N, from side A to side B, turned to the left: A lies to the left of T
+            const Break broken{now.time, 0.5 * (a + b),        angle, interface.length, shear_[i],
+                               energy,   {mean.x(), -mean.y()}};
             lines.push_back(values_of(break_columns(), broken));
         }
     }

@@ -23,6 +23,7 @@ struct Break {
     double length;  // [m]
     double shear;   // [-]
     double energy;  // [J]
+    Vec2 jump;      // [m] opening, and slip: of the side to the left of the edge's direction over the other one
 };
 std::span<const Measure<Break>> break_columns();
 

@@ -56,7 +56,7 @@ const Vec2 across = Vec2(-1, 1).normalized(), along = Vec2(1, 1).normalized();
 History table(const std::vector<std::array<double, 3>>& angle_length_shear) {
     History made{.columns = names_of(break_columns()), .rows = {}};
     for (const auto& [angle, length, shear] : angle_length_shear)
-        made.rows.push_back({0, 0, 0, angle, length, shear, 1});
+        made.rows.push_back({0, 0, 0, angle, length, shear, 1, 0, 0});
     return made;
 }
 
@@ -72,8 +72,13 @@ TEST_CASE("breaks: an interface breaks once with its place and direction and in 
     CHECK(open[4] == Approx(std::sqrt(8.0)));
     CHECK(open[5] < 1e-12);
     CHECK(open[6] == Approx(4 * std::sqrt(8.0) * 0.5));
+    CHECK(open[7] == Approx(1));
+    CHECK(std::abs(open[8]) < 1e-12);
     CHECK(break_of(along, law)[5] == Approx(1));
+    CHECK(break_of(along, law)[8] == Approx(1));  // the triangle to the left moves on
     CHECK(break_of(-along, law)[5] == Approx(1));
+    CHECK(break_of(-along, law)[8] == Approx(-1));
+    CHECK(std::abs(break_of(-along, law)[7]) < 1e-12);
     CHECK(break_of(along - across, law)[5] == Approx(1));  // pressed together it slides all the same
     CHECK(break_of(3 * across + along, law)[5] == Approx(0.25));
     CHECK(break_of(3 * across - along, {.sigma_c = 1, .G_c = 1, .gamma = 6})[5] == Approx(2. / 3));

@@ -11,6 +11,7 @@
 #include "record/checkpoint_file.hpp"
 #include "record/outputs.hpp"
 #include "scenario/built_in.hpp"
+#include "scenario/reading.hpp"
 
 namespace knap {
 
@@ -32,6 +33,7 @@ std::optional<Picture> read_png(const std::string&, std::string& problem) {
     problem = "cannot be read: a page reads no files";
     return std::nullopt;
 }
+void read_traces(const Table& table) { table.error("bad-file", "file", "cannot be read: a page reads no files"); }
 double free_memory() { return 2e9; }  // of the 4 GB that a module can have, half of it for what is transient
 
 // Tables of figures are left out of a scenario before it is read.
