@@ -1,5 +1,7 @@
 """report.html in headless Chromium: `browser.py KNAP DIRECTORY`. At the widths of a phone, a tablet and a screen nothing is wider than the
-page; text stands off from the page in light and in dark mode; paper is A4; a live page loads itself. Exit code 77: no Chromium."""
+page; text stands off from the page in light and in dark mode; paper is A4; a live page loads itself, and says when its run was killed.
+`browser.py --site SITE DIRECTORY`: no page of the site (tools/site/build) is wider than a phone; wide tables scroll. Exit code 77: no
+Chromium, or no site."""
 import json
 import os
 import pathlib
@@ -13,7 +15,7 @@ chromium = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 if not chromium:
     print("skipped: there is no chromium (Debian: chromium)")
     sys.exit(77)
-knap, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+knap, folder = sys.argv[-2], pathlib.Path(sys.argv[-1])
 shutil.rmtree(folder, ignore_errors=True)
 folder.mkdir(parents=True)
 
@@ -31,6 +33,11 @@ def measured(page, width, dark):
     harness.write_text(f"""<iframe id="f" style="width:{width}px;height:800px;border:0" src="{page.as_uri()}"></iframe><pre id="out"></pre><script>
 const light = text => {{ const [r, g, b] = text.match(/[0-9.]+/g).map(x => (x /= 255) <= 0.03928 ? x / 12.92 : ((x + 0.055) / 1.055) ** 2.4);
                          return 0.2126 * r + 0.7152 * g + 0.0722 * b; }};
+const moved = box => {{  // what the first picture of the slider is called, beside it and for who does not see it
+  if (!box) return [];
+  const line = box.querySelector("input");
+  line.value = 0, line.oninput();
+  return [box.querySelector("img").alt, box.querySelector("figcaption").textContent]; }};
 const contrast = (a, b) => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
 document.getElementById("f").onload = () => {{
   const d = document.getElementById("f").contentDocument, of = e => d.defaultView.getComputedStyle(e), paper = light(of(d.body).backgroundColor);
@@ -38,13 +45,45 @@ document.getElementById("f").onload = () => {{
   const figures = d.querySelector(".figures");
   document.getElementById("out").textContent = "MEASURED " + JSON.stringify({{ width: d.documentElement.scrollWidth,
     columns: figures ? of(figures).gridTemplateColumns.split(" ").length : 0, contrast: Math.min(...texts), dark: paper < 0.5,
-    texts: [...d.images].map(i => i.alt) }});
+    texts: [...d.images].map(i => i.alt), moved: moved(d.getElementById("frames")) }});
 }};</script>""")
     found = re.search(r"MEASURED (\{.*?\})<", browse(harness, "--window-size=1400,900", f"--blink-settings=preferredColorScheme={0 if dark else 1}",
                                                     "--virtual-time-budget=20000", "--dump-dom"), re.DOTALL)
     assert found, "the page was not measured"
     return json.loads(found[1].replace("&amp;", "&").replace("&lt;", "<").replace("&gt;", ">"))
 
+
+def check_site(site, width):
+    """All pages, one after the other in a frame of this width: no sideways scroll but of what is too wide itself."""
+    pages = [page.as_uri() for page in sorted(site.rglob("*.html"))]
+    harness = folder / "harness.html"
+    harness.write_text(f"""<iframe id="f" style="width:{width}px;height:800px;border:0"></iframe><pre id="out"></pre><script>
+(async () => {{
+  const frame = document.getElementById("f"), found = [];
+  for (const page of {json.dumps(pages)}) {{
+    await new Promise(resolve => {{ frame.onload = resolve, frame.src = page; }});
+    const d = frame.contentDocument;
+    found.push([page, d.documentElement.scrollWidth, [...d.querySelectorAll("table")].filter(t => t.scrollWidth > t.clientWidth).length]);
+  }}
+  document.getElementById("out").textContent = "MEASURED " + JSON.stringify(found);
+}})();</script>""")
+    found = re.search(r"MEASURED (\[.*?\])<", browse(harness, "--window-size=1400,900", "--virtual-time-budget=120000", "--dump-dom"), re.DOTALL)
+    assert found, "the site was not measured"
+    measured = json.loads(found[1])
+    assert len(measured) == len(pages) > 20, len(measured)
+    wide = [(page, needed) for page, needed, _ in measured if needed > width]
+    assert not wide, wide
+    n_scrolling = sum(n for *_, n in measured)
+    assert n_scrolling > 10, n_scrolling  # keys and outputs have wide tables
+    print(f"{len(pages)} pages fit {width} px, where {n_scrolling} tables scroll by themselves")
+
+
+if sys.argv[1] == "--site":
+    if not (site := pathlib.Path(knap)).is_dir():
+        print(f"skipped: there is no site in {site}")
+        sys.exit(77)
+    check_site(site.resolve(), 375)
+    sys.exit()
 
 environment = {**os.environ, "OMP_NUM_THREADS": "1"}
 subprocess.run([knap, "run", "edge_cracked_block", "-q", "-s", "mesh.size=2 mm", "-s", "expect={dissipated={below=0}}", "-o", folder / "run"],
@@ -59,6 +98,7 @@ for width, columns in ((375, 1), (768, 2), (1280, 2)):
         assert page["dark"] == dark, page
         assert page["contrast"] >= 4.5, page  # WCAG 2.1, AA
         assert all(len(text.split()) >= 3 for text in page["texts"]), page["texts"]
+        assert page["moved"][0] == page["moved"][1] and page["moved"][0].endswith("t = 0 s") and " " in page["moved"][0][:-9], page["moved"]
 
 browse(report, f"--print-to-pdf={folder}/report.pdf", "--no-pdf-header-footer")
 pdf = (folder / "report.pdf").read_bytes()
@@ -79,4 +119,8 @@ try:
     assert measured(page, 375, True)["width"] <= 375
 finally:
     live.kill()
-print("live page read")
+assert "Written at 20" in text  # for who has no scripts
+page.write_text(re.sub(r'data-written="\d+"', f'data-written="{int(time.time()) - 3600}"', text))
+late = browse(page, "--dump-dom")
+assert "This run goes on" not in late.replace("This run goes on: \"", "") and "has ended before its end" in late and "60 min" in late, late[-3000:]
+print("live page read, and that of a run that was killed an hour ago")

@@ -52,7 +52,10 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
     return found;
 }
 
-Fragments find_fragments(const Model& model, const State& state) {
+namespace {
+
+/// `whole`: with what the pieces are and how they move, beyond their masses.
+Fragments fragments_of(const Model& model, const State& state, bool whole) {
     std::vector<TriangleContent> triangles;
     std::vector<Index> number,
         place(model.mesh.n_triangles(), -1);  // of the triangles that have not vanished, and back
@@ -63,6 +66,7 @@ Fragments find_fragments(const Model& model, const State& state) {
         place[t] = static_cast<Index>(number.size()), number.push_back(t);
         TriangleContent& content =
             triangles.emplace_back(TriangleContent{.area = model.mesh.area(t), .mass = model.triangle_mass(t)});
+        if (!whole) continue;
         const double* mass = &model.corner_mass[n * t];
         const auto position = [&](Index k) -> Vec2 {
             return model.mesh.corner(t, k) + state.displacement[state.node_of_corner[n * t + k]];
@@ -97,6 +101,14 @@ Fragments find_fragments(const Model& model, const State& state) {
     found.piece_of_triangle = std::move(piece_of);
     found.turn = model.large_rotation;
     return found;
+}
+
+}  // namespace
+
+Fragments find_fragments(const Model& model, const State& state) { return fragments_of(model, state, true); }
+
+std::vector<Index> fragment_of_triangles(const Model& model, const State& state) {
+    return fragments_of(model, state, false).piece_of_triangle;
 }
 
 double Fragment::rotation() const {

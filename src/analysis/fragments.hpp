@@ -62,6 +62,8 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
 
 /// An interface is unbroken while one of its points has cohesion. Positions are current ones.
 Fragments find_fragments(const Model& model, const State& state);
+/// Its piece_of_triangle alone, in less time.
+std::vector<Index> fragment_of_triangles(const Model& model, const State& state);
 
 /// One line of fragments.csv.
 struct FragmentLine {

@@ -258,6 +258,33 @@ private:
         throw CLI::Success();
     }
 
+    /// Throws UserError for an option of `knap render` that would have no effect on the figure.
+    void refuse_idle_options() const {
+        const CLI::App* const render = app.get_subcommand("render");
+        if (figure_.show.empty()) {
+            for (const char* option : {"--at", "--colour", "--over", "--aspect", "--deform", "--range", "--mark",
+                                       "--box", "--every", "--speed", "--curves", "--width", "--font-size"})
+                if (render->count(option) > 0)
+                    throw UserError(
+                        "no-effect",
+                        std::string("`") + option +
+                            "` belongs to one figure, and without a subject those of the scenario are drawn",
+                        "add --show SUBJECT");
+            return;
+        }
+        for (const IdleKey& idle : idle_keys(figure_)) {
+            const bool is_width = idle.key == "width" || idle.key == "paper_width";
+            const std::string option = "--" + (is_width ? "width" : idle.key);
+            const bool given = is_width ? !width_.empty() && (figure_.paper_width > 0) == (idle.key == "paper_width")
+                                        : render->get_option_no_throw(option) && render->count(option) > 0;
+            if (given)
+                throw UserError("no-effect",
+                                "`" + option + "` " + (is_width ? width_ + " " : "") + "belongs to " + idle.owner +
+                                    ", and `" + figure_.file + "` shows `" + figure_.show + "`",
+                                idle.cure);
+        }
+    }
+
     void add_render() {
         CLI::App* command = add("render", "draw figures of a finished run", [this] {
             std::filesystem::path directory = output_;
@@ -273,6 +300,10 @@ private:
             const bool animates = animate_ || figure_.is_animation();
             if ((animates || !figure_.file.empty()) && figure_.show.empty()) figure_.show = "cracks";
             if (figure_.file.empty()) figure_.file = figure_.show + (animates ? ".webp" : ".png");
+            if (animates && !figure_.is_animation())
+                throw UserError("no-effect",
+                                "`--animate` draws an animation, and `" + figure_.file + "` is a picture by its name",
+                                "a name that ends in .webp, .gif or .mp4");
             if (animates) figure_.width = animation_width;
             if (const Quantity width = parse_quantity(width_); !width_.empty() && width.unit.empty())
                 figure_.width = static_cast<int>(std::clamp(quantity(width_, ""), -1e9, 1e9));
@@ -283,6 +314,7 @@ private:
                 figure_.range.push_back(quantity(text, unit_of_figure(figure_.show, figure_.colour)));
             const auto metres = [&](int i) { return quantity(box_[i], "m"); };
             if (!box_.empty()) figure_.box = Box{{metres(0), metres(1)}, {metres(2), metres(3)}};
+            refuse_idle_options();
             return render_run(directory_, figure_, directory);
         });
         command->add_option("run", directory_, "run directory")->required();

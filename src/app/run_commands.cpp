@@ -1,6 +1,7 @@
 // knap render and knap info: finished runs.
 #include "app/check/findings.hpp"
 #include "app/commands.hpp"
+#include "app/run/run_directory.hpp"
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
@@ -82,7 +83,8 @@ std::vector<std::filesystem::path> draw(const FigureOptions& figure, const Finis
     if (figure.at.size() > 1)
         for (const std::size_t k : frames) drawn.at.push_back(run.frame_times[k]);
     if (drawn.at.size() == 1) drawn.at.push_back(drawn.at.front());
-    return draw_sequence(drawn, run.directory, frames, run.histories, run.context, directory);
+    FrameReader reader(run.directory);
+    return draw_sequence(drawn, reader, frames, run.histories, run.context, directory);
 }
 
 /// The unit of a number of the summary; records of old versions do not contain it.
@@ -171,6 +173,9 @@ ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat for
     for (const auto& run : runs) {
         all.push_back(read_run_json(run));
         all.back()["directory"] = run.string();
+        if (const Json& status = all.back()["status"];
+            (status == "running" || status == "starting") && !has_process(run))
+            all.back()["status"] = "killed";
     }
     if (format == RunFormat::csv) print_table(all);
     else if (format == RunFormat::json)

@@ -105,13 +105,16 @@ std::uint32_t pixel_of(const Colour& colour) {
 /// Some rows of the fine pixels of an area, transparent (0) until they are filled.
 class Pixels {
 public:
+    explicit Pixels(int width) : width_(width) {}
+
     /// `n_rows` rows from `first` on.
-    Pixels(int width, int first, int n_rows)
-        : width_(width), first_(first), end_(first + n_rows), pixels_(static_cast<std::size_t>(width) * n_rows) {}
+    void begin(int first, int n_rows) {
+        first_ = first, end_ = first + n_rows;
+        pixels_.assign(static_cast<std::size_t>(width_) * n_rows, 0);
+    }
 
     /// Fills the pixels whose middles lie inside: of two triangles with a common edge one has each pixel along it.
     void fill(std::array<Vec2, 3> corners, std::uint32_t colour) {
-        if (!(corners[0] + corners[1] + corners[2]).allFinite()) return;
         std::ranges::sort(corners, {}, [](const Vec2& x) { return x.y(); });
         const Vec2 &a = corners[0], &b = corners[1], &c = corners[2];
         const auto from_to = [](double x, int least, int most) {
@@ -138,11 +141,20 @@ public:
         for (int y = first_ / n_fine; y < end_ / n_fine; ++y) {
             auto* const row = reinterpret_cast<std::uint32_t*>(bytes + static_cast<std::ptrdiff_t>(y) *
                                                                            cairo_image_surface_get_stride(image.get()));
-            for (int x = 0; x < width_ / n_fine; ++x) row[x] = mean(n_fine * x, n_fine * y - first_);
+            const std::uint32_t* const fine = pixels_.data() + static_cast<std::size_t>(n_fine * y - first_) * width_;
+            for (int x = 0; x < width_ / n_fine; ++x)
+                row[x] = are_same(fine + n_fine * x) ? fine[n_fine * x] : mean(n_fine * x, n_fine * y - first_);
         }
     }
 
 private:
+    /// Of the square of fine pixels that starts here.
+    bool are_same(const std::uint32_t* fine) const {
+        static_assert(n_fine == 3);
+        const std::uint32_t first = *fine, *const second = fine + width_, *const third = second + width_;
+        return ((fine[1] ^ first) | (fine[2] ^ first) | (second[0] ^ first) | (second[1] ^ first) |
+                (second[2] ^ first) | (third[0] ^ first) | (third[1] ^ first) | (third[2] ^ first)) == 0;
+    }
     std::uint32_t mean(int x, int y) const {
         constexpr std::uint32_t n = n_fine * n_fine, every_second = 0xff00ff;  // bytes, summed two at a time
         std::uint32_t even = 0, odd = 0;
@@ -153,7 +165,7 @@ private:
         const auto part = [](std::uint32_t sums, int shift) { return ((sums >> shift & 0xffff) + n / 2) / n << shift; };
         return part(even, 0) | part(even, 16) | (part(odd, 0) | part(odd, 16)) << 8;
     }
-    int width_, first_, end_;
+    int width_, first_ = 0, end_ = 0;
     std::vector<std::uint32_t> pixels_;
 };
 
@@ -345,13 +357,27 @@ void Canvas::triangles(const std::vector<Vec2>& corners, const std::vector<Colou
         return Vec2(n_fine * (x.x() * scale - left), n_fine * ((height_ - x.y()) * scale - top));
     };
     const Image drawn = made(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, width, height), width, height);
-    constexpr int max_fine = 1 << 24;  // at once, so that a large picture needs no more memory: 64 MB
+    constexpr int max_fine = 1 << 18;  // at once: 1 MB, which the cache holds
     const int n_rows = std::max(1, max_fine / (n_fine * n_fine * width));
-    for (int row = 0; row < height; row += n_rows) {
-        Pixels fine(n_fine * width, n_fine * row, n_fine * std::min(n_rows, height - row));
-        for (std::size_t t = 0; t < colours.size(); ++t)
-            fine.fill({in_pixels(corners[3 * t]), in_pixels(corners[3 * t + 1]), in_pixels(corners[3 * t + 2])},
-                      pixel_of(colours[t]));
+    const auto strip_of = [&](double y) {  // the strip of rows that has this height
+        return static_cast<std::size_t>(std::clamp(y, 0., n_fine * height - 1.)) / (n_fine * n_rows);
+    };
+    std::vector<std::vector<std::size_t>> in_strip(strip_of(INFINITY) + 1);  // triangles
+    std::vector<std::array<Vec2, 3>> places(colours.size());
+    for (std::size_t t = 0; t < colours.size(); ++t) {
+        for (std::size_t k = 0; k < 3; ++k) places[t][k] = in_pixels(corners[3 * t + k]);
+        const auto& [a, b, c] = places[t];
+        if (!(a + b + c).allFinite()) continue;
+        for (std::size_t s = strip_of(std::min({a.y(), b.y(), c.y()})),
+                         last = strip_of(std::max({a.y(), b.y(), c.y()}));
+             s <= last; ++s)
+            in_strip[s].push_back(t);
+    }
+    Pixels fine(n_fine * width);
+    for (std::size_t s = 0; s < in_strip.size(); ++s) {
+        const int row = static_cast<int>(s) * n_rows;
+        fine.begin(n_fine * row, n_fine * std::min(n_rows, height - row));
+        for (const std::size_t t : in_strip[s]) fine.fill(places[t], pixel_of(colours[t]));
         fine.average(drawn);
     }
     cairo_surface_mark_dirty(drawn.get());

@@ -255,19 +255,54 @@ Page FigureOptions::page() const {
     return {.width = width / points, .points = points};
 }
 
+std::vector<IdleKey> idle_keys(const FigureOptions& options) {
+    const FigureOptions usual;
+    const bool body = shows_body(options.show), moves = options.is_animation();
+    const std::string type = std::filesystem::path(options.file).extension().string();
+    const bool on_paper = type == ".svg" || type == ".pdf";
+    std::vector<IdleKey> keys;
+    const auto unless = [&](bool has_effect, const char* key, bool is_usual, const char* owner, const char* cure = "") {
+        if (!has_effect) keys.push_back({key, owner, cure, is_usual});
+    };
+    const char* const animated = "a file that ends in .webp";
+    unless(moves, "every", options.every == usual.every, "an animation", animated);
+    unless(moves, "speed", options.speed == usual.speed, "an animation", animated);
+    unless(moves, "curves", options.curves.empty(), "an animation", animated);
+    unless(!moves, "at", options.at.empty(), "pictures", "every = ... for the times of an animation");
+    unless(!moves, "panel", !options.panel, "pictures", "another figure for the sheet");
+    unless(body || moves, "at", options.at.empty(), "figures of the body");
+    unless(body, "box", !options.box, "figures of the body");
+    unless(body, "deform", options.deform == usual.deform, "figures of the body");
+    unless(body, "aspect", options.aspect == usual.aspect, "figures of the body");
+    unless(body, "range", options.range.empty(), "the colours of the body");
+    unless(by_colour(options.show), "colour", options.colour == usual.colour, "figures of cracks");
+    unless(options.show == "reactions" || options.show == "probes", "over", options.over == usual.over,
+           "figures of reactions and probes");
+    unless(on_paper, "paper_width", options.paper_width == 0, ".svg and .pdf files", "width, in pixels");
+    unless(!on_paper, "width", options.width == usual.width, "files of pixels",
+           "of .svg and .pdf files paper_width = \"84 mm\", or `knap render --width 84mm`");
+    return keys;
+}
+
+std::string words_of(const FigureOptions& options) {
+    const CurveKind* const curve = curve_kind(options.show);
+    std::string text = curve ? curve->doc : doc_of_body(options.show);
+    if (by_colour(options.show)) text += ", coloured by " + crack_colour(options.colour).quantity;
+    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return text;
+}
+
 std::string caption_of(const FigureOptions& options, const std::filesystem::path& file) {
     const std::filesystem::path own = options.file;
     const std::string name = file.stem().string(), stem = own.stem().string();
     if (file.extension() != own.extension() || !name.starts_with(stem)) return "";
     const std::string after = name.substr(stem.size());  // "_40us"
     if (!after.empty() && (options.at.size() < 2 || after[0] != '_')) return "";
-    const CurveKind* const curve = curve_kind(options.show);
-    std::string text = curve ? curve->doc : doc_of_body(options.show);
-    if (by_colour(options.show)) text += ", coloured by " + crack_colour(options.colour).quantity;
+    std::string text = words_of(options);
     if (options.is_animation()) text += ", moving";
     else if (!after.empty()) text += ", t = " + after.substr(1);
-    else if (!curve) text += options.at.empty() ? ", at the end of the run" : ", t = " + time_text(options.at[0]);
-    text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    else if (shows_body(options.show))
+        text += options.at.empty() ? ", at the end of the run" : ", t = " + time_text(options.at[0]);
     return (options.title.empty() ? "" : options.title + ": ") + text;
 }
 

@@ -63,7 +63,16 @@ double longest_side(const FigureOptions& options);
 /// [byte] About the memory that it needs while it is drawn.
 double drawing_memory(const FigureOptions& options, const Vec2& extent);
 
-/// What it shows, in words: "Cracks by opening at t = 40 us"; "" where `file` is none of its pictures.
+/// A key of a figure that has no effect on its subject or its format.
+struct IdleKey {
+    std::string key, owner, cure;  // `owner`: what the key belongs to
+    bool is_usual;                 // it has the value that it has where it is not given
+};
+std::vector<IdleKey> idle_keys(const FigureOptions& options);
+
+/// What it shows, in words: "Cracks, coloured by opening".
+std::string words_of(const FigureOptions& options);
+/// The same with its time, "Cracks, coloured by opening, t = 40 us"; "" where `file` is none of its pictures.
 std::string caption_of(const FigureOptions& options, const std::filesystem::path& file);
 
 /// Throws UserError where paper_width and font_size do not fit each other.

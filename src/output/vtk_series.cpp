@@ -248,6 +248,8 @@ vtkFieldData* data_of(vtkUnstructuredGrid* grid, Of of) {
     return of == Of::points ? static_cast<vtkFieldData*>(grid->GetPointData()) : grid->GetCellData();
 }
 
+constexpr std::size_t min_raw_points = 100;  // a grid of fewer is not written raw (below)
+
 /// Returns the checksum of the file.
 std::uint64_t write_part(const FramePart& part, const Frame& frame, Compression compression, const path& file) {
     const Entries points = points_of(part, frame);
@@ -262,9 +264,12 @@ std::uint64_t write_part(const FramePart& part, const Frame& frame, Compression 
     }));
     grid->SetPoints(positions);
     vtkNew<vtkCellArray> connectivity;
-    connectivity->SetData(filled<Int>(cells.size() + 1, 1, [&](std::size_t i, int) { return n * i; }),
-                          filled<Int>(points.size(), 1, [](std::size_t i, int) { return i; }));
-    grid->SetCells(part.geometry.cell_type, connectivity);
+    // meshio reads no grid without cells: interfaces that are all intact are a polygon without points
+    const bool none = points.empty() && part.geometry.cell_type == VTK_LINE;
+    connectivity->SetData(
+        filled<Int>(none ? 2 : cells.size() + 1, 1, [&](std::size_t i, int) { return none ? 0 : n * i; }),
+        filled<Int>(points.size(), 1, [](std::size_t i, int) { return i; }));
+    grid->SetCells(none ? VTK_POLYGON : part.geometry.cell_type, connectivity);
     for (const Array& array : part.arrays) {
         const VtkArray made = array.make(frame, array.of == Of::points ? points : cells);
         if (!made) continue;
@@ -282,8 +287,10 @@ std::uint64_t write_part(const FramePart& part, const Frame& frame, Compression 
     vtkNew<vtkXMLUnstructuredGridWriter> writer;
     writer->SetInputData(grid);
     writer->SetDataModeToAppended();
-    writer->EncodeAppendedDataOff();
-    switch (compression) {
+    // In a raw file meshio changes offsets while it looks for them, and takes one of a few bytes for another.
+    const bool is_small = points.size() < min_raw_points;
+    writer->SetEncodeAppendedData(is_small);
+    switch (is_small ? Compression::none : compression) {
         case Compression::none: writer->SetCompressorTypeToNone(); break;
         case Compression::lz4: writer->SetCompressorTypeToLZ4(); break;
         case Compression::zlib: writer->SetCompressorTypeToZLib(), writer->SetCompressionLevel(1);

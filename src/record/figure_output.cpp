@@ -58,6 +58,7 @@ void FigureOutput::finish(const State& now, bool ended_early) {
 /// here and reported as missing files.
 void FigureOutput::draw_sequences(const FrameOutput& frames) {
     const Timed timed(time_, &OutputTime::figures);
+    FrameReader reader(directory_);
     for (const FigureOptions& figure : figures_) {
         if (!frames.is_open() || !waits_for_the_end(figure)) continue;
         std::vector<std::size_t> shown;
@@ -67,8 +68,7 @@ void FigureOutput::draw_sequences(const FrameOutput& frames) {
             if (k < frames.times().size() && frames.has(k) && (shown.empty() || shown.back() != k)) shown.push_back(k);
         }
         try {
-            for (const auto& file :
-                 draw_sequence(figure, directory_, shown, histories_, context_, directory_ / "figures"))
+            for (const auto& file : draw_sequence(figure, reader, shown, histories_, context_, directory_ / "figures"))
                 drawn_.push_back(file);
         } catch (const UserError& error) {  // of a frame that looks whole
             undrawn_.push_back("figures/" + figure.file + " is not drawn: " + error.diagnostics.front().message);

@@ -11,7 +11,7 @@ void FrameOutput::open() {
     series_->list(!model_.obstacles.empty());
     writer_.emplace([this](const State& then) {
         Frame frame = make_frame(model_, then, false);
-        const std::vector<Index> of_triangle = find_fragments(model_, then).piece_of_triangle;
+        const std::vector<Index> of_triangle = fragment_of_triangles(model_, then);
         const auto n_left = std::ranges::count_if(of_triangle, [](Index fragment) { return fragment >= 0; });
         const std::size_t n_drawn = frame.region.size() / n_left;  // pieces of a triangle of second order
         for (const Index fragment : of_triangle)

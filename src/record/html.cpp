@@ -63,21 +63,31 @@ button { min-height: 2.4em }
 }
 )";
 
-/// Loads the page again; one whose time of writing (data-written) stays behind says so.
+/// Loads the page again; one whose time of writing (data-written) stays behind says that the run has ended.
 const char* const reloading = R"(
 const live = document.getElementById("live"), wait = live.dataset.period,
       age = Date.now() / 1000 - live.dataset.written;
-if (age > 60 + 4 * wait)
-  document.getElementById("stale").textContent = " Nothing new for " + Math.round(age / 60) +
-    " min: steps take long, or the run was killed; the same command then continues it.";
+if (age > 60 + 4 * wait) {
+  document.getElementById("now").textContent = "This run has ended before its end, or its steps take long: nothing " +
+    "new for " + Math.round(age / 60) + " min. The same command continues it. Last state: ";
+  live.className = "bad";
+} else document.getElementById("now").textContent = "This run goes on: ";
 setTimeout(() => location.reload(), 1000 * wait);
 )";
+
+/// "2026-11-29 12:30:05 UTC"
+std::string time_of_day(std::time_t when) {
+    std::tm parts{};
+    std::array<char, 32> text{};
+    std::strftime(text.data(), text.size(), "%F %T UTC", gmtime_r(&when, &parts));
+    return text.data();
+}
 
 const char* const moving = R"(
 const box = document.getElementById("frames"), line = box.querySelector("input"), picture = box.querySelector("img");
 const all = JSON.parse(document.getElementById("pictures").textContent);
-const show = () => { const [address, words] = all[line.value]; picture.src = address;
-                     box.querySelector("figcaption").textContent = words; };
+const show = () => { const [address, words] = all[line.value]; picture.src = address; picture.alt = words;
+                     line.ariaValueText = box.querySelector("figcaption").textContent = words; };
 let playing = 0;
 line.oninput = show;
 box.querySelector("button").onclick = () => {
@@ -247,8 +257,10 @@ std::string html_page(const std::string& title, const std::string& question, con
 
 std::string html_live(const std::string& state, double period) {
     const std::string seconds = std::to_string(std::lround(std::max(period, 1.)));
-    return "<p id=\"live\" data-written=\"" + std::to_string(std::time(nullptr)) + "\" data-period=\"" + seconds +
-           "\">" + html_text(state) + "<span id=\"stale\" class=\"bad\"></span></p>\n<script>" + reloading +
+    const std::time_t now = std::time(nullptr);
+    return "<p id=\"live\" data-written=\"" + std::to_string(now) + "\" data-period=\"" + seconds +
+           "\"><span id=\"now\">This run goes on, or was killed since: </span>" + html_text(state) + ". Written at " +
+           time_of_day(now) + ".</p>\n<script>" + reloading +
            "</script>\n<noscript><meta http-equiv=\"refresh\" content=\"" + seconds + "\"></noscript>\n";
 }
 

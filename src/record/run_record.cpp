@@ -116,7 +116,8 @@ struct Member {
 
 const std::vector<Member>& members() {
     static const std::vector<Member> all{
-        {"status", "", "starting, running, done, failed or interrupted", &RunRecord::status, is_text},
+        {"status", "", "starting, running, done, failed or interrupted; for `knap info` killed where no process runs",
+         &RunRecord::status, is_text},
         {"reason", "", "of a failure", [](R r) { return r.reason.empty() ? absent : Json(r.reason); }},
         {"ended", "", "\"rest\" where the run ended before time.end because the body was at rest (summary.rest_time)",
          [](R r) { return r.ended.empty() ? absent : Json(r.ended); }},

@@ -211,9 +211,6 @@ void read_animation(const Table& table, FigureOptions& figure) {
     if (!shows_body(figure.show))
         table.error("exclusive-keys", "file", "is an animation, which shows the body",
                     "show = \"cracks\" with curves = \"" + figure.show + "\"");
-    if (table.given("at"))
-        table.error("exclusive-keys", "at", "belongs to pictures", "every = ... for the times of an animation");
-    if (figure.panel) table.error("exclusive-keys", "panel", "belongs to pictures", "another figure for the sheet");
     const double end = table.scenario().time.end, n = end / figure.every;
     if (!(end > 0 && figure.every > 0)) return;
     if (n > max_pictures)
@@ -241,11 +238,13 @@ void read_figure(const Table& table, std::set<std::string>& files) {
         table.error("bad-name", "file", "= \"" + file + "\" cannot be the file of a figure",
                     "a plain name that ends in .png, .svg or .pdf, of an animation in .webp, .gif or .mp4; figures are "
                     "written to the run directory");
+    // resolved.toml has keys without an effect, with their usual values
+    FigureOptions given = figure;
+    if (given.at == std::vector{end}) given.at.clear();
+    for (const IdleKey& idle : idle_keys(given))
+        if (table.has("file") && table.given(idle.key) && !idle.is_usual)
+            table.error("exclusive-keys", idle.key, "belongs to " + idle.owner, idle.cure);
     if (animation) read_animation(table, figure);
-    else if (table.has("file"))
-        for (const char* key : {"every", "speed", "curves"})
-            if (table.given(key))
-                table.error("exclusive-keys", key, "belongs to an animation", "a file that ends in .webp");
     if (table.has("file") && !files.insert(file).second)
         table.error("duplicate-name", "file", "= \"" + file + "\" is the file of another figure, too");
     std::ranges::sort(figure.at);
@@ -263,8 +262,6 @@ void read_figure(const Table& table, std::set<std::string>& files) {
         table.error("exclusive-keys", "measured", "belongs to the body or to curves over two axes");
     if (table.has("measured") && figure.measured_by.empty())
         table.error("missing-key", "measured", "has no source", "measured_by = \"authors, year\"");
-    if (table.has("file") && figure.paper_width > 0 && type != ".svg" && type != ".pdf")
-        table.error("exclusive-keys", "paper_width", "belongs to .svg and .pdf files", "width, in pixels");
     try {
         check_type(figure);
     } catch (const UserError& error) {

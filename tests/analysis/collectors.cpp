@@ -176,6 +176,7 @@ TEST_CASE("collectors: with pieces that break at any moment and drive apart ever
         for (Index k = 0; k < n; ++k)
             if (any(random) < 0.02) flight.break_interface(k);
         const Fragments fragments = find_fragments(flight.model, flight.state);
+        CHECK(fragment_of_triangles(flight.model, flight.state) == fragments.piece_of_triangle);
         std::vector<double> velocity;
         for (const Fragment& piece : fragments.pieces) velocity.push_back(0.02 + 0.002 * (piece.first_triangle % 17));
         flight.step([&](Index t) { return Vec2(velocity[fragments.piece_of_triangle[t]], 0); });

@@ -107,11 +107,13 @@ TEST_CASE("figures: the pictures of a sequence share colours and view") {
     series.write(early);
     series.write(late);
     const FigureOptions options{.file = "disk.png", .show = "stress_yy", .at = {20e-6, 40e-6}, .width = 560};
-    const FigureScale common = scale_of(options, run, {0, 1}, {}, {});
+    FrameReader reader(run);
+    const FigureScale common =
+        joined(scale_of(options, reader.frame(0), {}, {}), scale_of(options, reader.frame(1), {}, {}));
     const FigureScale in_memory = joined(body_scale(options, early, {}), body_scale(options, late, {}));
     CHECK(common.values.high == doctest::Approx(in_memory.values.high).epsilon(1e-6));
     CHECK(common.values.low == doctest::Approx(in_memory.values.low).epsilon(1e-6));
-    const auto files = draw_sequence(options, run, {0, 1}, {}, {}, pictures());
+    const auto files = draw_sequence(options, reader, {0, 1}, {}, {}, pictures());
     CHECK(files == std::vector{pictures() / "disk_20us.png", pictures() / "disk_40us.png"});
     CHECK_FALSE(waits_for_the_end({.show = "energy", .at = {1, 2}}));
     CHECK_FALSE(waits_for_the_end({.show = "cracks", .at = {1}}));

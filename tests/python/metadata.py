@@ -1,4 +1,5 @@
-"""CITATION.cff, .zenodo.json and codemeta.json say the same of the same program: `metadata.py REPOSITORY`."""
+"""CITATION.cff, .zenodo.json and codemeta.json say the same of the same program: `metadata.py REPOSITORY`. With Debian's python3-yaml the keys
+of CITATION.cff are those of the Citation File Format 1.2.0."""
 import json
 import pathlib
 import re
@@ -27,5 +28,24 @@ cited = codemeta["referencePublication"] + codemeta["citation"]
 for url, related in zip(cited, zenodo["related_identifiers"], strict=True):
     assert url.rsplit("/", 1)[1] in related["identifier"], url
     assert url in readme, url
-for doi in re.findall(r"doi: (\S+)", cff): assert f"https://doi.org/{doi}" in cited, doi
+works = [f"https://doi.org/{doi}" for doi in re.findall(r"doi: (\S+)", cff)] + re.findall(r"^    url: (\S+)", cff, re.MULTILINE)
+assert sorted(works) == sorted(cited), works
+
+# https://github.com/citation-file-format/citation-file-format/blob/1.2.0/schema.json, what this file uses of it
+general = {"cff-version", "message", "type", "title", "abstract", "version", "date-released", "license", "keywords", "authors",
+           "preferred-citation", "references"}
+of_work = {"type", "authors", "title", "journal", "volume", "year", "start", "doi", "url", "status", "notes"}
+of_author = ({"name"}, {"family-names", "given-names"})
+try:
+    import yaml
+    read = yaml.safe_load(cff)
+    works = [read["preferred-citation"], *read["references"]]
+    assert set(read) == general, set(read) ^ general
+    assert (read["cff-version"], read["type"], read["preferred-citation"]["doi"]) == ("1.2.0", "software", "10.1016/j.cma.2022.115545")
+    for work in works:
+        assert {"type", "authors", "title"} <= set(work) <= of_work and work["type"] == "article", work
+        assert work.get("status", "preprint") == "preprint" and isinstance(work.get("year", 2000), int), work
+    for author in read["authors"] + [author for work in works for author in work["authors"]]: assert set(author) in of_author, author
+except ImportError as missing:
+    print(f"keys of CITATION.cff not read: {missing}")
 print(f"version {version}, {len(cited)} works cited")

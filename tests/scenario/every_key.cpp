@@ -234,11 +234,9 @@ colour = "beta"
 deform = 10
 box = [0, 0, 0.01, 0.02]
 range = [0, 1]
-width = 800
 paper_width = "84 mm"
 font_size = 7.5
 title = "Cracks"
-over = "time"
 aspect = 5
 panel = true
 measured = [["1 mm", 0.002], [0.003, "4 mm"]]
@@ -253,6 +251,11 @@ file = "c.webp"
 every = "10 us"
 speed = 1e-5
 curves = "energy"
+[[figure]]
+file = "d.png"
+show = "probes"
+over = "time"
+width = 800
 [limits]
 penetration = "2 um"
 law_lag = 0.3
@@ -874,7 +877,7 @@ const Case cases[] = {
     {rectangle, "figure[0].box", "[0, 0, 0.01, 0.02]"},
     {rectangle, "figure[0].range", "[0, 1]"},
     {rectangle, "figure[1].range", "[-1e+06, 1e+06]"},
-    {rectangle, "figure[0].width", "800"},
+    {rectangle, "figure[3].width", "800"},
     {rectangle, "figure[0].paper_width", "0.084"},
     {rectangle, "figure[0].font_size", "7.5"},
     {rectangle, "figure[0].title", "\"Cracks\""},
@@ -891,7 +894,7 @@ const Case cases[] = {
     {rectangle, "figure[2].every", "1e-05"},
     {rectangle, "figure[2].speed", "1e-05"},
     {rectangle, "figure[2].curves", "\"energy\""},
-    {rectangle, "figure[0].over", "\"time\""},
+    {rectangle, "figure[3].over", "\"time\""},
     {rectangle, "figure[0].aspect", "5"},
     {rectangle, "figure[0].panel", "true"},
     {rectangle, "figure[0].measured", "[[0.001, 0.002], [0.003, 0.004]]"},

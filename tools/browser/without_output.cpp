@@ -45,6 +45,8 @@ bool shows_body(const std::string&) { return true; }
 bool takes_marks(const std::string&) { return false; }
 bool takes_measured(const std::string&) { return false; }
 FigureNeed need_of_figure(const std::string&, const std::string&) { return {}; }
+std::vector<IdleKey> idle_keys(const FigureOptions&) { return {}; }
+void check_type(const FigureOptions&) {}
 bool has_few_colours(const std::string&) { return false; }
 std::string_view unit_of_figure(const std::string&, const std::string&) { return ""; }
 Vec2 picture_size(const FigureOptions&, const Vec2&) { return {1, 1}; }

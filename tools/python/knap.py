@@ -279,16 +279,21 @@ def read_vtu(file):
         raise KnapError(f"{file} is not a frame of knap: it has no appended data that are whole or compressed by LZ4 or zlib")
     root = xml.fromstring(data[:start] + b"</VTKFile>")
     appended = data.index(b"_", start) + 1
+    encoded = b'encoding="base64"' in data[start:appended]  # small files, whole
     head = {"UInt32": "I", "UInt64": "Q"}[root.get("header_type", "UInt32")]
 
     def array(item):
         try:
             return array_at(item)
-        except struct.error:
+        except (struct.error, base64.binascii.Error):
             raise KnapError(f"{file} is cut off") from None
 
     def array_at(item):
         at = appended + int(item.get("offset"))
+        if encoded:
+            (size,) = struct.unpack(f"<{head}", base64.b64decode(data[at:at + 8 * struct.calcsize(head) // 4])[:struct.calcsize(head)])
+            whole = struct.calcsize(head) + size
+            return shaped(_whole(base64.b64decode(data[at:at + 4 * -(-whole // 3)])[struct.calcsize(head):], size), item)
         if not compressor:
             begin, (size,) = at + struct.calcsize(head), struct.unpack_from(f"<{head}", data, at)
             return shaped(_whole(data[begin:begin + size], size), item)
@@ -313,7 +318,7 @@ def read_vtu(file):
     cells = {item.get("Name"): item for item in root.iterfind(".//Cells/DataArray")}
     connectivity, offsets = array(cells["connectivity"]), array(cells["offsets"])
     points = array(root.find(".//Points/DataArray")).reshape(-1, 3)[:, :2]
-    return Grid(points, connectivity.reshape(len(offsets), -1) if len(offsets) else connectivity, values, units)
+    return Grid(points, connectivity.reshape(len(offsets), -1) if len(connectivity) else connectivity, values, units)
 
 
 def _inflated(block, size):

@@ -234,6 +234,12 @@ SweepKey sweep_key(const std::string& set) {
     return found;
 }
 
+/// The runs have reports of their own only where that is asked for.
+Texts report_of_runs(const Texts& overrides) {
+    if (std::ranges::count(overrides, "output.report=true") > 0) return {};
+    return {"output.report=false"};
+}
+
 Ensemble plan_study(const std::string& scenario, const Texts& overrides) {
     const ReadResult read = open_scenario(scenario, overrides);
     Ensemble study{.kind = "study",
@@ -257,6 +263,7 @@ Ensemble plan_study(const std::string& scenario, const Texts& overrides) {
         append(of_line, line.set);
         // the runs draw no figures, are no studies themselves, and may miss [expect], as coarse ones do
         append(of_line, {"output.fields=false", "figure=", "expect=", "study=", "sweep="});
+        append(of_line, report_of_runs(overrides));
         const Scenario base = open_scenario(scenario, of_line).scenario;
         if (i == 0) study.title = base.title;
         if (line.name.empty()) line.name = scheme_name(base.time.scheme);
@@ -320,15 +327,18 @@ Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
     sweep.sheet.at.clear();
     sweep.sheet.width = 800;
     sweep.sheet.panel = true;
-    // the runs keep what their panels need, are no sweeps themselves, and may miss [expect]
-    Texts last{"output.fields=false",
-               base.sweep.show.empty()
-                   ? "figure="
-                   : "figure=[{ file = \"sheet.png\", show = \"" + sweep.sheet.show + "\", panel = true }]",
-               "expect=", "study=", "sweep="};
-    if (sweep.random.n > 0) last.emplace_back("output.report=false");
+    // the runs keep their last frame where a panel needs it, are no sweeps themselves, and may miss [expect]
+    Texts last{"figure=", "expect=", "study=", "sweep="};
+    append(last, shows_body(sweep.sheet.show) ? Texts{"output.fields=true", "output.every=1e9"}
+                                              : Texts{"output.fields=false"});
+    append(last, report_of_runs(overrides));
+    if (!base.sweep.show.empty()) {  // whether a run has what the panel shows
+        append(single, {"figure=[{ file = \"sheet.png\", show = \"" + sweep.sheet.show + "\" }]"});
+        open_scenario(scenario, single);
+    }
     if (sweep.trajectories) last.emplace_back("output.trajectories=true");
-    if (base.output.breaks) last.emplace_back("output.breaks=true");
+    if (base.output.breaks || need_of_figure(sweep.sheet.show, sweep.sheet.colour) == FigureNeed::breaks)
+        last.emplace_back("output.breaks=true");
     for (Variant& variant : sweep.variants) {
         variant.overrides.insert(variant.overrides.begin(), common.begin(), common.end());
         append(variant.overrides, last);

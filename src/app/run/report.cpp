@@ -164,7 +164,7 @@ std::string frames(const RunRecord& record, const Recorder& recorder, const fs::
             if (!scale) scale = scale_of(options, frame, histories, context);
             const std::string bytes = webp_of(draw_picture(options, frame, histories, context, *scale).image);
             size += bytes.size();
-            pictures[k] = {bytes, options.show + ", t = " + time_text(frame.time)};
+            pictures[k] = {bytes, words_of(options) + ", t = " + time_text(frame.time)};
         } catch (const UserError&) {
             continue;  // a frame that was deleted or damaged
         }
@@ -227,7 +227,7 @@ void LiveReport::write(const std::string& state, const Model& model, const State
         const Frame frame = make_frame(model, now, false);
         const FigureScale scale = scale_of(options, frame, histories, context);
         picture = html_picture(webp_of(draw_picture(options, frame, histories, context, scale).image),
-                               options.show + " and energies at t = " + time_text(now.time));
+                               words_of(options) + "; below it the energies over time, t = " + time_text(now.time));
     } catch (const UserError&) {
         // what only the end of a run has
     }
@@ -236,7 +236,7 @@ void LiveReport::write(const std::string& state, const Model& model, const State
         write_whole_file(
             directory_ / "report.html",
             html_page(title_of(scenario_), question_of(text),
-                      html_live("This run goes on: " + state, period_) + picture +
+                      html_live(state, period_) + picture +
                           html_section("Warnings", html_list(record.warnings, "warn")) + scenario_text(text)));
     } catch (const OutputError&) {
         // a full disk ends the run where its results are written, not here

@@ -187,6 +187,14 @@ AppendedFile open_log(const fs::path& path) {
     }
 }
 
+bool has_process(const fs::path& directory) {
+    const int file = open((directory / "log.txt").c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0) return false;
+    const bool is_locked = flock(file, LOCK_SH | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    close(file);
+    return is_locked;
+}
+
 bool never_began(const fs::path& directory, const EarlierRecord& record) {
     return is_vacant(directory) || (record.is_of_a_run && record.status == "starting");
 }

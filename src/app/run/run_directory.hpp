@@ -36,6 +36,8 @@ private:
 /// log.txt of a run, locked: its holder is the only process that writes into the directory. Throws UserError where
 /// another process has this run, or the file cannot be opened.
 AppendedFile open_log(const std::filesystem::path& path);
+/// Whether one has; a run that was killed says for ever in its run.json that it is running.
+bool has_process(const std::filesystem::path& directory);
 
 /// Names and texts of the files with which a run starts, besides its run.json.
 using FirstFiles = std::vector<std::pair<std::string, std::string>>;

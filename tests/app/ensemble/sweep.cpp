@@ -111,8 +111,13 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
         CHECK(read.scenario.mesh.size ==
               tests::relative(plan.variants[run.variant].values[0] == "1 mm" ? 1e-3 : 2e-3, 1e-12));
         CHECK(read.scenario.seed == run.seed);
-        CHECK(read.scenario.figures.size() == 1);
+        CHECK(read.scenario.figures.empty());  // the sweep draws the panels, from the last frame of each run
+        CHECK(read.scenario.output.fields);
+        CHECK(read.scenario.output.every > read.scenario.time.end);
+        CHECK_FALSE(read.scenario.output.report);
     }
+    const Ensemble asked = plan_sweep("bar_pulled_apart", {"mesh.size=2 mm", "output.report=true", "sweep.seeds=2"});
+    CHECK(open_scenario("bar_pulled_apart", asked.runs.at(0).overrides).scenario.output.report);
     // what a run would refuse is refused before any is started, and so are two runs of one name
     CHECK_THROWS_AS(plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,2 Pa"}), UserError);
     CHECK_THROWS_AS(plan_sweep("bar_pulled_apart", {"mesh.size=1 mm,1 mm"}), UserError);

@@ -113,6 +113,8 @@ void kill_often(const std::string& block, const Folder& folder, int times = 20) 
         if (!WIFSIGNALED(status)) break;
         check_frames(folder.path / "whole", folder.path / "killed");
         ++n_kills;
+        if (i == 0 && text_of(folder.path / "killed/run.json").find("\"status\": \"running\"") != std::string::npos)
+            CHECK(command("info " + folder.in_shell("killed")).has(", killed, "));
     }
     CHECK(n_kills > times / 4);
     const Answer last = command("run " + often + "-o " + folder.in_shell("killed"));

@@ -110,6 +110,18 @@ TEST_CASE("an impossible figure is reported before anything is drawn") {
     }
     CHECK_FALSE(fs::exists(folder.path / "run" / "rendered" / "reactions.png"));
     CHECK(command("render " + folder.in_shell("run") + " --show speed --at 1us --aspect 10").code == 0);
+    // an option without an effect is no option
+    for (const char* option :
+         {"--show speed --file a.png --width 84mm", "--show speed --file a.pdf --width 800", "--show speed --speed 1",
+          "--show speed --every 1us", "--show speed --colour slip", "--show speed --curves energy",
+          "--show energy --at 1us", "--show energy --deform 2", "--show energy --range 0 1",
+          "--show energy --over time", "--animate --at 1us", "--animate --file a.png", "--at 1us", "--width 84mm"}) {
+        CAPTURE(option);
+        const Answer answer = command("render " + folder.in_shell("run") + " " + option);
+        CHECK(answer.code == 2);
+        CHECK(answer.has("error[no-effect]"));
+    }
+    CHECK_FALSE(fs::exists(folder.path / "run" / "rendered" / "a.png"));
 }
 
 }  // namespace damaged_test

@@ -9,7 +9,7 @@ const prefixes = { "-12": "p", "-9": "n", "-6": "µ", "-3": "m", 0: "", 3: "k", 
 const exponentOf = value => value === 0 ? 0 : Math.max(-12, Math.min(12, 3 * Math.floor(Math.log10(Math.abs(value) * (1 + 1e-12)) / 3)));
 const shown = (value, unit, digits = 4) => {
   const exponent = exponentOf(value);
-  return Number((value / 10 ** exponent).toPrecision(digits)) + " " + prefixes[exponent] + unit;
+  return Number((value / 10 ** exponent).toPrecision(digits)) + "\u00a0" + prefixes[exponent] + unit; // on one line
 };
 
 // --- the text of a scenario ---
@@ -139,7 +139,7 @@ function receive({ run: of, answer, text, seconds, numbers, history, frame, summ
     element("progress").value = numbers.time / numbers.end;
     requestAnimationFrame(draw);
   }
-  const computed = `computed in ${seconds.toFixed(1)} s`;
+  const computed = `computed in ${seconds.toFixed(1)}\u00a0s`;
   if (answer === Answer.running) {
     if (numbers) element("status").textContent = `Computes: ${shown(numbers.time, "s")} of ${shown(numbers.end, "s")}, ${computed}.`;
   } else if (answer === Answer.done) {
