@@ -1,5 +1,6 @@
 """Parameters from measurements: knap-fit and knap-sensitivity. The guide of knap (scenarios/README.md) shows a FILE.
 
+    keys.toml  every key of FILE
     problem    reads FILE and reports all its mistakes
     runs       runs the scenarios at points of the parameters, and goes on where it was stopped
     emulator   what the runs show between these points, with its uncertainty, by Kriging

@@ -2,16 +2,22 @@
 import argparse
 import os
 import pathlib
+import signal
 import sys
 
-import knap
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: sums of several threads have other last bits
 
-from . import problem as files
-from .runs import Runs, Stop
+import knap  # noqa: E402
+
+from . import problem as files  # noqa: E402
+from .runs import Runs, Stop  # noqa: E402
 
 
-def _options(program, description, folder):
-    parser = argparse.ArgumentParser(prog=program, description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
+def _main(program, folder, description, work, arguments):
+    """Exit codes are those of knap: 2 for a mistake in FILE, 3 where the runs or the data give no answer, 4 where a value of
+    [expect] is missed, 130 after Ctrl-C, SIGTERM and SIGHUP."""
+    parser = argparse.ArgumentParser(prog=program, formatter_class=argparse.RawDescriptionHelpFormatter,
+                                     description=description + "\nThe same command goes on where it was stopped.")
     parser.add_argument("file", metavar="FILE", help="a TOML file; the guide (scenarios/README.md) shows one")
     parser.add_argument("-o", "--output", type=pathlib.Path, help=f"directory; default {folder}/NAME")
     parser.add_argument("-j", "--jobs", type=int, default=1, help="runs at the same time, with one thread each")
@@ -19,76 +25,49 @@ def _options(program, description, folder):
     parser.add_argument("--print-commands", action="store_true",
                         help="run nothing, print a command line for each run that comes next; after them the same command again goes on")
     parser.add_argument("-q", "--quiet", action="store_true", help="no line for every round")
-    return parser
+    parser.add_argument("--keys", action="version", version=files.markdown().rstrip(), help="print all keys of FILE")
+    options = parser.parse_args(arguments)
 
+    def log(text):
+        if not options.quiet:
+            print(text, flush=True, file=sys.stderr if options.print_commands else None)
 
-def _within_errors(work):
-    """Exit codes are those of knap: 2 for a mistake in FILE, 3 where the runs or the data give no answer, 4 where a value of [expect] is missed."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # matrices of a hundred rows
+    for one in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(one, signal.default_int_handler)
     try:
-        work()
+        found = files.read(options.file)
+        runs = Runs(found, options.output or pathlib.Path(folder) / found.name, max(options.jobs, 1), options.print_commands, options.force,
+                    own_seeds=folder == "fits" and found.options["method"] == "posterior")
+        code = 0 if work(found, runs, log) else 4
     except files.Mistakes as mistakes:
-        print(mistakes, file=sys.stderr)
-        sys.exit(2)
-    except (Stop, knap.KnapError) as stop:
-        print(stop, file=sys.stderr)
-        sys.exit(3)
+        code = print(mistakes, file=sys.stderr) or 2
     except OSError as error:
-        print(f"error: {error}", file=sys.stderr)
-        sys.exit(2)
+        code = print(f"error: {error}", file=sys.stderr) or 2
+    except (Stop, knap.KnapError) as stop:
+        commands = isinstance(stop, Stop) and options.print_commands
+        print(stop.args[0], file=None if commands else sys.stderr)
+        code = 0 if commands else 3
     except KeyboardInterrupt:
-        print("interrupted: the same command goes on", file=sys.stderr)
-        sys.exit(130)
-
-
-def _start(options, folder):
-    found = files.read(options.file)
-    directory = options.output or pathlib.Path(folder) / found.name
-    return found, Runs(found, directory, options.jobs, options.print_commands, options.force,
-                       own_seeds=folder == "fits" and found.options["method"] == "posterior")
+        code = print("interrupted: the same command goes on", file=sys.stderr) or 130
+    sys.exit(code)
 
 
 def fit(arguments=None):
     """knap-fit"""
-    parser = _options("knap-fit", """Finds parameters of scenarios from measurements, with intervals. FILE names scenarios, free keys with
-bounds, and what was measured. The directory gets points.csv, parameters.csv, posterior.csv (which [sweep.random] file draws
-from), residuals.csv, predictions.csv, parameters.tex and report.html. The same command goes on where it was stopped.""", "fits")
-    options = parser.parse_args(arguments)
-
-    def work():
+    def work(found, runs, log):
         from . import inference, report
-        found, runs = _start(options, "fits")
-        log = (lambda text: None) if options.quiet else (lambda text: print(text, flush=True, file=sys.stderr if options.print_commands else None))
-        try:
-            if found.options["method"] == "least squares":
-                u, residuals = inference.least_squares(found, runs, log)
-                report.write_least_squares(found, runs, u, residuals)
-            else:
-                if not report.write(inference.Fit(found, runs, log).run()):
-                    sys.exit(4)
-        except Stop as stop:
-            if not options.print_commands:
-                raise
-            print(stop)
+        if found.options["method"] == "posterior":
+            return report.write(inference.Fit(found, runs, log).run())
+        return report.write_least_squares(found, runs, *inference.least_squares(found, runs, log))
 
-    _within_errors(work)
+    _main("knap-fit", "fits", """Finds parameters of scenarios from measurements, with intervals. FILE names scenarios, free keys with
+bounds, and what was measured. The directory gets points.csv, parameters.csv, posterior.csv (which [sweep.random] file draws
+from), residuals.csv, predictions.csv, convergence.csv, parameters.tex and report.html.""", work, arguments)
 
 
 def sensitivity(arguments=None):
     """knap-sensitivity"""
-    parser = _options("knap-sensitivity", """Which parameters the numbers of a run depend on. FILE is one of knap-fit, [sensitivity] numbers names
-numbers of the summary of all its tests. Effects of single steps by Morris, from trajectories of runs; parts of the variance by
-Sobol, from an emulator of the same runs.""", "sensitivities")
-    options = parser.parse_args(arguments)
-
-    def work():
-        from . import sensitivity as part
-        found, runs = _start(options, "sensitivities")
-        try:
-            part.write(found, runs)
-        except Stop as stop:
-            if not options.print_commands:
-                raise
-            print(stop)
-
-    _within_errors(work)
+    from . import sensitivity as part
+    _main("knap-sensitivity", "sensitivities", """Which parameters the numbers of a run depend on. FILE is one of knap-fit; [sensitivity]
+numbers names numbers of the summary of all its tests. Effects of single steps by Morris, from trajectories of runs; parts of
+the variance by Sobol, from an emulator of the same runs.""", lambda found, runs, log: part.write(found, runs), arguments)

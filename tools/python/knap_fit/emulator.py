@@ -48,7 +48,8 @@ class Emulator:
                 found = [gp.GaussianProcessRegressor(start, random_state=1).fit(self.u, g[:, j] / self.scale[j]) for start in starts]
             self.processes.append(max(found, key=lambda process: process.log_marginal_likelihood_value_))
             process = self.processes[-1]
-            self.noise[j] = process.kernel_.k2.noise_level * self.scale[j] ** 2
+            noise = process.kernel_.k2.noise_level
+            self.noise[j] = noise * self.scale[j] ** 2 if noise > 1.01e-6 else 0  # at its bound: the seeds change nothing
         self.neighbours = None
         if not self.works.all():
             neighbours = need("sklearn.neighbors", "python3-sklearn", "the emulator")

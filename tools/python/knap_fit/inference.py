@@ -1,9 +1,11 @@
 """The posterior of the parameters, further runs where they teach most, and what the data determine."""
 import numpy as np
 
+import knap
+
 from .emulator import Emulator, need
 from .problem import unit_of
-from .runs import Stop
+from .runs import Stop, table
 
 _unmeasurable = ("law_", "interface_", "measured_", "scheme_", "unresolved_", "overlap_", "largest_penetration", "crossing_")  # in no test
 _floor = 1e-3  # of the level of a measurement: smaller differences count as none
@@ -30,18 +32,14 @@ class Posterior:
     def __init__(self, problem, u, tau, log_p):
         self.problem, self.u, self.tau = problem, u, tau
         self.best, self.best_tau = u[np.argmax(log_p)], tau[np.argmax(log_p)]
-        self.tails = [(100 - problem.options["interval"]) / 2, (100 + problem.options["interval"]) / 2]
+        self.tails = [50 * (1 - problem.options["interval"]), 50 * (1 + problem.options["interval"])]
 
     def interval(self):
         """Lower and upper ends of the parameters."""
         return self.problem.values(np.percentile(self.u, self.tails, axis=0))
 
     def widths(self):
-        low, high = np.percentile(self.u, self.tails, axis=0)
-        return high - low
-
-    def correlations(self):
-        return np.atleast_2d(np.corrcoef(self.u.T))
+        return np.diff(np.percentile(self.u, self.tails, axis=0), axis=0)[0]
 
 
 def data_covariance(measured, emulator):
@@ -58,7 +56,7 @@ class Likelihood:
     def __init__(self, problem, emulators, with_error):
         self.problem, self.with_error = problem, with_error
         self.parts = [(m, emulators[m.title], data_covariance(m, emulators[m.title]), m.level**2 * correlation(m.x))
-                      for m in problem.measured if m.use == "fit"]
+                      for m in problem.fitted]
 
     def __call__(self, u):
         """Logarithm of prior times likelihood, up to a constant; u has log10 of tau in a further column with an error term,
@@ -71,41 +69,28 @@ class Likelihood:
             found = np.where((tau < 1e-3) | (tau > 1), -np.inf, found)
         inside = np.isfinite(found)
         if inside.any():
-            found[inside] += self.log_likelihood(u[inside, :k], tau[inside])
+            found[inside] += sum(log_p for _, log_p in self.terms(u[inside, :k], tau[inside]))
         return found
 
-    def log_likelihood(self, u, tau):
-        found = np.zeros(len(u))
+    def terms(self, u, tau):
+        """Of each measurement: residuals in standard deviations, and the logarithm of their probability; a row for each u."""
         for measured, emulator, covariance, error in self.parts:
             mean, variance = emulator(u)
-            c = covariance + (emulator.v * variance[:, None, :]) @ emulator.v.T + tau[:, None, None] ** 2 * error
-            factor = np.linalg.cholesky(c)
+            factor = np.linalg.cholesky(covariance + (emulator.v * variance[:, None, :]) @ emulator.v.T + tau[:, None, None] ** 2 * error)
             z = np.linalg.solve(factor, (measured.values - mean)[:, :, None])[:, :, 0]
-            found += -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1) + emulator.log_success(u)
-        return found
-
-    def misfit(self, u):
-        """Sum of the squares of the residuals at u in their standard deviations, without an error term, and their number."""
-        total, number = 0.0, 0
-        for measured, emulator, covariance, _ in self.parts:
-            mean, variance = emulator(u[None])
-            c = covariance + (emulator.v * variance[0]) @ emulator.v.T
-            r = measured.values - mean[0]
-            total, number = total + r @ np.linalg.solve(c, r), number + len(r)
-        return total, number
+            yield z, -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1) + emulator.log_success(u)
 
 
-def sample(problem, likelihood, steps, rng, before=None):
+def sample(problem, likelihood, steps, rng, points):
     """Draws from the posterior by emcee (affine-invariant ensembles, Goodman and Weare 2010). The walkers start at the most likely
-    of a thousand places and of the draws `before`, and once more at the most likely places of a first short chain: a narrow
-    posterior is found, and its width is that of the second chain alone."""
+    of a thousand places and of the `points` of the runs, which were chosen where it matters, and once more at the most likely
+    places of a first short chain: a narrow posterior is found, and its width is that of the second chain alone."""
     emcee = need("emcee", "python3-emcee", "the posterior")
-    dimension = len(problem.parameters) + likelihood.with_error
-    start = sobol(1024, dimension, int(rng.integers(2**31)))
+    k, dimension = len(problem.parameters), len(problem.parameters) + likelihood.with_error
+    start = sobol(1024 + len(points), dimension, int(rng.integers(2**31)))
+    start[1024:, :k] = points
     if likelihood.with_error:
         start[:, -1] = -3 + 3 * start[:, -1]
-    if before is not None:
-        start = np.vstack([start, np.hstack([before.u[:200], np.log10(np.clip(before.tau[:200, None], 1e-2, 1))])[:, :dimension]])
     n = max(24, 4 * dimension)
     log_p = likelihood(start)
     for part in (max(steps // 3, 50), steps):
@@ -118,13 +103,21 @@ def sample(problem, likelihood, steps, rng, before=None):
         log_p = sampler.get_log_prob(flat=True)[first]
     chain, log_p = (getter(discard=steps // 3, flat=True) for getter in (sampler.get_chain, sampler.get_log_prob))
     keep = rng.permutation(len(chain))[: max(problem.options["draws"], 400)]
-    chain, log_p, k = chain[keep], log_p[keep], len(problem.parameters)
+    chain, log_p = chain[keep], log_p[keep]
     return chain[:, :k], 10.0 ** chain[:, k] if likelihood.with_error else np.zeros(len(chain)), log_p
 
 
+def _same(a, b):
+    """Whether two numbers of the runs tell the same, as a force and its stress."""
+    both = np.isfinite(a) & np.isfinite(b)
+    with np.errstate(invalid="ignore", divide="ignore"):  # one that is the same in all runs tells nothing
+        return both.sum() > 2 and np.abs(np.corrcoef(a[both], b[both])[0, 1]) > 0.98
+
+
 class Fit:
-    """A fit: `run` makes the runs; `posterior`; `history` of (runs, widths of the intervals); `p`: probability of a misfit as
-    large as this one if the model were true."""
+    """A fit: `run` makes the runs; `posterior`; `history` of (runs, share, widths of the intervals); `p`: probability of a misfit as
+    large as this one if the model were true. Each round depends on the runs before it alone, and convergence.csv keeps
+    the history, so that a fit that was stopped goes on as if it had not been."""
 
     def __init__(self, problem, runs, log=lambda text: None):
         self.problem, self.runs, self.log = problem, runs, log
@@ -135,39 +128,41 @@ class Fit:
         return sobol(n, len(self.problem.parameters), self.problem.options["seed"] if seed is None else seed)
 
     def run(self):
-        options, k = self.problem.options, len(self.problem.parameters)
+        options = self.problem.options
         most = max(options["budget"] // self.runs.per_point, 1)
-        first = min(options["first"] or 6 * k, most)
-        batch = max(self.runs.jobs // self.runs.per_point, -(-most // 12), 1)
-        if len(self.runs.points) < first:
-            self.runs.add(self.design(first)[len(self.runs.points):])
-        self.runs.finish()
-        steady = 0
-        while True:
+        first = min(options["first"] or 6 * len(self.problem.parameters), most)
+        batch = options["batch"] or -(-most // 12)
+        self.runs.add(self.design(first)[len(self.runs.values):])
+        while not self.stopped:
+            self.emulate()
             self.infer(steps=150)
-            widths = self.posterior.widths()
-            self.history.append((self.runs.n_runs, widths))
-            share = self.share(self.posterior.u[:200])
+            self.remember()
             self.log(f"{self.runs.n_runs} runs; " + "; ".join(
                 f"{p.name} {low:.4g} to {high:.4g} {p.unit}" for p, low, high in zip(self.problem.parameters, *self.posterior.interval())))
-            change = np.abs(widths / self.history[-2][1] - 1).max() if len(self.history) > 1 else 1.0
-            steady = steady + 1 if change < options["shrink"] * 3 and share < 0.1 else 0
-            if len(self.runs.points) >= most:
+            if len(self.runs.values) >= most:
                 self.stopped = "the budget is used up"
-            elif steady >= 2:
+            elif len(self.history) > 2 and all(self.steady(now, before) for now, before in zip(self.history[-2:], self.history[-3:])):
                 self.stopped = "the intervals no longer shrink"
-            if self.stopped:
-                break
-            n = min(batch, most - len(self.runs.points))
-            if options["design"] == "random":
-                self.runs.add(self.design(len(self.runs.points) + n)[-n:])
             else:
-                self.runs.add(self.next_points(n))
+                n = min(batch, most - len(self.runs.values))
+                self.runs.add(self.design(len(self.runs.values) + n)[-n:] if options["design"] == "random" else self.next_points(n))
         self.infer(steps=600)
         return self
 
-    def infer(self, steps):
-        """The posterior from the runs that there are. An error term of the model is added where the data need one."""
+    def steady(self, now, before):
+        return now[1] < 0.1 and np.abs(now[2] / before[2] - 1).max() < self.problem.options["shrink"]
+
+    def remember(self):
+        """Adds this round to the history, and those with fewer runs that convergence.csv has from a process before this one."""
+        file = self.runs.directory / "convergence.csv"
+        if not self.history and file.exists():
+            rows = np.array(list(knap.read_csv(file).values())).T
+            self.history = [(int(row[0]), row[1], row[2:]) for row in rows if row[0] < self.runs.n_runs]
+        self.history.append((self.runs.n_runs, self.variances(self.posterior.u[:200]).mean(), self.posterior.widths()))
+        titles = ["runs", "variance of emulators over that of the data", *(f"{p.name}: width over that of the bounds" for p in self.problem.parameters)]
+        table(file, titles, [[n, repr(float(share)), *map(repr, map(float, widths))] for n, share, widths in self.history])
+
+    def emulate(self):
         for measured in self.problem.measured:
             try:
                 self.emulators[measured.title] = Emulator(self.runs.points, self.runs.of(measured), measured.level)
@@ -175,24 +170,22 @@ class Fit:
                 why = next((text for text in self.runs.why.values() if text), "")
                 if measured.use == "fit":
                     raise Stop(f"{measured.title}: {error}" + (f"; the first run that failed: {why}" if why else "")) from None
-        rng = np.random.default_rng(self.problem.options["seed"])
-        likelihood = Likelihood(self.problem, self.emulators, self.with_error)
-        drawn = sample(self.problem, likelihood, steps, rng, self.posterior)
-        chi2, number = likelihood.misfit(drawn[0][np.argmax(drawn[2])])
-        freedom = number - len(self.problem.parameters)
-        stats = need("scipy.stats", "python3-scipy", "the test of the misfit")
-        self.p = float(stats.chi2.sf(chi2, freedom)) if freedom > 0 else np.nan
-        if self.problem.options["model_error"] == "auto" and not self.with_error and self.p < 0.01:
-            likelihood = Likelihood(self.problem, self.emulators, True)
-            drawn = sample(self.problem, likelihood, steps, rng, self.posterior)
-        self.likelihood = likelihood
+
+    def infer(self, steps):
+        """The posterior from the emulators. An error term of the model is added where the data need one."""
+        rng, stats = np.random.default_rng(self.problem.options["seed"]), need("scipy.stats", "python3-scipy", "the test of the misfit")
+        self.likelihood = Likelihood(self.problem, self.emulators, self.with_error)
+        drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
+        z = np.hstack([z[0] for z, _ in self.likelihood.terms(drawn[0][[np.argmax(drawn[2])]], np.zeros(1))])
+        freedom = len(z) - len(self.problem.parameters)
+        self.p = float(stats.chi2.sf(z @ z, freedom)) if freedom > 0 else np.nan
+        if self.problem.options["model_error"] == "auto" and self.p < 0.01:
+            self.likelihood = Likelihood(self.problem, self.emulators, True)
+            drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         self.posterior = Posterior(self.problem, *drawn)
 
-    def share(self, u):
-        """Variance of the emulators over that of the data, mean over the measurements: what further runs can take away."""
-        return float(np.mean(self.variances(u)))
-
     def variances(self, u):
+        """Of the emulators over those of the data, mean over the measurements: what further runs can take away."""
         found = []
         for measured, emulator, covariance, error in self.likelihood.parts:
             variance = emulator(u)[1] @ (emulator.v**2).T
@@ -202,7 +195,7 @@ class Fit:
     def next_points(self, n):
         """Draws of the posterior where the emulators know least in standard deviations of the data (Sinsbeck and Nowak 2017),
         apart from each other; a tenth of the candidates lies anywhere."""
-        u = np.vstack([self.posterior.u[:400], self.design(40, seed=len(self.runs.points))])
+        u = np.vstack([self.posterior.u[:400], self.design(40, seed=len(self.runs.values))])
         weight = self.variances(u)
         weight[400:] *= 0.1
         inverse = np.linalg.inv(np.cov(self.posterior.u.T).reshape(u.shape[1], -1) + 1e-8 * np.eye(u.shape[1]))
@@ -218,12 +211,7 @@ class Fit:
     def prior_deviation(self):
         """Of each parameter in u: 1/sqrt(12), or that of its `normal`."""
         grid = np.linspace(0.0005, 0.9995, 1000)
-        found = []
-        for parameter in self.problem.parameters:
-            weight = np.exp(parameter.log_prior(grid))
-            mean = (grid * weight).sum() / weight.sum()
-            found.append(np.sqrt(((grid - mean) ** 2 * weight).sum() / weight.sum()))
-        return np.array(found)
+        return np.sqrt([np.cov(grid, aweights=np.exp(parameter.log_prior(grid)), ddof=0) for parameter in self.problem.parameters])
 
     def determined(self):
         """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no"."""
@@ -263,17 +251,17 @@ class Fit:
                 mean = emulator(u)[0]
                 scatter = m.scatter or max((m.part or 0.03) * np.abs(mean).max(), np.sqrt(np.diag(emulator.seed_covariance()).max()))
                 columns.append((m.title, mean, scatter))
-        used = {(m.test.name, m.name) for m in self.problem.measured}
+        known = [self.runs.numbers(m.test, m.name) for m in self.problem.measured if m.x is None]
         design = np.hstack([np.ones((len(self.runs.points), 1)), self.runs.points])
         for test in self.problem.tests:
-            names = sorted({name for (_, t, _), numbers in self.runs.summaries.items() if t == test.name for name in numbers})
-            for name in names:
-                if (test.name, name) in used or name.startswith(_unmeasurable) or unit_of("summary", name) not in ("Pa", "N", "m", "J"):
-                    continue
+            for name in sorted({name for run in self.runs.answers(test) if run for name in run.summary}):
                 y = self.runs.numbers(test, name)
                 keep = np.isfinite(y)
+                if name.startswith(_unmeasurable) or unit_of("summary", name) not in ("Pa", "N", "m", "J") or any(_same(y, other) for other in known):
+                    continue
                 if keep.sum() < 3 * design.shape[1] or not y[keep].std() > 1e-9 * np.abs(y[keep]).max():
                     continue
+                known.append(y)
                 slope = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
                 rest = (y[keep] - design[keep] @ slope).std()
                 if rest < 0.5 * y[keep].std():
@@ -293,9 +281,7 @@ class Fit:
         """(measured, low, middle, high) of one mean of specimens as those that were measured."""
         rng, found = np.random.default_rng(1), []
         u, tau = self.posterior.u[:500], self.posterior.tau[:500]
-        for m in self.problem.measured:
-            if m.title not in self.emulators:
-                continue
+        for m in (m for m in self.problem.measured if m.title in self.emulators):
             emulator = self.emulators[m.title]
             mean, variance = emulator(u)
             y = mean + (rng.standard_normal(variance.shape) * np.sqrt(variance)) @ emulator.v.T
@@ -309,25 +295,18 @@ def least_squares(problem, runs, log=lambda text: None):
     """(values, residuals in standard deviations): bounded least squares from the starts by scipy, a step of 0.05 of the
     bounds for slopes, so that rough answers do not mislead them."""
     optimize = need("scipy.optimize", "python3-scipy", "least squares")
-    fitted = [m for m in problem.measured if m.use == "fit"]
-    runs.finish()
-    known = {tuple(u): k for k, u in enumerate(runs.points)}
 
     def residuals(u):
-        if tuple(u) not in known:
-            if runs.n_runs + runs.per_point > problem.options["budget"]:
-                raise Stop(f"the budget of {problem.options['budget']} runs is used up")
-            known[tuple(u)] = len(runs.points)
-            runs.add(u)
-        k, found = known[tuple(u)], []
-        for m in fitted:
+        if problem.rounded(u) not in runs.values and runs.n_runs + runs.per_point > problem.options["budget"]:
+            raise Stop(f"the budget of {problem.options['budget']} runs is used up")
+        k, found, where = runs.at([u])[0], [], ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
+        for m in problem.fitted:
             values = runs.of(m)[k]
             values = values[np.isfinite(values).all(axis=1)]
             if not len(values):
-                raise Stop(f"{m.title}: no value at {', '.join(f'{p.name} = {p.text(x)}' for p, x in zip(problem.parameters, u))}")
+                raise Stop(f"{m.title}: no value at {where}")
             found.append((values.mean(axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
-        log(", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)) + ": "
-            + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}" for m in fitted if m.x is None))
+        log(f"{where}: " + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}" for m in problem.fitted if m.x is None))
         return np.concatenate(found)
 
     start = np.array([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters])

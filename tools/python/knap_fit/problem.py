@@ -1,14 +1,20 @@
-"""Reads a FILE of knap-fit. All its mistakes are reported at once, with the line, the key and what is allowed."""
+"""Reads a FILE of knap-fit. All its mistakes are reported at once, with the line, the key and what is allowed (keys.toml)."""
 import difflib
 import functools
 import pathlib
 import re
 import subprocess
-import tomllib
 
 import numpy as np
 
 import knap
+
+from .emulator import need
+
+tomllib = need("tomllib", "python3 (3.11 or later)", "a FILE")
+keys = tomllib.loads((pathlib.Path(__file__).parent / "keys.toml").read_text(encoding="utf-8"))
+defaults = {name: key["default"] for name, key in keys["fit"].items() if "default" in key}
+_prefixes = {"": 1, "G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
 
 
 class Mistakes(Exception):
@@ -19,25 +25,19 @@ class Mistakes(Exception):
         return "\n".join(self.args[0]) + f"\n{number} error{'s' * (number > 1)}, nothing was run."
 
 
-_prefixes = {"": 1, "G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
-
-
 def factor(unit, of):
     """Value of one `unit` in the unit `of`, as 1e6 of MPa in Pa; None where they are not of one kind."""
     if unit == of or not unit:
         return 1.0
     if unit == "%" and not of:
         return 0.01
-    parts, of_parts = unit.split("/"), of.split("/")
-    if len(parts) != len(of_parts):
-        return None
-    result = 1.0
+    result, parts, of_parts = 1.0, unit.split("/"), of.split("/")
     for k, (part, base) in enumerate(zip(parts, of_parts)):
-        power = int(base[-1]) if base[-1:] in ("2", "3") else 1
-        found = [value for prefix, value in _prefixes.items() if part == prefix + base]
-        if not found:
+        prefix = _prefixes.get(part.removesuffix(base)) if part.endswith(base) else None
+        if prefix is None or len(parts) != len(of_parts):
             return None
-        result *= (found[0] ** power) ** (-1 if k else 1)
+        power = int(base[-1]) if base[-1:] in ("2", "3") else 1
+        result *= prefix ** (-power if k else power)
     return result
 
 
@@ -69,10 +69,18 @@ class Parameter:
     def log_prior(self, u):
         """Uniform in u between the bounds; with `normal` also of the value, by its mean and standard deviation."""
         inside = np.where((u >= 0) & (u <= 1), 0.0, -np.inf)
-        return inside - (0.5 * ((self.value(np.clip(u, 0, 1)) - self.normal[0]) / self.normal[1]) ** 2 if self.normal else 0)
+        return inside - (0.5 * ((self.value(np.clip(u, 0, 1)) - self.normal[0]) / self.normal[1]) ** 2 if self.normal is not None else 0)
 
     def text(self, u):
         return f"{self.value(u):.6g} {self.unit}".strip()
+
+    @property
+    def title(self):
+        return label(self.name, self.unit)
+
+
+def label(name, unit):
+    return f"{name} [{unit}]" if unit else name
 
 
 class Measured:
@@ -98,6 +106,7 @@ class Measured:
         """The size of its values, to which parts refer."""
         return float(np.abs(self.values).max()) if self.values is not None and self.size else 1.0
 
+    @functools.cache
     def of(self, run):
         """Its values in a run; nan where the run has none. A curve takes, of every x, the first time that it is reached."""
         if self.x is None:
@@ -105,16 +114,17 @@ class Measured:
             return np.array([np.nan if value is None else float(value)])
         (table, x), (other, y) = self.columns
         table, other = run.table(table), run.table(other)
-        if x not in table or y not in other:
-            raise knap.KnapError(f"{run.directory} has no column {x if x not in table else y}; there are: {', '.join(other)}")
-        x, y = self.factors[0] * table[x], self.factors[1] * other[y]
+        try:
+            x, y = self.factors[0] * table[x], self.factors[1] * other[y]
+        except KeyError as missing:
+            raise knap.KnapError(f"{run.directory} has no column {missing.args[0]}") from None
         if len(x) != len(y):
             x = np.interp(other["time"], table["time"], x)
         keep = np.isfinite(x) & np.isfinite(y)
         x, y = x[keep], y[keep]
-        first = np.concatenate([[True], x[1:] > np.maximum.accumulate(x)[:-1]]) if len(x) else []
         if not len(x):
             return np.full(self.size, np.nan)
+        first = np.concatenate([[True], x[1:] > np.maximum.accumulate(x)[:-1]])
         return np.interp(self.x, x[first], y[first], left=np.nan, right=np.nan)
 
 
@@ -122,6 +132,10 @@ class Test:
     def __init__(self, name, scenario, set, seeds, first_seed):
         self.name, self.scenario, self.set, self.seeds, self.first_seed = name, scenario, set, seeds, first_seed
         self.measured = []
+
+    @property
+    def all_seeds(self):
+        return range(self.first_seed, self.first_seed + self.seeds)
 
 
 class Problem:
@@ -134,8 +148,16 @@ class Problem:
     def measured(self):
         return [measured for test in self.tests for measured in test.measured]
 
+    @property
+    def fitted(self):
+        return [measured for measured in self.measured if measured.use == "fit"]
+
     def values(self, u):
         return np.array([parameter.value(x) for parameter, x in zip(self.parameters, np.transpose(u))]).T
+
+    def rounded(self, u):
+        """The values that a run gets, a tuple."""
+        return tuple(float(f"{value:.6g}") for value in self.values(u))
 
     def set_of(self, test, u):
         """KEY=VALUE of a run of a test."""
@@ -146,18 +168,6 @@ class Problem:
                 if of in ("", test.name):
                     found[plain] = parameter.text(x)
         return found
-
-
-defaults = {"budget": 60, "seeds": 1, "first": 0, "method": "posterior", "model_error": "auto", "interval": 90, "shrink": 0.03,
-            "draws": 2000, "seed": 1, "design": "adaptive"}
-_allowed = {
-    "": ["knap_fit", "name", "fit", "parameter", "test", "sensitivity", "expect"],
-    "fit": [*defaults],
-    "sensitivity": ["numbers", "trajectories"],
-    "parameter": ["key", "keys", "bounds", "scale", "normal", "start"],
-    "test": ["scenario", "set", "seeds", "seed", "measured"],
-    "measured": ["number", "values", "scatter", "curve", "points", "units", "x", "y", "factors", "use", "n"],
-}
 
 
 @functools.cache
@@ -182,6 +192,61 @@ def unit_of(table, name):
     return None
 
 
+def allowed(key):
+    """What a key of keys.toml may be, in words."""
+    kind = key["kind"]
+    if "allowed" in key:
+        return key["allowed"]
+    if isinstance(kind, list):
+        return ", ".join(f'"{word}"' for word in kind)
+    if "range" in key:
+        return f"{'a whole number' if kind == 'whole' else 'a number or a percentage'} from {key['range'][0]:g} to {key['range'][1]:g}"
+    return {"text": "a text", "table": "a table", "tables": "tables"}[kind]
+
+
+def markdown():
+    """scenarios/FIT_KEYS.md"""
+    heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]", "measured": "[[test.NAME.measured]]",
+             "expect": "[expect.PARAMETER]"}
+    lines = ["# Keys of a fit", "", "Written by `knap-fit --keys`. What a fit does, and a first FILE: [guide](README.md#parameters-from-measurements). Numbers "
+             "have the units of scenarios, in SI where none is written."]
+    for kind, rows in keys.items():
+        lines += ["", f"## {heads.get(kind, f'[{kind}]')}", "", "| key | value | default | meaning |", "|---|---|---|---|"]
+        for name, key in rows.items():
+            default = key.get("standard", key.get("default"))
+            default = "required" if key.get("required") else default if default else "0" if default == 0 else ""
+            lines.append(f"| `{name}` | {allowed(key)} | {default} | {key['meaning']} |")
+    return "\n".join(lines) + "\n"
+
+
+def _checked(key, given):
+    """The value of a key in the form that the program uses; None where it is not allowed."""
+    kind, count = key["kind"], key.get("count")
+    if isinstance(kind, list):
+        return given if given in kind else None
+    if kind in ("text", "table"):
+        return given if isinstance(given, str if kind == "text" else dict) else None
+    if kind in ("whole", "number", "quantity"):
+        found = quantity(given)
+        if kind == "quantity" or found is None:
+            return found
+        value, (low, high) = found[0] * (factor(found[1], "") or np.nan), key["range"]
+        return None if not low <= value <= high or (kind == "whole" and value != int(value)) else int(value) if kind == "whole" else value
+    if kind == "array":
+        try:
+            found = np.array(given, float)
+        except (TypeError, ValueError):
+            return None
+        return found if found.ndim == len(key["shape"]) and found.shape[-1] == 2 and np.isfinite(found).all() else None
+    given = given if isinstance(given, list) or count else [given]
+    if not isinstance(given, list) or not given or (count and len(given) != count):
+        return None
+    if kind == "quantities":
+        found = [quantity(value) for value in given]
+        return (np.array([value for value, _ in found]), found[0][1]) if None not in found and len({unit for _, unit in found}) == 1 else None
+    return given if all(isinstance(value, str if kind == "texts" else dict) for value in given) else None
+
+
 class _Reader:
     def __init__(self, file):
         self.file, self.found = pathlib.Path(file), []
@@ -201,251 +266,172 @@ class _Reader:
             elif match := re.match(r'\s*"?([\w.\-\[\]]+)"?\s*=', line):
                 self.lines.setdefault(f"{head}.{match[1]}".lstrip("."), (number, line))
 
-    def error(self, path, text, allowed=""):
+    def error(self, path, text, remedy=""):
         place = path
         while place and place not in self.lines:
             place = place.rpartition(".")[0]
         number, line = self.lines.get(place, (1, ""))
         self.found.append(f"error: `{path}` {text}\n  --> {self.file}:{number}\n   | {line.strip()}"
-                          + (f"\n   = allowed: {allowed}" if allowed else ""))
+                          + (f"\n   = allowed: {remedy}" if remedy else ""))
 
-    def keys(self, table, kind, path):
-        """Whether a value is a table; unknown keys in it are mistakes."""
-        if not isinstance(table, dict):
+    def refuse(self, kind, name, path, given):
+        """A mistake in the value of a key of a table; what was `given` has it."""
+        self.error(f"{path}.{name}".lstrip("."), f"= {given[name]!r} is not allowed", allowed(keys[kind][name]))
+
+    def table(self, given, kind, path):
+        """{key: value} of a table, with defaults; a key that is not there and has none is None."""
+        found = {name: key.get("default") for name, key in keys[kind].items()}
+        if not isinstance(given, dict):
             self.error(path, "is not a table")
-            return False
-        for key in table:
-            if key not in _allowed[kind]:
-                near = difflib.get_close_matches(key, _allowed[kind], 1)
-                self.error(f"{path}.{key}".lstrip("."), "is not a key" + (f"; did you mean `{near[0]}`?" if near else ""),
-                           ", ".join(_allowed[kind]))
-        return True
-
-    def number(self, table, key, path, default=None, low=-np.inf, high=np.inf, whole=False):
-        """A number or a percentage in a range."""
-        if key not in table:
-            return default
-        found = quantity(table[key])
-        value = found and factor(found[1], "")
-        if value is None or not low <= found[0] * value <= high or (whole and found[0] != int(found[0])):
-            self.error(f"{path}.{key}", f"= {table[key]!r} is not allowed",
-                       f"{'a whole number' if whole else 'a number'} from {low:g} to {high:g}")
-            return default
-        return int(found[0]) if whole else found[0] * value
-
-    def quantities(self, values, path, n=None):
-        """Numbers with one unit: (array, unit); None after an error."""
-        found = [quantity(value) for value in values] if isinstance(values, list) else [None]
-        if None in found or not found or (n and len(found) != n):
-            self.error(path, f"= {values!r} is not allowed", f"{n or 'one or more'} numbers with their unit, as [\"1 MPa\", \"2 MPa\"]")
-            return None
-        if len({unit for _, unit in found}) > 1:
-            self.error(path, "has values with different units", "one unit for all of them")
-            return None
-        return np.array([value for value, _ in found]), found[0][1]
-
-    def parameter(self, name, table):
-        path = f"parameter.{name}"
-        if not self.keys(table, "parameter", path):
-            return None
-        keys = table.get("keys", [table["key"]] if "key" in table else None)
-        if not isinstance(keys, list) or not keys or not all(isinstance(key, str) for key in keys):
-            self.error(path, "needs the keys of the scenario that take its value", 'key = "interface.default.sigma_c"; keys = [...] '
-                       'for several, "TEST:KEY" for those of one test')
-            keys = []
-        for of in {key.rpartition(":")[0] for key in keys} - {"", *self.root.get("test", {})}:
-            self.error(f"{path}.keys", f"name the test {of!r}, which does not exist", ", ".join(self.root.get("test", {})))
-        if "bounds" not in table:
-            self.error(path, "has no `bounds`", 'bounds = ["2 MPa", "8 MPa"]')
-            return None
-        bounds = self.quantities(table["bounds"], f"{path}.bounds", 2)
-        if bounds is None:
-            return None
-        (low, high), unit = bounds
-        scale = table.get("scale", "linear")
-        if scale not in ("linear", "log"):
-            self.error(f"{path}.scale", f"= {scale!r} is not allowed", '"linear", "log"')
-        if not low < high or (scale == "log" and low <= 0):
-            self.error(f"{path}.bounds", "must ascend" + (", from above 0 on with a log scale" if scale == "log" else ""))
-            return None
-        found = Parameter(name, keys, (low, high), unit, scale == "log")
-        normal = self.quantities(table["normal"], f"{path}.normal", 2) if "normal" in table else None
-        start = self.quantities([table["start"]], f"{path}.start", 1) if "start" in table else None
-        for key, given in (("normal", normal), ("start", start)):
-            if given is not None and given[1] != unit:
-                self.error(f"{path}.{key}", f"is in {given[1] or 'no unit'}", f"the unit of the bounds, {unit or 'none'}")
-        if normal is not None:
-            found.normal = normal[0]
-            if not normal[0][1] > 0:
-                self.error(f"{path}.normal", "has a standard deviation that is not positive")
-        if start is not None:
-            found.start = float(start[0][0])
-            if not low <= found.start <= high:
-                self.error(f"{path}.start", "lies outside of the bounds", f"{low:g} to {high:g} {unit}")
+            return found
+        for name in given:
+            if name not in found:
+                near = difflib.get_close_matches(name, found, 1)
+                self.error(f"{path}.{name}".lstrip("."), "is not a key" + (f"; did you mean `{near[0]}`?" if near else ""), ", ".join(found))
+            elif (value := _checked(keys[kind][name], given[name])) is not None:
+                found[name] = value
+            else:
+                self.refuse(kind, name, path, given)
+        for name, key in keys[kind].items():
+            if key.get("required") and name not in given:
+                self.error(path or name, f"has no `{name}`", allowed(key))
         return found
 
-    def test(self, name, table, seeds):
+    def number(self, name, path):
+        """The unit of a number of the summary; a mistake where there is none of this name."""
+        unit = unit_of("summary", name)
+        if unit is None:
+            near = difflib.get_close_matches(name, _outputs()["summary"], 3)
+            self.error(path, f"= {name!r} is not a number of the summary", ", ".join(near) or "see scenarios/OUTPUTS.md")
+        return unit
+
+    def parameter(self, name, given, tests):
+        path = f"parameter.{name}"
+        table = self.table(given, "parameter", path)
+        found = Parameter(name, table["key"] or [], (0.0, 1.0), "", table["scale"] == "log")
+        for of in {key.rpartition(":")[0] for key in found.keys} - {"", *tests}:
+            self.error(f"{path}.key", f"names the test {of!r}, which does not exist", ", ".join(tests))
+        if table["bounds"] is None:
+            return found
+        (low, high), unit = table["bounds"]
+        if not low < high or (found.log and low <= 0):
+            self.refuse("parameter", "bounds", path, given)
+            return found
+        found.low, found.high, found.unit = low, high, unit
+        found.normal, found.start = (table[key] and table[key][0] for key in ("normal", "start"))
+        for key, good in (("normal", lambda value: value[1] > 0), ("start", lambda value: low <= value <= high)):
+            if table[key] and not (table[key][1] == unit and good(table[key][0])):
+                self.refuse("parameter", key, path, given)
+        return found
+
+    def test(self, name, given, seeds):
         path = f"test.{name}"
-        if not self.keys(table, "test", path):
-            return None
-        scenario, values = table.get("scenario"), table.get("set", {})
-        if not isinstance(scenario, str):
-            self.error(f"{path}.scenario", "must name a scenario", "a file, relative to this one, or the name of a built-in scenario")
-            scenario = ""
-        elif (self.file.parent / scenario).exists():
+        table = self.table(given, "test", path)
+        scenario = table["scenario"] or ""
+        if (self.file.parent / scenario).is_file():
             scenario = str((self.file.parent / scenario).resolve())
         elif scenario.endswith(".toml"):
-            self.error(f"{path}.scenario", f"= {scenario!r} does not exist", "a file, relative to this one, or the name of a built-in scenario")
-        if not isinstance(values, dict):
-            self.error(f"{path}.set", "is not a table", 'set = { "mesh.size" = "1 mm" }')
-            values = {}
-        test = Test(name, scenario, {key: value if isinstance(value, str) else knap._toml(value) for key, value in values.items()},
-                    self.number(table, "seeds", path, seeds, 1, 1000, True), self.number(table, "seed", path, 1, 0, 2**31, True))
-        entries = table.get("measured", [])
-        for i, entry in enumerate(entries if isinstance(entries, list) else [entries]):
-            if self.keys(entry, "measured", f"{path}.measured[{i}]"):
-                self.measured(test, entry, f"{path}.measured[{i}]")
+            self.refuse("test", "scenario", path, given)
+        values = {key: value if isinstance(value, str) else knap._toml(value) for key, value in table["set"].items()}
+        test = Test(name, scenario, values, table["seeds"] or seeds, table["seed"])
+        for i, entry in enumerate(table["measured"]):
+            self.measured(test, entry, f"{path}.measured[{i}]")
         return test
 
-    def measured(self, test, table, path):
-        use = table.get("use", "fit")
-        if use not in ("fit", "predict", "candidate"):
-            self.error(f"{path}.use", f"= {use!r} is not allowed", '"fit", "predict" (left out), "candidate" (a test that was not done)')
-        n = self.number(table, "n", path, None, 1, 1e6, True)
-        kinds = [key for key in ("number", "curve", "points") if key in table]
+    def measured(self, test, given, path):
+        table = self.table(given, "measured", path)
+        kinds = [name for name in ("number", "curve", "points") if name in given]
         if len(kinds) != 1:
-            self.error(path, "needs exactly one of number, curve, points", "number: of the summary; curve: a csv file; points: [[x, y], ...]")
+            self.error(path, "needs exactly one of number, curve, points")
+        if len(kinds) != 1 or table[kinds[0]] is None:
             return
-        found = (self.one_number if kinds[0] == "number" else self.curve)(test, table, path, use)
+        found = (self.one_number if kinds[0] == "number" else self.curve)(test, table, path, given)
         if found is None:
             return
-        found.n = n or (len(table["values"]) if kinds[0] == "number" and isinstance(table.get("values"), list) else 1)
-        scatter = quantity(table["scatter"]) if "scatter" in table else None
-        if found.values is None and scatter is not None and scatter[1] == "%":
-            found.part, scatter = scatter[0] / 100, None
-        elif scatter is not None:
-            value = found.level * scatter[0] / 100 if scatter[1] == "%" else scatter[0] * (factor(scatter[1], found.unit) or np.nan)
-            found.scatter = value
-        if "scatter" in table and not found.part and (scatter is None or not (found.scatter or 0) >= 0 or not np.isfinite(found.scatter)):
-            self.error(f"{path}.scatter", f"= {table['scatter']!r} is not allowed", f"a standard deviation in {found.unit or 'no unit'} or in %")
+        found.n = table["n"] or found.n
+        if table["scatter"]:
+            scatter, unit = table["scatter"]
+            if found.values is None and unit == "%":
+                found.part = scatter / 100
+            else:
+                found.scatter = found.level * scatter / 100 if unit == "%" else scatter * (factor(unit, found.unit) or np.nan)
+            if not (found.part if found.scatter is None else found.scatter) >= 0:
+                self.refuse("measured", "scatter", path, given)
         if any(other.name == found.name for other in test.measured):
             self.error(path, f"is the second one of {found.name} in this test", "values = [...] of several specimens; another test")
         test.measured.append(found)
 
-    def one_number(self, test, table, path, use):
-        name = table["number"]
-        unit = unit_of("summary", name) if isinstance(name, str) else None
-        if unit is None:
-            near = difflib.get_close_matches(str(name), _outputs()["summary"], 3)
-            self.error(f"{path}.number", f"= {name!r} is not a number of the summary", ", ".join(near) or "see scenarios/OUTPUTS.md")
-            return None
-        found = Measured(test, name, use, None, None, unit=unit)
-        if use == "candidate" and "values" not in table:
-            return found
-        given = self.quantities(table.get("values"), f"{path}.values")
-        if given is None:
-            return None
-        if (scale := factor(given[1], unit)) is None:
-            self.error(f"{path}.values", f"are in {given[1]}", f"a unit of {name}: {unit or 'none'}")
-            return None
-        values = given[0] * scale
-        found.values = np.array([values.mean()])
-        if len(values) > 2 and "scatter" not in table:  # of the specimens themselves
-            found.scatter = float(values.std(ddof=1))
+    def one_number(self, test, table, path, given):
+        unit = self.number(table["number"], f"{path}.number")
+        found = Measured(test, table["number"], table["use"], None, None, unit=unit)
+        if table["values"] is None:
+            if table["use"] != "candidate" and "values" not in given:
+                self.error(path, "has no `values`", keys["measured"]["values"]["allowed"])
+        elif unit is not None:
+            values, own = table["values"]
+            scale = factor(own, unit)
+            if scale is None:
+                self.error(f"{path}.values", f"are in {own}", f"a unit of {found.name}: {unit or 'none'}")
+                return None
+            found.values, found.n = np.array([values.mean() * scale]), len(values)
+            if len(values) > 2:  # of the specimens themselves
+                found.scatter = float(values.std(ddof=1)) * scale
         return found
 
-    def curve(self, test, table, path, use):
-        columns, units = [], []
-        for key in ("x", "y"):
-            name, _, column = str(table.get(key, "")).partition(".")
+    def curve(self, test, table, path, given):
+        points, own, columns, units = table["points"], table["units"], [], []
+        for key in "xy":
+            name, _, column = (table[key] or "").partition(".")
             columns.append((name, column))
             units.append(unit_of(name, column))
             if units[-1] is None:
-                known = [f"{name}.{row}" for row in _outputs().get(name, {})] or ["stress_strain.stress", "reactions.NAME_force_x"]
-                self.error(f"{path}.{key}", f"= {table.get(key)!r} is not a column of a table of the run", ", ".join(known[:12]))
-        factors = table.get("factors", [1, 1])
-        if not (isinstance(factors, list) and len(factors) == 2 and all(isinstance(f, (int, float)) and f for f in factors)):
-            self.error(f"{path}.factors", "are not allowed", "factors = [1, -1]: of the x and the y of the run")
-            factors = [1, 1]
-        given = table.get("units", ["", ""])
-        if "curve" in table:
-            file = self.file.parent / str(table["curve"])
+                known = [f"{name}.{row}" for row in _outputs().get(name, {})]
+                self.error(f"{path}.{key}", f"= {table[key]!r} is not a column of a table of the run",
+                           ", ".join(known[:12]) or allowed(keys["measured"][key]))
+        if table["curve"]:
             try:
-                points = knap.read_csv(file)
-                given = [points.units[name] or unit for name, unit in zip(points, given)]
-                points = np.array(list(points.values())[:2], float).T
-            except (OSError, ValueError, KeyError, StopIteration, AttributeError) as error:
-                self.error(f"{path}.curve", f"= {table['curve']!r} cannot be read: {error}", "a csv file of two columns, `x [UNIT],y [UNIT]` in its first line")
-                return None
-        else:
-            try:
-                points = np.array(table["points"], float)
-            except (TypeError, ValueError):
+                read = knap.read_csv(self.file.parent / table["curve"])
+                own = [read.units[name] or unit for name, unit in zip(read, own)]
+                points = np.array(list(read.values())[:2], float).T
+            except (OSError, ValueError, StopIteration, AttributeError):
                 points = np.zeros((0, 0))
-        if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 2 or not np.isfinite(points).all() or not (np.diff(points[:, 0]) > 0).all():
-            self.error(f"{path}.{'curve' if 'curve' in table else 'points'}", "are not allowed", "two or more pairs of numbers [x, y], x ascending")
+        if points.shape[1:] != (2,) or len(points) < 2 or not (np.diff(points[:, 0]) > 0).all():
+            self.refuse("measured", "curve" if table["curve"] else "points", path, given)
             return None
-        if None in units:
+        scales = [factor(unit, of or "") for unit, of in zip(own, units)]
+        if None in scales and None not in units:
+            self.error(f"{path}.units", f"= {own!r} is not allowed", f"units of {table['x']}: {units[0]}, of {table['y']}: {units[1]}")
+        if None in scales or None in units:
             return None
-        for column in range(2):
-            if (scale := factor(given[column], units[column])) is None:
-                self.error(f"{path}.units", f"= {given!r}: {given[column]} is not allowed", f"a unit of {table['xy'[column] if 'xy'[column] in table else 'x']}: {units[column]}")
-                return None
-            points[:, column] *= scale
-        return Measured(test, columns[1][1], use, points[:, 1], None, x=points[:, 0], columns=columns, factors=factors, unit=units[1], x_unit=units[0])
+        x, y = (points * scales).T
+        return Measured(test, columns[1][1], table["use"], y, None, x=x, columns=columns, factors=table["factors"], unit=units[1], x_unit=units[0])
+
+    def expect(self, name, given, parameters):
+        """Value of the mean of the posterior, and how far from it the mean may lie."""
+        table, unit = self.table(given, "expect", f"expect.{name}"), next((p.unit for p in parameters if p.name == name), None)
+        if unit is None:
+            self.error(f"expect.{name}", "is not a parameter", ", ".join(p.name for p in parameters))
+            return None
+        for key, units in (("value", [unit]), ("within", ["%", unit])):
+            if table[key] and table[key][1] not in units:
+                self.refuse("expect", key, f"expect.{name}", given)
+        (value, _), (within, of) = table["value"] or (0, ""), table["within"] or (0, "")
+        return value, within * value / 100 if of == "%" != unit else within
 
 
 def read(file, check_scenarios=True):
     """The Problem of a file; raises Mistakes."""
     reader = _Reader(file)
-    root = reader.root
-    reader.keys(root, "", "")
-    if root.get("knap_fit") != 1:
-        reader.error("knap_fit", "is the version of the file", "knap_fit = 1")
-    for kind in ("parameter", "test", "expect"):
-        if not isinstance(root.get(kind, {}), dict):
-            reader.error(kind, "is not a table")
-            root[kind] = {}
-    options = root.get("fit", {})
-    if not reader.keys(options, "fit", "fit"):
-        options = {}
-    found = {key: reader.number(options, key, "fit", defaults[key], low, high, whole) for key, low, high, whole in (
-        ("budget", 1, 1e6, True), ("seeds", 1, 1000, True), ("first", 0, 1e5, True), ("draws", 100, 1e5, True),
-        ("seed", 0, 2**31, True), ("shrink", 0, 1, False), ("interval", 0.5, 0.999, False)) if key in options}
-    if "interval" in found:
-        found["interval"] *= 100
-    for key, words in (("method", ["posterior", "least squares"]), ("design", ["adaptive", "random"])):
-        found[key] = options.get(key, defaults[key])
-        if found[key] not in words:
-            reader.error(f"fit.{key}", f"= {found[key]!r} is not allowed", ", ".join(f'"{word}"' for word in words))
-    found["model_error"] = options.get("model_error", "auto")
-    if found["model_error"] not in ("auto", "none", "fitted"):
-        reader.error("fit.model_error", f"= {found['model_error']!r} is not allowed", '"auto" (where the data need one), "none", "fitted"')
-    parameters = [reader.parameter(*item) for item in root.get("parameter", {}).items()]
-    tests = [reader.test(name, table, found.get("seeds", 1)) for name, table in root.get("test", {}).items()]
-    if not parameters:
-        reader.error("parameter", "is missing", '[parameter.NAME] with key and bounds')
-    if not tests:
-        reader.error("test", "is missing", "[test.NAME] with scenario and [[test.NAME.measured]]")
-    expect = root.get("expect", {})
-    found["expect"] = {}  # name: its value and the part or the value within which the mean of the posterior must lie
-    for name, table in expect.items():
-        of = next((p for p in parameters if p and p.name == name), None)
-        value, within = (quantity(table.get(key)) for key in ("value", "within")) if isinstance(table, dict) else (None, None)
-        if of is None or not value or not within or value[1] != of.unit or within[1] not in ("%", of.unit):
-            reader.error(f"expect.{name}", "is not allowed", 'PARAMETER = { value = "2 MPa", within = "10 %" }, in the unit of its bounds')
-        else:
-            found["expect"][name] = (value[0], within[0] * value[0] / 100 if within[1] == "%" and of.unit != "%" else within[0])
-    sensitivity = root.get("sensitivity", {})
-    if reader.keys(sensitivity, "sensitivity", "sensitivity"):
-        found["trajectories"] = reader.number(sensitivity, "trajectories", "sensitivity", 8, 2, 1000, True)
-        found["numbers"] = sensitivity.get("numbers", [])
-        for name in found["numbers"] if isinstance(found["numbers"], list) else [found["numbers"]]:
-            if not isinstance(name, str) or unit_of("summary", name) is None:
-                reader.error("sensitivity.numbers", f"{name!r} is not a number of the summary", "see scenarios/OUTPUTS.md")
-    if all(parameters) and all(tests) and not any(m.use == "fit" for test in tests for m in test.measured) and not found.get("numbers"):
+    top = reader.table(reader.root, "top", "")
+    options = {**reader.table(top["fit"], "fit", "fit"), **reader.table(top["sensitivity"], "sensitivity", "sensitivity")}
+    parameters = [reader.parameter(name, table, top["test"]) for name, table in top["parameter"].items()]
+    tests = [reader.test(name, table, options["seeds"]) for name, table in top["test"].items()]
+    options["expect"] = {name: reader.expect(name, table, parameters) for name, table in top["expect"].items()}
+    for name in options["numbers"]:
+        reader.number(name, "sensitivity.numbers")
+    problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options)
+    if not (problem.fitted or options["numbers"] or reader.found):
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]]; [sensitivity] numbers for knap-sensitivity")
-    problem = Problem(str(root.get("name", pathlib.Path(file).stem)), [p for p in parameters if p], [t for t in tests if t], found)
     if check_scenarios:
         _check_scenarios(reader, problem)
     if reader.found:
@@ -456,9 +442,7 @@ def read(file, check_scenarios=True):
 def _check_scenarios(reader, problem):
     """What the program says of every scenario with its parameters at both bounds."""
     for test in problem.tests:
-        if not test.scenario:
-            continue
-        for u in (0.0, 1.0):
+        for u in (0.0, 1.0) if test.scenario else ():
             command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "--force", "-o", "/nonexistent/knap_fit"]
             for key, value in problem.set_of(test, [u] * len(problem.parameters)).items():
                 command += ["-s", f"{key}={value}"]

@@ -3,10 +3,12 @@ import concurrent.futures
 import csv
 import hashlib
 import json
+import os
 import pathlib
 import shlex
 import shutil
 import subprocess
+import threading
 
 import numpy as np
 
@@ -14,70 +16,91 @@ import knap
 
 # the runs draw nothing, keep no frames, and may miss [expect]
 _short = {"output.fields": "false", "output.report": "false", "figure": "", "expect": "", "study": "", "sweep": ""}
+_interrupted = 130  # exit code
 
 
 class Stop(Exception):
     """No run is started: the text says why."""
 
 
-class Runs:
-    """`points`: places in the unit cube, a row each. `values[measured]`: an array over points, seeds and its places; nan: the
-    run failed or has no such value. `exits`: exit code of every (point, test, seed). `simulate(test, u, seed)`, for tests of
-    this package, stands for a run: it returns what has `summary` and `table`. `own_seeds`: every point has seeds of its own, so
-    that the emulator averages over meshes; otherwise all points share theirs, for slopes."""
+def table(file, head, rows):
+    """Writes a csv file; a reader, or a process that was ended, finds the old one or the new one."""
+    new = file.with_suffix(".new")
+    with open(new, "w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows([[f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row] for row in rows])
+    os.replace(new, file)
 
-    def __init__(self, problem, directory, jobs=1, print_commands=False, force=False, simulate=None, own_seeds=True):
+
+class Runs:
+    """`points`: places in the unit cube, a row each, of the values that the runs get (six digits; points.csv). `why[job]`, for
+    each job (point, test, seed) that is done: "", or why it failed. Points and run.json of the runs are the whole state.
+    `own_seeds`: every point has seeds of its own, so that the emulator averages over meshes; otherwise all points share theirs,
+    for slopes."""
+
+    def __init__(self, problem, directory, jobs=1, print_commands=False, force=False, own_seeds=True):
         self.problem, self.directory, self.jobs, self.print_commands = problem, pathlib.Path(directory), jobs, print_commands
-        self.own_seeds, self.simulate, self.exits, self.why = own_seeds, simulate, {}, {}
-        self.points = np.zeros((0, len(problem.parameters)))
-        self.values, self.summaries = {}, {}
+        self.own_seeds = own_seeds
+        self.why, self._answers = {}, {}
+        self._children, self._lock, self._ended = set(), threading.Lock(), False
+        self.values = []  # of the parameters at each point, in the units of the keys
         self._start(force)
 
     @property
     def n_runs(self):
-        return len(self.exits)
+        return len(self.why)
+
+    def counted(self):
+        failed = [why for why in self.why.values() if why]
+        return f"{len(self.why)} runs, {len(failed)} failed" + (f" (the first: {failed[0][:120]})" if failed else "")
 
     @property
     def per_point(self):
         return sum(test.seeds for test in self.problem.tests)
 
+    @property
+    def points(self):
+        parameters = self.problem.parameters
+        return np.array([[p.place(value) for p, value in zip(parameters, row)] for row in self.values]).reshape(-1, len(parameters))
+
     def _start(self, force):
         self.directory.mkdir(parents=True, exist_ok=True)
-        described = [[p.name, p.keys, p.low, p.high, p.unit, p.log] for p in self.problem.parameters]
+        described = [self.own_seeds, *([p.name, p.keys, p.low, p.high, p.unit, p.log] for p in self.problem.parameters)]
         for test in self.problem.tests:
             file = pathlib.Path(test.scenario)
             text = hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else test.scenario
             described.append([test.name, text, test.set, test.seeds, test.first_seed])
-        mark, text = self.directory / "problem.json", json.dumps(described)
-        old = mark.read_text() if mark.exists() else text
-        if old != text and not force:
+        data = [[m.title, m.use, m.n, m.scatter, np.ravel(m.values).tolist()] for m in self.problem.measured if m.values is not None]
+        data += [self.problem.options[key] for key in ("interval", "model_error", "seed")]
+        mark, points = self.directory / "problem.json", self.directory / "points.csv"
+        old = json.loads(mark.read_text()) if mark.exists() else [described, data]
+        if old[0] != described and not force:
             raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds; -o for another directory, --force to begin anew")
-        if old != text or force:
-            for name in ("points.csv", "exits.csv"):
-                (self.directory / name).unlink(missing_ok=True)
+        if old[0] != described or force:
+            points.unlink(missing_ok=True)
             shutil.rmtree(self.directory / "runs", ignore_errors=True)
-        mark.write_text(text)
-        if (self.directory / "points.csv").exists():
-            table = knap.read_csv(self.directory / "points.csv")
-            self.points = np.array([table[p.name] for p in self.problem.parameters]).T.reshape(-1, len(self.problem.parameters))
-        if (self.directory / "exits.csv").exists():
-            with open(self.directory / "exits.csv", newline="") as lines:
-                for point, test, seed, code, why in list(csv.reader(lines))[1:]:
-                    self.exits[int(point), test, int(seed)], self.why[int(point), test, int(seed)] = int(code), why
-        self._fill()
+        if old != [described, data] or force:
+            (self.directory / "convergence.csv").unlink(missing_ok=True)  # of other measurements of the same runs
+        if old != [described, data] or not mark.exists():
+            mark.write_text(json.dumps([described, data]))
+        if points.exists():
+            self.values = list(zip(*(map(float, column) for column in knap.read_csv(points).values())))
 
     def add(self, points):
         """Adds points and does what remains to be done of all of them."""
-        self.points = np.vstack([self.points, np.reshape(points, (-1, len(self.problem.parameters)))])
-        with open(self.directory / "points.csv", "w", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            rows.writerow([p.name for p in self.problem.parameters])
-            rows.writerows([[repr(float(x)) for x in u] for u in self.points])
+        self.values += [self.problem.rounded(u) for u in np.reshape(points, (-1, len(self.problem.parameters)))]
+        table(self.directory / "points.csv", [p.title for p in self.problem.parameters], self.values)
         self.finish()
 
-    def remaining(self):
-        return [(k, test, seed) for k in range(len(self.points)) for test in self.problem.tests
-                for seed in range(test.first_seed, test.first_seed + test.seeds) if (k, test.name, seed) not in self.exits]
+    def at(self, points):
+        """The numbers of these points, after those that are new have been added."""
+        rows = [self.problem.rounded(u) for u in points]
+        self.add(list({row: u for u, row in zip(points, rows) if row not in self.values}.values()))
+        return [self.values.index(row) for row in rows]
+
+    def _jobs(self):
+        return [(k, test, seed) for k in range(len(self.values)) for test in self.problem.tests for seed in test.all_seeds]
 
     def folder(self, k, test, seed):
         return self.directory / "runs" / f"{test.name}_p{k + 1}_s{seed}"
@@ -91,75 +114,70 @@ class Runs:
             words += ["-s", f"{key}={value}"]
         return words
 
-    def _run(self, job):
-        k, test, seed = job
-        if self.simulate:
-            try:
-                return job, 0, "", self.simulate(test, self.points[k], self.seed(k, test, seed))
-            except knap.KnapError as error:
-                return job, 3, str(error), None
-        done = subprocess.run(self.command(*job), capture_output=True, text=True)
-        why = "" if done.returncode in (0, 4) else (done.stderr.strip().splitlines() or ["no message"])[0]
-        file = self.folder(*job) / "run.json"
-        if done.returncode == 3 and file.exists():
-            why = json.loads(file.read_text()).get("reason") or why
-        return job, done.returncode, why, None
-
-    def finish(self):
-        """Does the runs that remain; a failed one (exit code 3; 2: no scenario there) is noted and the rest goes on."""
-        jobs = [job for job in self.remaining() if not self._is_there(job)]
-        if jobs and self.print_commands:
-            raise Stop("\n".join(" ".join(map(shlex.quote, self.command(*job))) for job in jobs))
-        with concurrent.futures.ThreadPoolExecutor(self.jobs) as pool:
-            for (k, test, seed), code, why, run in pool.map(self._run, jobs):
-                if code not in (0, 2, 3, 4) or why.startswith("error[run-"):  # of another process, of another program
-                    raise Stop(f"a run ended with exit code {code}: {why}")
-                self._note(k, test, seed, code, why)
-                if run is not None:
-                    self._take(k, test, seed, run)
-        self._fill()
-
-    def _is_there(self, job):
-        """Whether a run is done that another process started, as by --print-commands; it is noted."""
+    def _recorded(self, job):
+        """What run.json says of a run, whichever process made it: "" where it is good, why it failed; None: it is not done."""
         file = self.folder(*job) / "run.json"
         info = json.loads(file.read_text()) if file.exists() else {}
         if info.get("status") not in ("done", "failed"):
-            return False
+            return None
         good = info["status"] == "done" and all(gate["pass"] for gate in info["gates"])
-        self._note(*job, 0 if good else 3, "" if good else info.get("reason", "a gate"))
-        return True
+        return "" if good else info.get("reason") or "a gate"
 
-    def _note(self, k, test, seed, code, why):
-        self.exits[k, test.name, seed], self.why[k, test.name, seed] = code, why
-        new = not (self.directory / "exits.csv").exists()
-        with open(self.directory / "exits.csv", "a", newline="") as file:
-            rows = csv.writer(file, lineterminator="\n")
-            if new:
-                rows.writerow(["point", "test", "seed", "exit", "why"])
-            rows.writerow([k, test.name, seed, code, why])
+    def _run(self, job):
+        """Does a run; returns its exit code and what it said."""
+        with self._lock:
+            if self._ended:
+                return _interrupted, ""
+            child = subprocess.Popen(self.command(*job), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            self._children.add(child)
+        lines = child.communicate()[1].strip().splitlines()
+        with self._lock:
+            self._children.discard(child)
+        return child.returncode, lines[0] if lines else "no message"
 
-    def _take(self, k, test, seed, run):
-        self.summaries[k, test.name, seed] = {name: value for name, value in run.summary.items() if isinstance(value, (int, float))}
-        for measured in test.measured:
-            self.values[measured.title, k, seed] = measured.of(run)
+    def finish(self):
+        """Does the runs that remain; a failed one (exit code 3; 2: no scenario there) is noted and the rest goes on. When this
+        process is interrupted it ends its runs; each leaves a checkpoint from which it goes on."""
+        jobs = []
+        for job in self._jobs():
+            if job not in self.why and (why := self._recorded(job)) is not None:
+                self.why[job] = why
+            elif job not in self.why:
+                jobs.append(job)
+        if jobs and self.print_commands:
+            raise Stop("\n".join(" ".join(map(shlex.quote, self.command(*job))) for job in jobs))
+        pool = concurrent.futures.ThreadPoolExecutor(self.jobs)
+        try:
+            for job, (code, text) in zip(jobs, pool.map(self._run, jobs)):
+                if code == _interrupted:
+                    raise KeyboardInterrupt
+                if code not in (0, 2, 3, 4) or text.startswith("error[run-"):  # of another process, of another program
+                    raise Stop(f"a run ended with exit code {code}: {text}")
+                self.why[job] = "" if code in (0, 4) else self._recorded(job) or text
+        except BaseException:
+            with self._lock:
+                self._ended = True
+                for child in self._children:
+                    child.terminate()
+            raise
+        finally:
+            pool.shutdown(cancel_futures=True)
 
-    def _fill(self):
-        for k in range(len(self.points)):
-            for test in self.problem.tests:
-                for seed in range(test.first_seed, test.first_seed + test.seeds):
-                    if self.exits.get((k, test.name, seed)) in (0, 4) and (k, test.name, seed) not in self.summaries and not self.simulate:
-                        self._take(k, test, seed, knap.Run(self.folder(k, test, seed)))
+    def answers(self, test):
+        """The Run of each point and seed of a test; None where it failed."""
+        jobs = [job for job in self._jobs() if job[1] is test]
+        for job in jobs:
+            if job not in self._answers and self.why.get(job) == "":
+                self._answers[job] = knap.Run(self.folder(*job))
+        return [self._answers.get(job) for job in jobs]
 
     def of(self, measured):
-        """Values of a measurement: an array over points, seeds and places."""
-        test, nothing = measured.test, np.full(measured.size, np.nan)
-        return np.array([[self.values.get((measured.title, k, seed), nothing) for seed in range(test.first_seed, test.first_seed + test.seeds)]
-                         for k in range(len(self.points))]).reshape(len(self.points), test.seeds, measured.size)
+        """Values of a measurement: an array over points, seeds and places; nan: the run failed or has no such value."""
+        found = [measured.of(run) if run else np.full(measured.size, np.nan) for run in self.answers(measured.test)]
+        return np.reshape(found, (len(self.values), measured.test.seeds, measured.size))
 
     def numbers(self, test, name):
         """A number of the summary, mean over seeds, for every point."""
-        found = [[self.summaries.get((k, test.name, seed), {}).get(name, np.nan) for seed in range(test.first_seed, test.first_seed + test.seeds)]
-                 for k in range(len(self.points))]
-        found = np.array([[np.nan if value is None else value for value in row] for row in found], float)
+        found = np.array([run.summary.get(name, np.nan) if run else np.nan for run in self.answers(test)], float).reshape(-1, test.seeds)
         count = np.isfinite(found).sum(axis=1)
         return np.where(count > 0, np.nansum(found, axis=1) / np.maximum(count, 1), np.nan)

@@ -4,35 +4,29 @@ import numpy as np
 import knap
 
 from . import report
-from .emulator import Emulator, need
+from .emulator import Emulator
 from .inference import sobol
 
 
 def trajectories(k, n, seed, levels=4):
     """Design of Morris (Technometrics 33 (1991) 161): n walks through a grid of the unit cube, each of k + 1 points, of which
-    two successive ones differ in one parameter by levels/(2 (levels - 1)). Returns points and the parameter of each step."""
+    two successive ones differ in one parameter by levels/(2 (levels - 1))."""
     rng, step = np.random.default_rng(seed), levels / (2 * (levels - 1))
-    points, steps = [], []
-    for _ in range(n):
-        u = rng.integers(0, levels // 2, k) / (levels - 1)
-        up = rng.integers(0, 2, k) == 1
-        points.append(np.where(up, u, u + step))
-        for i in rng.permutation(k):
-            u = points[-1].copy()
-            u[i] += step if up[i] else -step
-            points.append(u)
-            steps.append((len(points) - 2, len(points) - 1, i))
-    return np.array(points), steps
+    points = np.empty((n, k + 1, k))
+    for walk in points:
+        low, up = rng.integers(0, levels // 2, k) / (levels - 1), rng.integers(0, 2, k) == 1
+        walk[:] = np.where(up, low, low + step)
+        for j, i in enumerate(rng.permutation(k), 1):
+            walk[j:, i] += step if up[i] else -step
+    return points
 
 
-def morris(y, points, steps, k):
+def morris(y, points):
     """(mean of the absolute effects, deviation of the effects) of each parameter, over its whole range. A large deviation: the
     effect depends on the other parameters, or is not linear."""
-    effects = [[] for _ in range(k)]
-    for a, b, i in steps:
-        if np.isfinite(y[a]) and np.isfinite(y[b]):
-            effects[i].append((y[b] - y[a]) / (points[b, i] - points[a, i]))
-    return [(np.mean(np.abs(e)), np.std(e, ddof=1)) if len(e) > 1 else (np.nan, np.nan) for e in effects]
+    du, dy = np.diff(points, axis=1), np.diff(y.reshape(points.shape[:2]), axis=1)[:, :, None]
+    effects = np.divide(dy, du, out=np.full(du.shape, np.nan), where=du != 0).reshape(-1, du.shape[2])
+    return [(np.mean(np.abs(e)), np.std(e, ddof=1)) if len(e) > 1 else (np.nan, np.nan) for e in (column[np.isfinite(column)] for column in effects.T)]
 
 
 def sobol_indices(function, k, seed=1, n=2048):
@@ -53,12 +47,8 @@ def sobol_indices(function, k, seed=1, n=2048):
 def write(problem, runs):
     """Tables and a picture; what a terminal shows."""
     k, out = len(problem.parameters), runs.directory
-    points, steps = trajectories(k, problem.options.get("trajectories", 8), problem.options["seed"])
-    need("sklearn", "python3-sklearn", "the emulator")
-    filling = sobol(6 * k, k, problem.options["seed"])  # so that the emulator knows the inside, too
-    everything = np.vstack([points, filling])
-    runs.add(everything[len(runs.points):])
-    runs.finish()
+    points = trajectories(k, problem.options["trajectories"], problem.options["seed"])
+    place = runs.at(np.concatenate([*points, sobol(6 * k, k, problem.options["seed"])]))[:-6 * k]  # also inside, for the emulator
     names = {(test, name) for test in problem.tests for name in problem.options.get("numbers") or
              [m.name for m in test.measured if m.x is None]}
     rows = []
@@ -70,28 +60,28 @@ def write(problem, runs):
         emulator = Emulator(runs.points, y[:, None, None], float(np.nanmax(np.abs(y))))
         part = float(emulator.noise[0] / np.nanvar(y))
         indices = sobol_indices(lambda u: emulator(u)[0][:, 0], k)
-        for p, (mu, sigma), (first, total) in zip(problem.parameters, morris(y[:len(points)], points, steps, k), indices):
+        for p, (mu, sigma), (first, total) in zip(problem.parameters, morris(y[place], points), indices):
             rows.append([test.name, name, p.name, float(mu), float(sigma), float(mu / max(np.nanmean(np.abs(y)), 1e-300)), first, total, part])
     head = ["test", "number", "parameter", "mean effect", "deviation of effects", "effect over the mean", "Sobol first order", "Sobol total",
             "part of the seeds"]
-    report._table(out / "sensitivity.csv", head, rows)
+    report.table(out / "sensitivity.csv", head, rows)
     (out / "sensitivity.tex").write_text(knap.latex(head, rows, "Sensitivity of " + problem.name, digits=3), encoding="utf-8")
     for row in rows:
-        print(f"{row[0]}: {row[1]} on {row[2]}: " + (f"{row[5]:+.2g} of its mean over the bounds, {max(row[7], 0):.2f} of its variance"
+        print(f"{row[0]}: {row[1]} on {row[2]}: " + (f"{row[5]:.2g} of its mean over the bounds, {max(row[7], 0):.2f} of its variance"
                                                     if isinstance(row[5], float) else "it is the same in all runs or has no value"))
-    failed = sum(code not in (0, 4) for code in runs.exits.values())
-    notes = [f"{runs.n_runs} runs, {failed} failed. Effects: over the whole range of a parameter, from trajectories (Morris). Sobol: parts of the "
+    notes = [f"{runs.counted()}. Effects: over the whole range of a parameter, from trajectories (Morris). Sobol: parts of the "
              "variance of the mean over seeds, from an emulator; total minus first order is interaction."]
     report._page(out / "report.html", problem.name, notes, [("Sensitivity", head, rows)], _draw(rows, out))
     print(f"{notes[0]}\nsensitivity: {out}")
+    return True
 
 
 def _draw(rows, out):
-    plt = report.pyplot()
     numbers = list(dict.fromkeys((row[0], row[1]) for row in rows if isinstance(row[7], float)))
-    if plt is None or not numbers:
+    figure = report.figure_of(7, 1 + 1.8 * len(numbers))
+    if figure is None or not numbers:
         return []
-    figure, axes = plt.subplots(len(numbers), 1, figsize=(7, 1 + 1.8 * len(numbers)), squeeze=False)
+    axes = figure.subplots(len(numbers), squeeze=False)
     for axis, number in zip(axes[:, 0], numbers):
         mine = [row for row in rows if (row[0], row[1]) == number]
         place = np.arange(len(mine))
@@ -101,7 +91,4 @@ def _draw(rows, out):
         axis.set_title(f"{number[0]}: {number[1]}", fontsize="medium")
     axes[-1, 0].set_xlabel("part of the variance")
     axes[0, 0].legend(fontsize="small")
-    figure.tight_layout()
-    figure.savefig(out / "sensitivity.png", dpi=110)
-    plt.close(figure)
-    return [("Parts of the variance", "sensitivity.png")]
+    return [report.save(figure, out, "Parts of the variance", "sensitivity.png")]
