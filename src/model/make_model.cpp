@@ -5,6 +5,7 @@
 #include "element/triangle_matrices.hpp"
 #include "model/body_in_obstacles.hpp"
 #include "model/fans.hpp"
+#include "model/joined_polygons.hpp"
 #include "model/make_ground.hpp"
 #include "model/selections.hpp"
 #include "model/state.hpp"
@@ -324,6 +325,7 @@ Model make_model(ModelInput input) {
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);
     model.obstacles = std::move(input.obstacles);
+    join_fixed_polygons(model.obstacles);
     model.contact_of_pair = std::move(input.contact_of_pair);
     model.ground = make_ground(model);
     model.heat = std::move(input.heat);

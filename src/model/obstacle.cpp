@@ -57,14 +57,22 @@ ObstacleSurface::ObstacleSurface(const Outline& outline, const Pose& pose)
     : outline_(&outline),
       position_(pose.position),
       rotation_(Rotation::by(pose.angle)),
+      line_(outline.is_joined() ? Frame{Vec2::Zero(), Rotation::by(0)} : Frame{position_, rotation_}),
       normal_(rotation_.turned(outline.normal)),
       radius_(outline.radius) {
-    if (outline.kind == Outline::Kind::polygon)
-        for (const Vec2& p : outline.points) radius_ = std::max(radius_, p.norm());
+    if (outline.kind != Outline::Kind::polygon) return;
+    low_ = high_ = outline.points.front();
+    for (const Vec2& p : outline.points)
+        radius_ = std::max(radius_, p.norm()), low_ = low_.cwiseMin(p), high_ = high_.cwiseMax(p);
 }
 
 SurfaceDistance ObstacleSurface::distance_to(const Vec2& point) const {
     const Vec2 away = point - position_;
+    if (outline_->line) {
+        Vec2 normal;
+        const double gap = outline_->line->distance_to(line_.from(point), normal);
+        return {gap, line_.rotation.turned(normal)};
+    }
     switch (outline_->kind) {
         case Outline::Kind::half_plane: return {normal_.dot(away), normal_};
         case Outline::Kind::disc: {
@@ -75,11 +83,7 @@ SurfaceDistance ObstacleSurface::distance_to(const Vec2& point) const {
             const SurfaceDistance own = distance_to_polygon(outline_->points, rotation_.turned_back(away));
             return {own.gap, rotation_.turned(own.normal)};
         }
-        case Outline::Kind::polyline: {
-            Vec2 normal;
-            const double gap = outline_->line->distance_to(in_frame(point), normal);
-            return {gap, rotation_.turned(normal)};
-        }
+        case Outline::Kind::polyline: break;
     }
     return {0, Vec2(0, 1)};
 }
@@ -114,13 +118,11 @@ Vec2 ObstacleSurface::furthest(const Vec2& direction) const {
 bool ObstacleSurface::may_reach(const Vec2& point, double reach) const {
     const Vec2 away = point - position_;
     if (outline_->kind == Outline::Kind::half_plane) return normal_.dot(away) <= reach;
-    if (outline_->kind == Outline::Kind::polyline) return outline_->line->may_reach(in_frame(point), reach);
+    if (outline_->kind == Outline::Kind::polyline) return outline_->line->may_reach(line_.from(point), reach);
     if (away.squaredNorm() > (radius_ + reach) * (radius_ + reach)) return false;
     if (outline_->kind != Outline::Kind::polygon) return true;
-    const Vec2 p = in_frame(point);
-    Vec2 low = outline_->points.front(), high = low;  // its box
-    for (const Vec2& corner : outline_->points) low = low.cwiseMin(corner), high = high.cwiseMax(corner);
-    return ((p - high).array() <= reach).all() && ((low - p).array() <= reach).all();
+    const Vec2 p = rotation_.turned_back(away);
+    return ((p - high_).array() <= reach).all() && ((low_ - p).array() <= reach).all();
 }
 
 const ContactLaw& Obstacle::law_at(const Vec2& arm, double angle) const {

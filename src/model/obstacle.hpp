@@ -31,8 +31,11 @@ struct Outline {
     Vec2 normal = Vec2(0, 1);  // of a half plane, outward
     double radius = 0;         // [m] of a disc
     std::vector<Vec2> points;  // [m] of a polygon, counterclockwise, convex; of a polyline, ground on its left
-    std::shared_ptr<const Polyline> line;  // of a polyline
+    std::shared_ptr<const Polyline> line;  // of a polyline; or the surface that a polygon has together with others,
+                                           // in its place (joined_polygons.hpp)
+    Index owner = Polyline::nobody;        // of its sides in the line
 
+    bool is_joined() const { return kind == Kind::polygon && line; }
     bool is_bounded() const { return kind == Kind::disc || kind == Kind::polygon; }
 
     double area() const;           // [m2]; 0 of a half plane, negative of a clockwise polygon
@@ -57,39 +60,41 @@ public:
     /// further away after the motion [m] of the step. So a body that slides from one polygon to the next one passes the
     /// seam. Elsewhere, and of other outlines, as distance_to(point).
     SurfaceDistance distance_to(const Vec2& point, const Vec2& motion, double tolerance) const;
-    /// Calls visit(SurfaceDistance) for what the point may touch: that of a convex outline, of a polyline all planes as
+    /// Calls visit(SurfaceDistance) for what the point may touch: that of a convex outline, of a line all its planes as
     /// near as `reach` and as deep as `depth` [m].
     template <class Visit>
     void visit_planes(const Vec2& point, const Vec2& motion, double tolerance, double reach, double depth,
                       const Visit& visit) const {
-        if (outline_->kind != Outline::Kind::polyline) return visit(distance_to(point, motion, tolerance));
-        outline_->line->visit_planes(in_frame(point), rotation_.turned_back(motion), tolerance, reach, depth,
-                                     [&](double gap, const Vec2& normal) {
-                                         visit(SurfaceDistance{gap, rotation_.turned(normal)});
+        if (!outline_->line) return visit(distance_to(point, motion, tolerance));
+        outline_->line->visit_planes(line_.from(point), line_.rotation.turned_back(motion), tolerance, reach, depth,
+                                     outline_->owner, [&](double gap, const Vec2& normal) {
+                                         visit(SurfaceDistance{gap, line_.rotation.turned(normal)});
                                      });
     }
-    /// Likewise for the sides of a polyline beside which the point lies, in front of them.
+    /// Likewise for the sides of a line beside which the point lies, in front of them.
     template <class Visit>
     void visit_beside(const Vec2& point, double reach, const Visit& visit) const {
-        outline_->line->visit_beside(in_frame(point), reach, [&](double gap, const Vec2& normal) {
-            visit(SurfaceDistance{gap, rotation_.turned(normal)});
+        outline_->line->visit_beside(line_.from(point), reach, outline_->owner, [&](double gap, const Vec2& normal) {
+            visit(SurfaceDistance{gap, line_.rotation.turned(normal)});
         });
     }
-    /// Calls visit(i) for the points of a polyline within `reach` [m] of a place that may touch edges, and others; of a
+    /// Calls visit(i) for the corners, of a line within `reach` [m] of a place that may touch edges, and others; of a
     /// polygon for all.
     template <class Visit>
     void visit_corners(const Vec2& place, double reach, const Visit& visit) const {
         const Polyline* const line = outline_->line.get();
         for (std::size_t i = 0; !line && i < outline_->points.size(); ++i) visit(i);
         if (!line) return;
-        const auto look = [&](Index i) {
-            if (line->is_corner(i)) visit(static_cast<std::size_t>(i));
-        };
-        line->visit_near(in_frame(place), reach, [&](Index i) {
-            look(i);
-            if (i + 2 == line->n_points()) look(i + 1);
+        line->visit_points_near(line_.from(place), reach, [&](Index i) {
+            if (line->is_corner(i) && line->owner_of_point(i) == outline_->owner) visit(static_cast<std::size_t>(i));
         });
     }
+    /// [m] From the origin to a corner (visit_corners).
+    Vec2 arm_of_corner(std::size_t i) const {
+        if (!outline_->line) return rotation_.turned(outline_->points[i]);
+        return line_.rotation.turned(outline_->line->point(static_cast<Index>(i))) + (line_.position - position_);
+    }
+    Vec2 corner(std::size_t i) const { return position_ + arm_of_corner(i); }  // [m] its place
     /// Place [m] of a point of the outline.
     Vec2 place(std::size_t i) const { return position_ + rotation_.turned(outline_->points[i]); }
     /// A side of a polygon, from point i to the next one.
@@ -118,16 +123,18 @@ public:
         }
         return found;
     }
-    /// From point i to those before and after it; none beyond the ends of a polyline.
+    /// From corner i (visit_corners) to those before and after it; none beyond the ends of a line.
     template <class Visit>
     bool any_side_at(std::size_t i, const Visit& is_so) const {
         const std::vector<Vec2>& points = outline_->points;
-        const bool is_open = outline_->kind == Outline::Kind::polyline;
-        const auto side = [&](std::size_t j) -> Vec2 {
-            return rotation_.turned(points[j % points.size()] - points[i]);
-        };
-        return (!(is_open && i + 1 == points.size()) && is_so(side(i + 1))) ||
-               (!(is_open && i == 0) && is_so(side(i + points.size() - 1)));
+        bool any = false;
+        const auto look = [&](const Vec2& way, const Rotation& rotation) { any = any || is_so(rotation.turned(way)); };
+        if (outline_->line)
+            outline_->line->visit_sides_at(static_cast<Index>(i), [&](const Vec2& way) { look(way, line_.rotation); });
+        else
+            for (const std::size_t j : {i + 1, i + points.size() - 1})
+                look(points[j % points.size()] - points[i], rotation_);
+        return any;
     }
     /// A cheap test before distance_to: false only where the gap exceeds `reach` [m], or in a polyline the depth.
     bool may_reach(const Vec2& point, double reach) const;
@@ -138,13 +145,20 @@ public:
     double radius() const { return outline_->is_bounded() ? radius_ : infinity; }
 
 private:
-    Vec2 in_frame(const Vec2& place) const { return rotation_.turned_back(place - position_); }
+    struct Frame {
+        Vec2 position;  // [m]
+        Rotation rotation;
+
+        Vec2 from(const Vec2& place) const { return rotation.turned_back(place - position); }
+    };
 
     const Outline* outline_;
     Vec2 position_;  // [m]
     Rotation rotation_;
-    Vec2 normal_;    // of a half plane
-    double radius_;  // [m] of all points about the origin
+    Frame line_;                             // of the line
+    Vec2 normal_;                            // of a half plane
+    double radius_;                          // [m] of all points about the origin
+    Vec2 low_ = Vec2::Zero(), high_ = low_;  // [m] box of a polygon, in its frame
 };
 
 /// The prescribed motion of one component.

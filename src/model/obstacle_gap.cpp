@@ -28,7 +28,7 @@ ObstacleGap gap_to_polyline(const ObstacleSurface& line, const ObstacleSurface& 
         look(line.distance_to(x).gap, x);
     }
     line.visit_corners(polygon.position(), polygon.radius(), [&](std::size_t i) {
-        const Vec2 x = line.place(i);
+        const Vec2 x = line.corner(i);
         look(polygon.distance_to(x).gap, x);
     });
     return smallest;
@@ -95,7 +95,7 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
         if (distance >= radius) return {distance - radius, nearest};
         return {(along > 0 && along < 1 ? outward.dot(away) : distance) - radius, nearest};
     }
-    if (outline.kind == Kind::polyline) {
+    if (outline.line) {
         ObstacleGap smallest{infinity, a};
         const auto look = [&](double gap, const Vec2& place) {
             if (gap < smallest.gap) smallest = {gap, place};
@@ -103,7 +103,7 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
         for (const Vec2& end : {a, b}) look(surface.distance_to(end).gap, end);
         const double length = (b - a).norm();
         surface.visit_corners(a, 2 * length, [&](std::size_t i) {
-            const Vec2 p = surface.place(i);
+            const Vec2 p = surface.corner(i);
             const double height = outward.dot(p - a), along = (b - a).dot(p - a);
             const auto falls_towards_body = [&](const Vec2& side) { return outward.dot(side) < 0; };
             if (along > 0 && along < length * length && height > -length &&

@@ -77,14 +77,30 @@ std::vector<Vec2> roughened(const std::vector<Vec2>& points, const std::vector<R
     return rough;
 }
 
-Polyline::Polyline(const std::vector<Vec2>& points) {
-    assert(points.size() >= 2);
-    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-        const Vec2 way = points[i + 1] - points[i], along = way.normalized();
-        const double turn = i == 0 ? 0 : cross(sides_.back().along, along);
-        sides_.push_back({points[i], along, -turned_left(along), way.norm(), turn});
+Polyline::Polyline(const std::vector<Vec2>& points)
+    : Polyline([&] {
+          assert(points.size() >= 2);
+          std::vector<Part> parts;
+          const auto last = static_cast<Index>(points.size()) - 2;
+          for (Index i = 0; i <= last; ++i)
+              parts.push_back({points[i], points[i + 1], i - 1, i == last ? -1 : i + 1, nobody});
+          return parts;
+      }()) {}
+
+Polyline::Polyline(const std::vector<Part>& parts) {
+    std::vector<Vec2> points;
+    for (const auto& [start, end, before, after, owner] : parts) {
+        const Vec2 way = end - start, along = way.normalized();
+        if (after < 0) ends_.push_back(size());
+        sides_.push_back({start, end, along, -turned_left(along), way.norm(), 0, before, after, owner});
+        points.push_back(start), points.push_back(end);
+    }
+    for (Side& side : sides_) {
+        if (side.before < 0) continue;
+        const Vec2& before = sides_[side.before].along;
+        side.turn = cross(before, side.along);
         // a turn back by more than a right angle is as sharp as any
-        if (i > 0 && sides_[i - 1].along.dot(along) < 0) sides_[i].turn = turn > 0 ? 1 : -1;
+        if (before.dot(side.along) < 0) side.turn = side.turn > 0 ? 1 : -1;
     }
     for (const Vec2& p : points) radius_ = std::max(radius_, p.norm());
     const Box box = bounding_box(points);
@@ -94,14 +110,14 @@ Polyline::Polyline(const std::vector<Vec2>& points) {
     bins_.resize(sides_.size());
     const auto for_bins = [&](const auto& visit) {  // visit(side, bin)
         for (Index i = 0; i < size(); ++i)
-            for (std::size_t b = first_bin_[i], last = bin(std::max(point(i)[axis_], point(i + 1)[axis_])); b <= last;
-                 ++b)
+            for (std::size_t b = first_bin_[i], last = bin(std::max(parts[i].start[axis_], parts[i].end[axis_]));
+                 b <= last; ++b)
                 visit(i, b);
     };
-    for (Index i = 0; i < size(); ++i) first_bin_.push_back(bin(std::min(point(i)[axis_], point(i + 1)[axis_])));
+    for (Index i = 0; i < size(); ++i) first_bin_.push_back(bin(std::min(parts[i].start[axis_], parts[i].end[axis_])));
     for_bins([&](Index i, std::size_t b) {
         Bin& at = bins_[b];
-        for (const Vec2& end : {point(i), point(i + 1)})
+        for (const Vec2& end : {parts[i].start, parts[i].end})
             at.low = std::min(at.low, end[1 - axis_]), at.high = std::max(at.high, end[1 - axis_]);
         ++at.end;
     });
@@ -129,10 +145,10 @@ double Polyline::distance_to(const Vec2& p, Vec2& normal) const {
         if (length >= nearest) return;
         nearest = distance = length, normal = side.outward;
         const bool at_end = s == 0 || s == side.length;
-        const Index corner = s == 0 ? i : i + 1;
+        const Index other = s == 0 ? side.before : side.after;
+        const bool is_end = at_end && other < 0;
         Vec2 out = side.outward;  // at a corner the mean one tells the side
-        if (at_end && corner > 0 && corner < size()) out = sides_[corner - 1].outward + sides_[corner].outward;
-        const bool is_end = at_end && (corner == 0 || corner == size());
+        if (at_end && !is_end) out += sides_[other].outward;
         const bool is_in_ground = !is_end && out.dot(away) < 0;
         if (at_end && length > 0) normal = (is_in_ground ? -1 : 1) * away / length;
         if (is_in_ground) distance = -length;
@@ -154,23 +170,23 @@ bool Polyline::is_as_deep(const Vec2& p, double gap) const {
 bool Polyline::has(Index i, const Vec2& p, double gap, const Vec2& motion, double tolerance, double reach) const {
     const Side& side = sides_[i];
     const double s = side.along.dot(p - side.start);
-    const auto at_end = [&](Index corner, double beyond, const Side& other, AtCorner own) {
-        if (corner == 0 || corner == size()) return beyond <= 0;
-        const double turn = sides_[corner].turn;
-        if (turn < -flat) return beyond <= std::min(reach + std::abs(gap), beyond_reflex * side.length);
-        if (turn <= 0) {  // of a straight corner one side has the point, or both where it is below between them
-            const double between = std::max(-gap, 0.0) * -turn;
-            return own == AtCorner::first ? beyond < between : beyond <= between;
+    const auto at_end = [&](Index neighbour, double beyond, AtCorner own) {
+        if (neighbour < 0) return beyond <= 0;
+        const Side &other = sides_[neighbour], &one = own == AtCorner::first ? side : other,
+                   &two = own == AtCorner::first ? other : side;
+        if (two.turn < -flat) return beyond <= std::min(reach + std::abs(gap), beyond_reflex * side.length);
+        const Vec2 away = p - two.start;  // for both sides, so that one of them has the point
+        if (two.turn <= 0) {  // of a straight corner one side has the point, or both where it is below between them
+            const double between = std::max(-gap, 0.0) * -two.turn, after = two.along.dot(away);
+            return own == AtCorner::first ? after < between : -after <= between;
         }
-        const AtCorner found = at_corner(sides_[corner - 1], sides_[corner], p, motion, tolerance);
+        const AtCorner found = at_corner(one, two, p, motion, tolerance);
         if (found != AtCorner::none) return found == own;
         if (beyond > 0 || gap >= 0) return beyond <= 0;
-        const Vec2 away = p - sides_[corner].start;  // for both sides, so that one of them has the point
         const double of_own = side.outward.dot(away), of_other = other.outward.dot(away);
         return own == AtCorner::first ? of_own >= of_other : of_own > of_other;
     };
-    return at_end(i, -s, sides_[std::max<Index>(i - 1, 0)], AtCorner::second) &&
-           at_end(i + 1, s - side.length, sides_[std::min(i + 1, size() - 1)], AtCorner::first);
+    return at_end(side.before, -s, AtCorner::second) && at_end(side.after, s - side.length, AtCorner::first);
 }
 
 }  // namespace knap

@@ -1,6 +1,7 @@
 #pragma once
-// An open polyline with the ground on its left, the outline of a terrain. Its sides lie in bins along the longer side
-// of their box, so that a place asks only those near it, however many there are.
+// Polylines with the ground on their left: the open outline of a terrain, or the closed ones of polygons that have one
+// surface (model/joined_polygons). Their sides lie in bins along the longer side of their box, so that a place asks
+// only those near it, however many there are.
 #include "base/random.hpp"
 #include "base/vec.hpp"
 
@@ -30,24 +31,49 @@ std::vector<Vec2> roughened(const std::vector<Vec2>& points, const std::vector<R
 
 class Polyline {
 public:
+    /// A straight part; those before and after it, or -1 at an end; and whose it is.
+    struct Part {
+        Vec2 start, end;  // [m], not in one place
+        Index before, after, owner;
+    };
     struct Side {
-        Vec2 start, along, outward;  // [m], unit vectors; outward: out of the ground
-        double length;               // [m]
-        double turn;  // sine of the turn at its start, positive to the left: there the ground is convex; 0 of the first
+        Vec2 start, end;      // [m]
+        Vec2 along, outward;  // unit vectors; outward: out of the ground
+        double length;        // [m]
+        double turn;  // sine of the turn at its start, positive to the left: there the ground is convex; 0 at an end
+        Index before, after, owner;  // as of its part
     };
     static constexpr double flat = 1e-3;  // sine of a turn that is none: it would reach 1e-4 of an edge into a face
+    static constexpr Index nobody = -1;   // the owner of a terrain
     /// At least two points, none in the place of the one before it.
     explicit Polyline(const std::vector<Vec2>& points);
+    explicit Polyline(const std::vector<Part>& parts);
 
     const std::vector<Side>& sides() const { return sides_; }
     /// [m] Of all points about the origin.
     double radius() const { return radius_; }
-    Index n_points() const { return size() + 1; }
-    Vec2 point(Index i) const {
-        return i < size() ? sides_[i].start : Vec2(sides_.back().start + sides_.back().length * sides_.back().along);
+    /// The starts of all sides, and behind them the ends.
+    Index n_points() const { return size() + static_cast<Index>(ends_.size()); }
+    Vec2 point(Index i) const { return i < size() ? sides_[i].start : sides_[ends_[i - size()]].end; }
+    /// Calls visit(way [m]) for the sides at a point, from it to their other end.
+    template <class Visit>
+    void visit_sides_at(Index i, const Visit& visit) const {
+        if (i < size()) visit(Vec2(sides_[i].end - sides_[i].start));
+        if (const Index before = i < size() ? sides_[i].before : ends_[i - size()]; before >= 0)
+            visit(Vec2(sides_[before].start - sides_[before].end));
     }
+    Index owner_of_point(Index i) const { return sides_[i < size() ? i : ends_[i - size()]].owner; }
     /// The point may touch an edge between its ends: it is an end, or the ground is convex there.
-    bool is_corner(Index i) const { return i == 0 || i == size() || sides_[i].turn > flat; }
+    bool is_corner(Index i) const { return i >= size() || sides_[i].before < 0 || sides_[i].turn > flat; }
+    /// Calls visit(i) for the points at sides within `reach` [m] of p, and others.
+    template <class Visit>
+    void visit_points_near(const Vec2& p, double reach, const Visit& visit) const {
+        visit_near(p, reach, [&](Index i) {
+            visit(i);
+            if (sides_[i].after < 0)
+                visit(size() + static_cast<Index>(std::ranges::lower_bound(ends_, i) - ends_.begin()));
+        });
+    }
 
     /// [m] The distance of p, and the direction in which it grows; negative in the ground. What is nearest to an end of
     /// the polyline is not in the ground.
@@ -62,22 +88,26 @@ public:
             for (std::size_t k = b == 0 ? 0 : bins_[b - 1].end; k < bins_[b].end; ++k)
                 if (std::max(first, first_bin_[in_bins_[k]]) == b) visit(in_bins_[k]);
     }
-    /// Calls visit(gap, normal) for the sides beside which p lies, in front and not further away than `reach` [m].
+    /// Calls visit(gap, normal) for the sides of `owner` beside which p lies, in front and not further away than
+    /// `reach` [m].
     template <class Visit>
-    void visit_beside(const Vec2& p, double reach, const Visit& visit) const {
+    void visit_beside(const Vec2& p, double reach, Index owner, const Visit& visit) const {
         visit_near(p, reach, [&](Index i) {
             const Side& side = sides_[i];
+            if (side.owner != owner) return;
             const double gap = side.outward.dot(p - side.start), s = side.along.dot(p - side.start);
             if (gap >= 0 && gap <= reach && s >= 0 && s < side.length) visit(gap, side.outward);
         });
     }
-    /// Calls visit(gap, normal) for the planes of the sides that a point p may touch, as near as `reach` and as deep as
-    /// `depth` [m]: both where the ground is not convex; where it is, the one from which p is further away after the
-    /// `motion` [m] of the step, as far as p is within `tolerance` [m] of both, so that it passes from one to the next.
+    /// Calls visit(gap, normal) for the planes of the sides of `owner` that a point p may touch, as near as `reach` and
+    /// as deep as `depth` [m]: both where the ground is not convex; where it is, the one from which p is further away
+    /// after the `motion` [m] of the step, as far as p is within `tolerance` [m] of both, so that it passes from one to
+    /// the next.
     template <class Visit>
-    void visit_planes(const Vec2& p, const Vec2& motion, double tolerance, double reach, double depth,
+    void visit_planes(const Vec2& p, const Vec2& motion, double tolerance, double reach, double depth, Index owner,
                       const Visit& visit) const {
         visit_near(p, std::max(reach, depth), [&](Index i) {
+            if (sides_[i].owner != owner) return;
             const double gap = sides_[i].outward.dot(p - sides_[i].start);
             if (gap <= reach && gap >= -depth && has(i, p, gap, motion, tolerance, reach) &&
                 (gap >= -tolerance || is_as_deep(p, gap)))
@@ -100,6 +130,7 @@ private:
     bool has(Index i, const Vec2& p, double gap, const Vec2& motion, double tolerance, double reach) const;
 
     std::vector<Side> sides_;
+    std::vector<Index> ends_;  // sides after which there is none, ascending
     std::vector<Bin> bins_;
     std::vector<Index> in_bins_;          // sides, of one bin after the other
     std::vector<std::size_t> first_bin_;  // per side

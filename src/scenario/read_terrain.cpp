@@ -20,9 +20,10 @@ std::string fault_of(const std::vector<Vec2>& points) {
     std::string fault;
     const auto side = [&](Index i) { return Segment{line.point(i), line.point(i + 1)}; };
     for (Index i = 0; i + 1 < line.n_points() && fault.empty(); ++i) {
-        const auto& [start, along, outward, length, turn] = line.sides()[i];
-        if (i > 0 && line.sides()[i - 1].along.dot(along) < -1 + 1e-12) return "turns back on itself at " + nearby(i);
-        line.visit_near(start, length, [&](Index j) {
+        const Polyline::Side& at = line.sides()[i];
+        if (i > 0 && line.sides()[i - 1].along.dot(at.along) < -1 + 1e-12)
+            return "turns back on itself at " + nearby(i);
+        line.visit_near(at.start, at.length, [&](Index j) {
             if (j <= i + 1 || distance_between(side(i), side(j)) > 0 || !fault.empty()) return;
             const auto [a, b] = side(i);
             const auto [c, d] = side(j);

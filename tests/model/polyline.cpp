@@ -21,7 +21,7 @@ struct Plane {
 
 std::vector<Plane> planes_at(const Polyline& line, const Vec2& p, const Vec2& motion = Vec2::Zero()) {
     std::vector<Plane> found;
-    line.visit_planes(p, motion, 1e-6, 0.1, 0.1, [&](double gap, const Vec2& normal) {
+    line.visit_planes(p, motion, 1e-6, 0.1, 0.1, Polyline::nobody, [&](double gap, const Vec2& normal) {
         found.push_back({gap, normal});
     });
     return found;

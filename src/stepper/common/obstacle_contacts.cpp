@@ -131,7 +131,7 @@ bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x,
                                     const State& begin) const {
     const ObstacleSurface& surface = surfaces_[o];
     const Outline& outline = surface.outline();
-    if (!outline.is_bounded() || begin.split_rank[at.fan] >= 0) return false;
+    if (!outline.is_bounded() || outline.line || begin.split_rank[at.fan] >= 0) return false;
     const auto corners = model_.corners(model_.fans[at.fan]);
     const Index next = next_[corners.front()], previous = previous_[corners.back()];
     if (next < 0 || previous < 0) return false;
@@ -167,8 +167,8 @@ void ObstacleContacts::find_at_corner(const Candidate& at, Index o, const State&
                  most = v.lpNorm<1>() + kick * force.lpNorm<1>();  // [m/s] at least its speed
     const ObstacleSurface& surface = surfaces_[o];
     const Vec2 arm = x - surface.position();
-    // in front of a polyline as deep as an edge
-    const double depth = surface.outline().kind == Outline::Kind::polyline ? corner_size_[c] : 0;
+    // in front of a line as deep as an edge
+    const double depth = surface.outline().line ? corner_size_[c] : 0;
     // nearly all corners are far, so at first without roots
     const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>();
     if (!surface.may_reach(x, rounded_up * (nearest + in_steps * (most + most_of_obstacle)) + depth)) return;
@@ -283,7 +283,7 @@ void ObstacleContacts::find_of_pieces(const State& begin, double h, const std::v
             bool any = kind == Outline::Kind::disc;
             if (kind == Outline::Kind::polygon || kind == Outline::Kind::polyline)
                 surfaces_[o].visit_corners(begin.rigid_pieces[p].centre, reach, [&](std::size_t corner) {
-                    any = any || (surfaces_[o].place(corner) - begin.rigid_pieces[p].centre).norm() <= reach;
+                    any = any || (surfaces_[o].corner(corner) - begin.rigid_pieces[p].centre).norm() <= reach;
                 });
             if (any) meets_edges.push_back({o, p});
         }
@@ -368,13 +368,13 @@ bool ObstacleContacts::is_in_front_of_next(const Edge& edge, const PlacedEdge& a
 void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at, Index o, std::size_t corner,
                                          const State& begin, double h) {
     const ObstacleSurface& surface = surfaces_[o];
-    const Vec2 arm = surface.rotation().turned(surface.outline().points[corner]), x = surface.position() + arm;
+    const Vec2 arm = surface.arm_of_corner(corner), x = surface.position() + arm;
     const double share = at.along.dot(x - at.x_a) / (at.length * at.length), gap = at.outward.dot(x - at.x_a);
     if (share <= end_of_edge || share >= 1 - end_of_edge || gap < -edge.depth) return;
     if (surface.any_side_at(corner,
                             [&](const Vec2& side) { return at.outward.dot(side) < -corner_cone * side.norm(); }))
         return;
-    if (gap < 0 && surface.outline().kind == Outline::Kind::polyline && is_in_front_of_next(edge, at, x, begin)) return;
+    if (gap < 0 && surface.outline().line && is_in_front_of_next(edge, at, x, begin)) return;
     const double as_near = gap + almost_as_near * at.length;
     if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) return;
     add_on_edge({.corner = edge.a,

@@ -58,7 +58,7 @@ void find_on_line(const Two& pair, int line, double reach, std::vector<Facing>& 
         found.push_back({line, centre - radius * at.normal, at.normal, at.gap - radius});
     });
     ground.visit_corners(centre, radius + reach, [&](std::size_t i) {
-        const Vec2 away = centre - ground.place(i);
+        const Vec2 away = centre - ground.corner(i);
         const double distance = away.norm();
         if (distance > radius + reach || ground.any_side_at(i, [&](const Vec2& side) { return side.dot(away) > 0; }))
             return;
@@ -78,7 +78,7 @@ void find_on_terrain(const Two& pair, int line, double reach, double tolerance, 
         });
     }
     ground.visit_corners(polygon.position(), polygon.radius() + reach, [&](std::size_t i) {
-        const Vec2 x = ground.place(i);
+        const Vec2 x = ground.corner(i);
         const auto [number, gap, nearest] = polygon.furthest_side([&](const Vec2&) { return x; });
         if (gap > reach || gap < -depth) return;
         const auto [a, b, normal] = polygon.side(number);
@@ -95,7 +95,7 @@ void find_facing(const Two& pair, double reach, double tolerance, std::vector<Fa
     found.clear();
     const auto is = [&](int k, PairKind kind) { return pair[k].outline().kind == kind; };
     for (const int k : {0, 1})
-        if (is(k, PairKind::polyline)) {
+        if (pair[k].outline().line) {
             if (is(1 - k, PairKind::disc)) find_on_line(pair, k, reach, found);
             else if (is(1 - k, PairKind::polygon)) find_on_terrain(pair, k, reach, tolerance, found);
             return;

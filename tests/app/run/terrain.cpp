@@ -75,6 +75,34 @@ TEST_CASE("terrain: a body slides on a straight terrain of many sides as on a pl
     }
 }
 
+TEST_CASE("terrain: a square slides over the seams of flush slabs as on one plane") {
+    const Folder folder("seams");
+    const std::string slabs = [] {
+        std::string text;
+        for (int k = -4; k < 6; ++k) {  // seams at 0, 0.37, 0.74 ...
+            if (k > -4) text += "[[obstacle]]\nname = \"slab" + std::to_string(k) + "\"\n";
+            const double x = 0.37 * k;
+            text += "shape = \"polygon\"\npoints = [" + point(x, -1) + ", " + point(x + 0.37, -1) + ", " +
+                    point(x + 0.37, 0) + ", " + point(x, 0) + "]\nfriction = 0.3\n";
+        }
+        return text;
+    }();
+    const std::string time = "[time]\nend = 0.2\n[[initial]]\nvelocity = [4, 0]\n";
+    for (const char* more : {"", "[contact]\n[rigid]\nstep = 1e-3\nrestitution = 0\n"}) {
+        CAPTURE(more);
+        const auto path = [&](const std::string& name, const std::string& ground) {
+            return run_column(folder, name + (*more ? "rigid" : ""),
+                              with_rotation("large", on_slope(0, ground, time + more)), "fragment_paths.csv",
+                              "centre_x")
+                .back();
+        };
+        const double on_slabs = path("slabs", slabs),
+                     on_plane = path("plane", "shape = \"half plane\"\nat = [0, 0]\nnormal = [0, 1]\nfriction = 0.3\n");
+        CHECK(on_plane > 0.7);  // over two seams by all of its nodes
+        CHECK(on_slabs == doctest::Approx(on_plane).epsilon(1e-9));
+    }
+}
+
 TEST_CASE("terrain: a body rests in a valley of a terrain with its weight in both schemes") {
     const Folder folder("rests");
     const double weight = 2600 * 0.16 * 9.81;
