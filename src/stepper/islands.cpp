@@ -6,7 +6,6 @@
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/mean_motions.hpp"
 #include "stepper/common/pieces_of_body.hpp"
-#include "stepper/common/point_work.hpp"
 #include "stepper/common/surface_energy.hpp"
 #include "stepper/rigid/freeze.hpp"
 
@@ -26,20 +25,19 @@ void add_works(StepReport step, StepReport& sum) {
     sum += step;
 }
 
-/// Forces of the rest on all corners, which the explicit scheme reads as loads that depend on the state: cracks make
-/// corners inside the part ends of free faces.
-void add_forces_of_rest(PartOfBody& part, const std::vector<Vec2>& force) {
+/// Forces of the rest, which the explicit scheme reads as loads, on all corners: cracks make corners inside the part
+/// ends of free faces. Returns the place of each corner in Model::corner_loads.
+std::vector<Index> add_forces_of_rest(PartOfBody& part) {
     Model& model = part.model;
     const auto history = static_cast<Index>(model.histories.size());
     model.histories.emplace_back(), model.load_names.emplace_back();
-    for (Index c = 0; c < model.mesh.n_corners(); ++c) {
-        model.corner_loads.push_back({.corner = c,
-                                      .history = history,
-                                      .force = Vec2::Zero(),
-                                      .state_force = static_cast<Index>(model.state_forces.size())});
-        model.state_forces.emplace_back([&force, c](const State&) { return force[c]; });
-    }
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        model.corner_loads.push_back({.corner = c, .history = history, .force = Vec2::Zero()});
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
+    std::vector<Index> places;
+    for (Index i = 0; i < std::ssize(model.corner_loads); ++i)
+        if (model.corner_loads[i].history == history) places.push_back(i);
+    return places;
 }
 
 }  // namespace
@@ -110,7 +108,7 @@ void Islands::find_part() {
     if (explicit_ && triangles == part_.triangles) return;
     explicit_.reset();
     part_ = part_of(model_, triangles);
-    add_forces_of_rest(part_, force_);
+    load_of_corner_ = add_forces_of_rest(part_), pushed_.clear();
     explicit_ = std::make_unique<ExplicitScheme>(part_.model, options_);
     now_ = {}, next_ = {};
 }
@@ -127,6 +125,7 @@ void Islands::begin_island(StepReport& report) {
         wrench[piece] += wrench_of(impulse, place - bodies[piece].centre);
         forces_.push_back({part_.in_part(corner), impulse / bodies[piece].kick});
     }
+    std::ranges::stable_sort(forces_, {}, &Force::corner);
     start_ = state_of_part(model_, start, part_);
     std::vector<Vec3> after(start.rigid_pieces.size(), Vec3::Zero());
     for (Index p = 0; p < std::ssize(after); ++p) {
@@ -152,42 +151,25 @@ void Islands::begin_island(StepReport& report) {
 
 /// Sets the forces of the rest, times a factor.
 void Islands::push(double factor) {
-    force_.assign(part_.model.mesh.n_corners(), Vec2::Zero());
-    for (const Force& at : forces_) force_[at.corner] += factor * at.value;
+    for (const Index corner : pushed_) force_on(corner).setZero();
+    pushed_.clear();
+    for (const Force& at : forces_) {
+        force_on(at.corner) += factor * at.value;
+        if (pushed_.empty() || pushed_.back() != at.corner) pushed_.push_back(at.corner);
+    }
 }
 
 /// The work of the forces of the rest in the step from now_ to next_, which is none of loads.
-void Islands::account_exchange(double kick, StepReport& report) const {
+void Islands::account_exchange(double kick, StepReport& report) {
     double work = 0;
-    for (std::size_t c = 0; c < force_.size(); ++c)
-        if (!force_[c].isZero(0))
-            work += 0.5 * kick *
-                    force_[c].dot(now_.velocity[now_.node_of_corner[c]] + next_.velocity[next_.node_of_corner[c]]);
+    for (const Index c : pushed_)
+        work += 0.5 * kick *
+                force_on(c).dot(now_.velocity[now_.node_of_corner[c]] + next_.velocity[next_.node_of_corner[c]]);
     report.external_work -= work, report.exchange_work += work;
 }
 
 bool Islands::begins(Index piece) const {
     return deformable_[piece] && rigid_.start().rigid_pieces[piece].state != PieceState::deformable;
-}
-
-/// [J] By pieces that were rigid until now, from the start to a state after it.
-double Islands::dissipated_at_begin(const State& after) const {
-    const Model& own = part_.model;
-    StepReport sum;
-    for (std::size_t rank = 0; rank < after.split_fans.size(); ++rank) {
-        const auto points = own.points(own.fans[after.split_fans[rank]]);
-        for (std::size_t j = 0; j < points.size(); ++j) {
-            const FanPoint& point = points[j];
-            if (!begins(rigid_.start().frozen->piece_of_triangle[part_.triangles[point.corner() / 3]])) continue;
-            const CohesiveLaw& law = law_of(own, after, point);
-            const PointState& at = after.points[after.first_point[rank] + j];
-            const double before = cohesion(own, start_, point.point);
-            if (!(at.cohesion < before)) continue;
-            account_rest(point, law, point.area, at.cohesion, law.ramp(at.cohesion, at.largest_opening), sum);
-            account_rest(point, law, -point.area, before, law.ramp(before, at.largest_opening), sum);
-        }
-    }
-    return sum.dissipated;
 }
 
 StepReport Islands::take_micro_steps(double h) {
@@ -212,7 +194,10 @@ StepReport Islands::take_micro_steps(double h) {
             mean_reaction_[o] += kick / h * next_.obstacles[o].reaction;
         next_.time = now_.time + drift, next_.last_step = drift, next_.n_steps = now_.n_steps + 1;
         given += kick;
-        if (works.micro_steps == 0) works.thaw_dissipation = dissipated_at_begin(next_);
+        if (works.micro_steps == 0)
+            works.thaw_dissipation = dissipated_since(part_.model, start_, next_, [&](Index corner) {
+                return begins(rigid_.start().frozen->piece_of_triangle[part_.triangles[corner / 3]]);
+            });
         std::swap(now_, next_);
         ++works.micro_steps;
     };

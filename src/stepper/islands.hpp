@@ -49,9 +49,9 @@ private:
     void begin_island(StepReport& report);
     StepReport take_micro_steps(double h);
     void push(double factor);
-    void account_exchange(double kick, StepReport& report) const;
+    void account_exchange(double kick, StepReport& report);
+    Vec2& force_on(Index corner) { return part_.model.corner_loads[load_of_corner_[corner]].force; }
     bool begins(Index piece) const;  // it was rigid until this step
-    double dissipated_at_begin(const State& after) const;
     void take_contacts(double h, double closing, State& end) const;
     void update_pieces(double h, State& end, StepReport& report);
     void rebuild_pieces(double end_time, State& end, StepReport& report) const;
@@ -68,11 +68,12 @@ private:
     std::unique_ptr<ExplicitScheme> explicit_;  // of part_.model
     State start_, now_, next_;                  // of the part
     std::vector<RigidContacts::CornerImpulse> impulses_;
-    std::vector<Force> forces_;
-    std::vector<Vec2> force_;          // [N] per corner of the part, of the rest
-    std::vector<Vec3> mean_reaction_;  // per obstacle, of the island
-    std::string stuck_;                // why the last micro steps have no solution
-    std::vector<double> struck_;       // [s] per triangle of the part: the last blow, or loss of cohesion
+    std::vector<Force> forces_;          // of the rest, by corners
+    std::vector<Index> load_of_corner_;  // per corner of the part: where the model has them
+    std::vector<Index> pushed_;          // corners on which they act now
+    std::vector<Vec3> mean_reaction_;    // per obstacle, of the island
+    std::string stuck_;                  // why the last micro steps have no solution
+    std::vector<double> struck_;         // [s] per triangle of the part: the last blow, or loss of cohesion
 };
 
 }  // namespace knap

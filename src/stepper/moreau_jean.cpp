@@ -120,8 +120,9 @@ StepReport MoreauJean::close_leapfrog(const State& begin, State& end) {
 StepReport MoreauJean::advance(const State& begin, double h, State& end) {
     if (begin.motion == Motion::rigid && islands_) return complete(begin, h, islands_->step(begin, h, end), end);
     StepReport report = scheme_of(begin, h).step(begin, h, end);
-    if (begin.motion == Motion::thawed && begin.last_step == 0 && begin.n_steps > 0)
-        report.thaw_dissipation = report.dissipated - surface_energy(model_, begin).dissipated;
+    const bool just_thawed = begin.motion == Motion::thawed && begin.last_step == 0 && begin.n_steps > 0;
+    if (just_thawed && report.rejection == Rejection::none)
+        report.thaw_dissipation = dissipated_since(model_, begin, end, [](Index) { return true; });
     return complete(begin, h, report, end);
 }
 

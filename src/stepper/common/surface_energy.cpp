@@ -27,4 +27,22 @@ StepReport surface_energy(const Model& model, const State& state) {
     return sum;
 }
 
+double dissipated_since(const Model& model, const State& before, const State& after,
+                        const std::function<bool(Index corner)>& counts) {
+    StepReport sum;
+    for (std::size_t rank = 0; rank < after.split_fans.size(); ++rank) {
+        const auto points = model.points(model.fans[after.split_fans[rank]]);
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            const FanPoint& point = points[j];
+            const PointState& at = after.points[after.first_point[rank] + j];
+            const double beta = cohesion(model, before, point.point);
+            if (!(at.cohesion < beta) || !counts(point.corner())) continue;
+            const CohesiveLaw& law = law_of(model, after, point);
+            account_rest(point, law, point.area, at.cohesion, law.ramp(at.cohesion, at.largest_opening), sum);
+            account_rest(point, law, -point.area, beta, law.ramp(beta, at.largest_opening), sum);
+        }
+    }
+    return sum.dissipated;
+}
+
 }  // namespace knap

@@ -3,9 +3,14 @@
 #include "model/state.hpp"
 #include "stepper/common/step_report.hpp"
 
+#include <functional>
+
 namespace knap {
 
 /// A report with `dissipated`, `recoverable` and `interface_elastic` [J] of a state between two steps.
 StepReport surface_energy(const Model& model, const State& state);
+/// [J] Dissipated from one state to a later one, by the points at corners that count.
+double dissipated_since(const Model& model, const State& before, const State& after,
+                        const std::function<bool(Index corner)>& counts);
 
 }  // namespace knap
