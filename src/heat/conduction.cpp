@@ -330,7 +330,8 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         for (std::size_t i = 0; i < pairs.size(); ++i)
             couple(n * t + pairs[i][0], n * t + pairs[i][1], present()[pairs.size() * t + i]);
-    for (const Gap& gap : gaps_) couple(gap.a, gap.b, gap.conductance);
+    std::vector<Index> pattern = unknown;  // free faces that meet couple corners without becoming one node
+    for (const Gap& gap : gaps_) couple(gap.a, gap.b, gap.conductance), pattern.insert(pattern.end(), {gap.a, gap.b});
     for (const auto& at : exchanges_.all())
         if (unknown[at.corner] >= 0) entries.emplace_back(unknown[at.corner], unknown[at.corner], dt * at.conductance);
     const std::size_t n_constant = entries.size();
@@ -358,7 +359,7 @@ SharedTemperatures Conduction::implicit_step(const State& begin, double end) {
             if (unknown[c] >= 0) entries.emplace_back(unknown[c], unknown[c], apparent_capacity(c, T_end[c]));
         Eigen::SparseMatrix<double> matrix(n_unknowns, n_unknowns);
         matrix.setFromTriplets(entries.begin(), entries.end());
-        if (unknown != analysed_) factor_.analyzePattern(matrix), analysed_ = unknown;
+        if (pattern != analysed_) factor_.analyzePattern(matrix), analysed_ = pattern;
         factor_.factorize(matrix);
         if (factor_.info() != Eigen::Success || i == max_newton_steps)
             throw SimulationError(

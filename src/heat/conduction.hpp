@@ -79,7 +79,7 @@ private:
     std::vector<double> into_, of_gaps_;  // [W], [W/K] per corner
     std::vector<double> node_capacity_;   // [J/K] of the nodes of stable_step, at the first corner of each
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
-    std::vector<Index> analysed_;  // the unknown of each corner that factor_ was analysed for
+    std::vector<Index> analysed_;  // for which factor_ was: the unknown of each corner, then the corners of the gaps
 };
 
 }  // namespace knap

@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 
 #include <cmath>
+#include <utility>
 
 namespace thermal_rotation_test {
 
@@ -132,15 +133,20 @@ TEST_CASE("heat crosses free faces where they press on each other") {
     std::vector<double> T(mesh.n_corners());
     for (Index c = 0; c < mesh.n_corners(); ++c) T[c] = mesh.region[c / 3] == 1 ? 100 : 0;
     start.now.temperature = start.now.temperature_before = make_temperatures(start.model, 0, T);
+    Conduction conduction(start.model);  // the same one while faces meet and part
     const auto difference_after = [&] {
-        const SharedTemperatures end = Conduction(start.model).implicit_step(start.now, tau);
+        const SharedTemperatures end = conduction.implicit_step(start.now, tau);
         CHECK(std::abs(end->heat) < 1e-12 * (end->heat_scale + end->heat_moved));
         return end->of_corner.back() - end->of_corner.front();
     };
     const double C_1 = rho_c * 0.75, C_2 = rho_c * 1;
-    CHECK(difference_after() == doctest::Approx(100 / (1 + tau * h_0 * (1 / C_1 + 1 / C_2))).epsilon(1e-5));
-    start.now.face_contacts.clear();
-    CHECK(difference_after() == doctest::Approx(100).epsilon(1e-9));
+    const std::vector<FaceContactState> contacts = std::exchange(start.now.face_contacts, {});
+    for (int i = 0; i < 2; ++i) {
+        start.now.face_contacts.clear();
+        CHECK(difference_after() == doctest::Approx(100).epsilon(1e-9));
+        start.now.face_contacts = contacts;
+        CHECK(difference_after() == doctest::Approx(100 / (1 + tau * h_0 * (1 / C_1 + 1 / C_2))).epsilon(1e-5));
+    }
 }
 
 }  // namespace thermal_rotation_test
