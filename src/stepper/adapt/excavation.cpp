@@ -77,10 +77,7 @@ private:
                     model_.histories[load.history].over_kick(begin_.time, begin_.last_step, end_.last_step) *
                     knap::force_of(model_, load, begin_);
         };
-        add(model_.corner_loads), add(fluids.find(begin_));
-        visit_contact_forces(model_, begin_, end_, [&](const FaceContactState&, Index corner, const Vec2& force) {
-            if (model_.ground_at(corner) == nullptr) exerted_[corner] += force;
-        });
+        add(model_.corner_loads), add(fluids.find(begin_)), add_contacts();
         if (!end_.viscous_stress.empty()) add_viscosity();
         for (Index c = 0; c < model_.mesh.n_corners(); ++c) {
             const Vec2 before = begin_.velocity[begin_.node_of_corner[c]],
@@ -102,6 +99,7 @@ private:
         partition_corners(model_, split, nodes);
         std::vector<Vec2> of_corner, of_node;
         for (const Index node : end_.node_of_corner) of_corner.push_back(end_.rate[node]);
+        if (bulk.frames()) bulk.linearise(of_corner);
         bulk.set_nodes(nodes, of_corner, of_node);
         CarriedMotion carried(model_, scheme, bulk);
         carried.begin(step);
@@ -109,6 +107,13 @@ private:
         }  // a projection: at the second time
         bulk.impulse(of_node, exerted_);
         for (Vec2& force : exerted_) force /= -step.kick();
+        add_contacts();
+    }
+
+    void add_contacts() {
+        visit_contact_forces(model_, begin_, end_, [&](const FaceContactState&, Index corner, const Vec2& force) {
+            if (model_.ground_at(corner) == nullptr) exerted_[corner] += force;
+        });
     }
 
     /// -V (s cof F + F q) grad l_k at the three corners of every triangle, s and q the viscous stresses at the start of

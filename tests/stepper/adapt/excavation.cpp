@@ -217,18 +217,22 @@ TEST_CASE("excavation: while the forces do not decrease nothing moves in equilib
 
 TEST_CASE(
     "excavation: in implicit steps nothing moves until the forces decrease and then the hole is that of the start") {
-    for (const Index order : {1, 2})
+    enum class Plate { small_rotation, order_2, large_rotation, contact };
+    for (const Plate kind : {Plate::small_rotation, Plate::order_2, Plate::large_rotation, Plate::contact})
         for (const CohesiveLaw& law : {CohesiveLaw::unbreakable(), CohesiveLaw{.sigma_c = 0, .friction = 2}}) {
             SchemeOptions scheme{.bulk = BulkScheme::implicit_theta, .theta = 1, .damping = 0.3};
-            if (order == 2) scheme.mass = MassMatrix::consistent;
-            ExcavatedRun run(plate(law, order), scheme, true);
+            ModelInput input = plate(law, kind == Plate::order_2 ? 2 : 1);
+            if (kind == Plate::order_2) scheme.mass = MassMatrix::consistent;
+            input.large_rotation = kind == Plate::large_rotation || kind == Plate::contact;
+            if (kind == Plate::contact) input.contact_of_pair = {{{.friction = 2}}};
+            ExcavatedRun run(std::move(input), scheme, true);
             run.h = 0.3;
             run.step();
             run.excavate(triangles_in_box(run.model.mesh, gallery), for_ever);
             run.excavate(triangles_in_box(run.model.mesh, {{0.7, 0.3}, {0.8, 1}}), for_ever);  // beside it, to the top
             double fastest = 0;
             for (int i = 0; i < 10; ++i) run.step(), fastest = std::max(fastest, run.last.largest_speed);
-            CAPTURE(order);
+            CAPTURE(static_cast<int>(kind));
             CHECK(fastest < 1e-8 * 1e-3);
             CHECK(run.residual() < 1e-12);
         }
