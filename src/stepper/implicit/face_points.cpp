@@ -23,9 +23,8 @@ void FacePoints::reject(StepReport& report) const {
 }
 
 void FacePoints::turn(const State& begin, double h, const std::vector<Vec2>& corner_rate) {
-    const auto middle = [&](Index c) -> Vec2 {
-        return place_of(model_, begin, c) + (model_.ground_at(c) ? Vec2(Vec2::Zero()) : Vec2(0.5 * h * corner_rate[c]));
-    };
+    const auto way = [&](Index corner) -> Vec2 { return 0.5 * h * corner_rate[corner]; };
+    const auto middle = [&](Index c) -> Vec2 { return place_of(model_, begin, c) + unless_ground(c, way); };
     for (FaceContact& row : rows_) {
         const Vec2 a = middle(row.edge[0]), along = middle(row.edge[1]) - a;
         row.normal = outward(along.normalized());
@@ -48,8 +47,8 @@ bool FacePoints::lacked(const State& begin, double h, const std::vector<Vec2>& c
     for (std::size_t i = 0; i < size(); ++i) before_.push_back(number(rows_[i]));
     if (!find(begin, h, corner_rate)) return true;
     const auto closes = [&](const FaceContact& contact) {
-        const auto rate = [&](Index corner) -> Vec2 {
-            return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : corner_rate[corner];
+        const auto rate = [&](Index corner) {
+            return unless_ground(corner, [&](Index c) -> Vec2 { return corner_rate[c]; });
         };
         const double at_end = contact.gap + h * contact.normal.dot(contact.jump(rate));
         return at_end < std::min(0.0, contact.gap) - 1e-12 * contact.length;
@@ -93,8 +92,8 @@ double FacePoints::touching_gap(const State& begin, const FaceContact& contact) 
 ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const CornerPartition& nodes) const {
     const FaceContact& contact = rows_[i];
     const State& begin = *step.begin;
-    const auto velocity = [&](Index corner) -> Vec2 {
-        return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : begin.velocity[begin.node_of_corner[corner]];
+    const auto velocity = [&](Index corner) {
+        return unless_ground(corner, [&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; });
     };
     const double rate = contact.normal.dot(contact.jump(velocity));
     const ContactLaw law = law_between_faces(model_, contact);

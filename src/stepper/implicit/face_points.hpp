@@ -43,6 +43,10 @@ public:
     void store(std::span<const ActivePoint> points, const StepContext& step, State& end, StepReport& report) const;
 
 private:
+    /// Zero on the ground, which does not move, else that of the corner.
+    Vec2 unless_ground(Index corner, const auto& of_corner) const {
+        return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : Vec2(of_corner(corner));
+    }
     double touching_gap(const State& begin, const FaceContact& contact) const;
     PointSides sides_of(const FaceContact& contact, const CornerPartition& nodes) const;
 

@@ -539,7 +539,11 @@ void ImplicitScheme::store(State& end, StepReport& report) {
         for (Index j = 0; j < fan.n_points; ++j) {
             const Index active = active_point_of_[fan.first_point + j];
             const FanPoint& at = model_.fan_points[fan.first_point + j];
-            if (begin.has_retired(at.point)) end.points[end.first_point[rank] + j].traction.setZero();
+            if (begin.has_retired(at.point)) {
+                end.points[end.first_point[rank] + j].traction.setZero();
+                account_rest(at, law_of(model_, begin, at), at.area * end.strength_factor(end.split_fans[rank]), 0, 0,
+                             report);
+            }
             if (active < 0) continue;
             const ActivePoint& point = x_.points[active];
             PointState& state = end.points[end.first_point[rank] + j];

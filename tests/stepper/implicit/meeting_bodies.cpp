@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace meeting_bodies_test {
@@ -150,6 +151,24 @@ TEST_CASE("a jointed wall stands in implicit steps and slides beyond the angle o
         else CHECK(creep(run, before) > 1e-3);
         CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
     }
+}
+
+TEST_CASE("what broke and slid away stays dissipated in implicit steps when its points have retired") {
+    constexpr double G_c = 0.5, height = 0.4;
+    ModelInput input = turning_body(bar_mesh(4, 4, 0.4, height, [](int i) { return i < 2 ? 0 : 1; }), {}, {});
+    input.materials.assign(2, {.density = 2500, .E = 10e9, .nu = 0.2});
+    input.laws = {CohesiveLaw::unbreakable(), {.sigma_c = 500, .G_c = G_c, .gamma = 1, .friction = 0.3}};
+    input.law_of_pair = {{0, 1}, {1, 0}};
+    input.contact_of_pair.assign(2, std::vector<ContactLaw>(2, {.friction = 0.3}));
+    input.loads = {{.kind = Load::Kind::acceleration, .value = {-5, -9.81}},
+                   load(Load::Kind::displacement, "left", 0.0, 0.0)};
+    Run run(std::move(input), implicit(1));
+    for (double h = 1e-3; run.now.time < 0.06;)
+        if (!run.step_if_taken(h)) h *= 0.5, REQUIRE(h > 1e-6);
+    CHECK(std::ranges::count(run.now.retired, Retirement::retired) == 8);
+    CHECK(!run.now.face_contacts.empty());
+    CHECK(run.ledger.row().dissipated == relative(G_c * height, 1e-9));
+    CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
 }
 
 }  // namespace meeting_bodies_test
