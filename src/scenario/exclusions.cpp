@@ -14,8 +14,6 @@ std::span<const Exclusion> exclusions() {
         {"[contact]", "cohesion = \"implicit\"",
          "contacts between free faces join vertices, and the iteration for the cohesion at the end of a step is one of "
          "a single vertex"},
-        {"[contact]", "bulk = \"auto\"",
-         "free faces that meet are found for the way of a step, and an implicit step leads them past each other"},
         {"cohesion", "bulk = \"auto\"", "implicit steps have the implicit cohesion, explicit ones the explicit"},
         {"mass = \"consistent\"", "bulk = \"auto\"",
          "both schemes share one mass matrix, and that of explicit steps is lumped"},

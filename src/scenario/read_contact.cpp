@@ -95,9 +95,7 @@ void read_contact(Reading& reading) {
     if (reading.table("domain").text("rotation") == "small")  // any other word has its own error
         table.error("exclusive-keys", "", "needs large rotations", "rotation = \"large\" in [domain]");
     const SchemeOptions& scheme = reading.scenario.time.scheme;
-    if (scheme.bulk == BulkScheme::automatic)
-        table.exclude("", "[contact]", "bulk = \"auto\"", "another time.bulk, or no [contact]");
-    else if (!scheme.takes_implicit_steps() && scheme.cohesion != CohesionScheme::explicit_beta)
+    if (!scheme.takes_implicit_steps() && scheme.cohesion != CohesionScheme::explicit_beta)
         table.exclude("", "[contact]", "cohesion = \"implicit\"",
                       "time.cohesion = \"explicit\", and the explicit bulk");
     warn_of_supports(reading);
@@ -130,7 +128,7 @@ void read_contact(Reading& reading) {
     }
     refuse_rebounds(table);
     for (const Table& row : table.list("pair")) refuse_rebounds(row);
-    if (scheme.bulk == BulkScheme::implicit_theta) check_implicit_contact(reading);
+    if (scheme.takes_implicit_steps()) check_implicit_contact(reading);
 }
 
 }  // namespace knap

@@ -27,8 +27,17 @@ MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model
 
 MoreauJean::~MoreauJean() = default;
 
+/// Blows are waves: islands take explicit steps also where the other steps are implicit.
 void MoreauJean::resolve_islands(const StepLimits& limits) {
-    if (rigid_ && may_be_parted(model_)) islands_ = std::make_unique<Islands>(model_, options_, limits, *rigid_);
+    if (!rigid_ || !may_be_parted(model_)) return;
+    constexpr double safety = 0.8;
+    SchemeOptions options = options_;
+    StepLimits of_island = limits;
+    if (options.takes_implicit_steps()) {
+        options.cohesion = CohesionScheme::explicit_beta;
+        of_island.cracking = safety * std::ranges::min(stable_steps(model_.mesh, model_.materials, model_.plane));
+    }
+    islands_ = std::make_unique<Islands>(model_, options, of_island, *rigid_);
 }
 
 bool MoreauJean::is_implicit(const State& begin) const {
@@ -46,8 +55,11 @@ void MoreauJean::make_scheme(bool implicit) {
 /// theta of a first implicit step after explicit ones reverses no rate of a contact (scheme_change.hpp).
 SchemeOptions MoreauJean::options_of(const State& begin, double h) const {
     SchemeOptions options = options_;
-    if (begin.split_fans.empty() || !begins_implicit_stage(begin, h)) return options;
+    if (!begins_implicit_stage(begin, h)) return options;
+    if (begin.split_fans.empty() && begin.face_contacts.empty()) return options;
     double restitution = 0;
+    for (const std::vector<ContactLaw>& of_material : model_.contact_of_pair)
+        for (const ContactLaw& law : of_material) restitution = std::max(restitution, law.restitution);
     for (const CohesiveLaw& law : model_.laws) restitution = std::max(restitution, law.restitution);
     for (const Obstacle& obstacle : model_.obstacles)
         restitution = std::max(restitution, obstacle.largest_restitution());
@@ -66,7 +78,7 @@ StepScheme& MoreauJean::scheme_of(const State& begin, double h) {
 
 void MoreauJean::begin(State& start) const {
     if (changes()) begin_theta_scheme(start);
-    if (rigid_) start.motion = rigid_->may_begin(start) ? Motion::rigid : Motion::thawed;
+    if (rigid_) start.motion = !changes() && rigid_->may_begin(start) ? Motion::rigid : Motion::thawed;
 }
 
 std::optional<StepReport> MoreauJean::thaw(State& now, State& end) {

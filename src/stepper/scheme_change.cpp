@@ -13,13 +13,16 @@ constexpr double lag_rounding = 1e-12;            // [-] over the strain energy
 constexpr double max_patience = 16;               // [-]
 
 double surface_of(const StepReport& report) {
-    return report.dissipated - report.consumed_change + report.recoverable + report.interface_elastic;
+    return report.dissipated + report.recoverable + report.interface_elastic;
 }
 
 }  // namespace
 
 void begin_leapfrog(State& state) {
     state.rate.clear();
+    if (state.last_step > 0)  // without a step before, contacts have forces
+        for (FaceContactState& contact : state.face_contacts)
+            contact.contact /= state.last_step, contact.tangential /= state.last_step;
     state.last_step = 0;
 }
 
@@ -29,8 +32,9 @@ StepFault SchemeChange::fault(const StepReport& report) const {
     const double surface = surface_of(report), energy = report.strain + surface;
     const bool begins = energy > 2 * (strain_ + surface_);  // kinetic over strain energy of n steps falls as 1/n^2
     if (report.kinetic > (begins ? fast_at_begin : fast) * quiet_part(energy)) return StepFault::motion;
-    const double consumed = surface - surface_, lag = report.cohesive_work + report.law_change - report.crossing_loss -
-                                                      report.viscous_dissipation - consumed;
+    const double consumed = surface - report.consumed_change - surface_,
+                 lag = report.cohesive_work + report.law_change - report.crossing_loss - report.viscous_dissipation -
+                       consumed;
     const double allowed =
         std::max({max_lag_of_step * std::abs(consumed), max_lag_of_all * surface, lag_rounding * report.strain});
     return std::abs(lag) > allowed ? StepFault::cohesive_work : StepFault::none;

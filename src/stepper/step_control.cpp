@@ -224,7 +224,8 @@ void StepControl::shorten_or_change(Cutback& cut) {
 }
 
 bool StepControl::ends_explicit_stage(const State& now) const {
-    return limits_.changes() && !now.has_end_velocities() && now.last_step > 0 && change_.is_quiet(now.time);
+    return limits_.changes() && now.motion != Motion::rigid && !now.has_end_velocities() && now.last_step > 0 &&
+           change_.is_quiet(now.time);
 }
 
 void StepControl::begin_implicit_stage(const State& now, const StepReport& closing) {

@@ -2,10 +2,12 @@
 #include "stepper/scheme_change.hpp"
 #include "model/make_model.hpp"
 #include "stepper/step_control.hpp"
-#include "support/bodies.hpp"
+#include "support/obstacles.hpp"
+#include "support/several_bodies.hpp"
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -273,6 +275,11 @@ TEST_CASE("scheme change: what an implicit step does not resolve") {
     CHECK(change.fault(report) == StepFault::none);
     report.cohesive_work = 0.0106;
     CHECK(change.fault(report) == StepFault::cohesive_work);
+    report = {};
+    report.strain = 1, report.dissipated = 1, report.consumed_change = -0.5;  // it warms: G_c of what broke falls
+    change.after_step(begin, 1, report);
+    report.consumed_change = 0;
+    CHECK(change.fault(report) == StepFault::none);
 }
 
 TEST_CASE("scheme change: what moves less than the weakest point needs to break is quiet") {
@@ -411,6 +418,125 @@ TEST_CASE("scheme change: short implicit stages make the explicit ones longer") 
     }
     time += 1000;
     CHECK(explicit_stage() == 15);
+}
+
+namespace {
+
+/// Rock under a steady acceleration, which has grown over 0.1 s.
+ModelInput resting(Bodies& bodies, const ContactLaw& contact, const Vec2& gravity) {
+    ModelInput input = bodies.input(contact);
+    for (Elastic& material : input.materials)
+        material = {.density = 2500, .E = 1e10, .nu = 0.2, .bulk_viscosity = {0, 1.2}, .shear_viscosity = 0.1};
+    input.loads = {{.kind = Load::Kind::acceleration,
+                    .value = {gravity.x(), gravity.y()},
+                    .history = {.time = {0, 0.1}, .value = {0, 1}}}};
+    return input;
+}
+
+double fastest(const Run& run) {
+    double speed = 0;
+    for (const Vec2& v : run.now.velocity) speed = std::max(speed, v.norm());
+    return speed;
+}
+
+StepLimits limits_of(const ModelInput& input, double largest, double end) {
+    const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
+    return {.largest = largest,
+            .cracking = 200 * stable,
+            .smallest = 1e-6 * stable,
+            .end = end,
+            .passage = 1e-3,
+            .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-4, .quiet_for = 2e-3}};
+}
+
+}  // namespace
+
+TEST_CASE("scheme change: T10 a turned stack at rest stays at rest through both schemes") {
+    Bodies bodies;
+    const double angle = 120 * std::numbers::pi / 180;
+    const Vec2 e(std::cos(angle), std::sin(angle));
+    for (int i = 0; i < 5; ++i) bodies.add(bar_mesh(2, 1, 0.4, 0.2), 0.2 * i * turned_left(e), angle);
+    ModelInput input = resting(bodies, {.friction = 0.5}, e - 9.81 * turned_left(e));
+    input.obstacles = {platen({0, 0}, turned_left(e), {.friction = 0.5})};
+    Run run(std::move(input), {.bulk = BulkScheme::automatic, .theta = 1});
+    begin_theta_scheme(run.now);
+    for (int i = 0; i < 20; ++i) run.step(0.02);
+    const State before = run.now;
+    const double strain = run.ledger.row().strain;
+    begin_leapfrog(run.now);
+    for (int i = 0; i < 300; ++i) run.step(0.8 * run.stepper.stable_step());
+    CHECK(fastest(run) < 1e-10);
+    change_to_implicit(run);
+    CHECK(fastest(run) < 1e-10);
+    for (int i = 0; i < 20; ++i) run.step(0.02);
+    CHECK(fastest(run) < 1e-10);
+    for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
+        CHECK((run.now.displacement_of(c) - before.displacement_of(c)).norm() < 1e-12);
+    CHECK(std::abs(run.ledger.row().strain - strain) < 1e-10 * strain);
+    CHECK(run.ledger.largest_residual() <= 1e-13 * run.ledger.largest_energy());
+}
+
+TEST_CASE("scheme change: a block that stands slides and stops as Coulomb says in one ledger") {
+    constexpr double g = 9.81, mu = 0.3;
+    Bodies bodies;
+    bodies.add(bar_mesh(4, 2, 0.8, 0.4), {-0.8, 0});
+    bodies.add(bar_mesh(2, 1, 0.4, 0.2), {-0.45, 0.4});
+    ModelInput input = resting(bodies, {.friction = mu}, {0, -g});
+    input.loads.push_back({.kind = Load::Kind::acceleration,
+                           .value = {0.4 * g, 0},
+                           .history = {.time = {0, 0.5, 1, 1.2}, .value = {0, 0, 1, 0}}});
+    input.loads.push_back({.kind = Load::Kind::displacement, .on = {.box = Box{{-1, -1}, {1, 1e-6}}}, .value = {0, 0}});
+    const StepLimits limits = limits_of(input, 0.02, 3);
+    Changing run(std::move(input), limits, {.bulk = BulkScheme::automatic, .theta = 1});
+    run.run_until(0.5);
+    CHECK(run.control.changes().empty());
+    run.run_until(3);
+    const std::vector<SchemeChangeEvent>& changes = run.control.changes();
+    REQUIRE(changes.size() >= 2);
+    CHECK(changes.front().to_explicit);
+    CHECK(std::abs(changes.front().time - 0.875) < 0.02);  // where the load exceeds friction
+    CHECK(run.body.now.has_end_velocities());
+    CHECK(fastest(run.body) < 1e-9);
+    CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
+    // a/g = 0.8 (t - 0.875) until t = 1, then 0.1 - 2 (t - 1) until it stops
+    const double v = 0.4 * g * 0.125 * 0.125, t = 0.05 + std::sqrt(0.05 * 0.05 + v / g),
+                 way = 0.8 * g * std::pow(0.125, 3) / 6 + v * t + g * (0.05 * t * t - t * t * t / 3);
+    double mean = 0;
+    for (Index triangle = 16; triangle < 20; ++triangle)
+        for (Index k = 0; k < 3; ++k) mean += run.body.u(triangle, k).x() / 12;
+    CHECK(mean == doctest::Approx(way).epsilon(1e-3));
+}
+
+TEST_CASE("scheme change: T6 a bar creeps down with every cycle of its temperature") {
+    constexpr double mu = 0.5, incline = 10 * std::numbers::pi / 180, strain = 3e-4, period = 40, E = 1e10;
+    Bodies bodies;
+    bodies.add(bar_mesh(3, 1, 3, 0.2), {-1, -0.2});
+    Mesh bar = bar_mesh(8, 1, 1, 0.1);
+    for (int i = 1; i < 8; ++i) bar.vertices[i].y() += 1e-3;  // it stands on its ends
+    bodies.add(bar, {0, 0});
+    ModelInput input = resting(bodies, {.friction = mu}, 9.81 * Vec2(-std::sin(incline), -std::cos(incline)));
+    for (Elastic& material : input.materials) material.E = E, material.nu = 0;
+    input.materials[0].E = 1e3 * E, input.materials[0].density *= 1e3;
+    input.loads.push_back({.kind = Load::Kind::displacement, .on = {.box = Box{{-2, -1}, {3, 1e-6}}}, .value = {0, 0}});
+    auto heat = std::make_shared<Heat>();
+    heat->field = {Expression("100"), {.time = {0, 20, 40, 60, 80, 100, 120}, .value = {0, 1, 0, 1, 0, 1, 0}}};
+    heat->materials = {{}, {.expansion = {.coefficient = strain / 100}}};
+    input.heat = heat;
+    const StepLimits limits = limits_of(input, 0.4, 3 * period);
+    Changing run(std::move(input), limits, {.bulk = BulkScheme::automatic, .theta = 1});
+    std::array<double, 4> way{};
+    for (int cycle = 1; cycle <= 3; ++cycle) {
+        run.run_until(cycle * period);
+        for (Index t = 6; t < run.body.model.mesh.n_triangles(); ++t)
+            for (Index k = 0; k < 3; ++k) way[cycle] -= run.body.u(t, k).x() / 48;
+    }
+    CHECK(run.control.changes().empty());
+    // what it grows by moves its lower end alone, but for the stress that friction takes to let the upper one slide
+    const double W = 2500 * 0.1 * 9.81, EA = E * 0.1,
+                 creep = strain - (mu * W * std::cos(incline) - W * std::sin(incline)) / EA;
+    CHECK(way[3] - way[2] == doctest::Approx(creep).epsilon(0.01));
+    CHECK(way[3] - way[2] == doctest::Approx(way[2] - way[1]).epsilon(1e-7));
+    CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
 }
 
 }  // namespace scheme_change_test

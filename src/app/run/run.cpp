@@ -91,6 +91,7 @@ public:
 private:
     void step();
     void count(const StepReport& report);
+    void freeze();
     void excavate();
     void adapt(const std::optional<Vec2>& also = {});
     void replace_model(const auto& replace);
@@ -228,6 +229,15 @@ void Run::replace_model(const auto& replace) {
     renew_stepper();
 }
 
+/// The next step is tried as one of rigid pieces, a leapfrog. With bulk = "auto" what stands deforms in large steps.
+void Run::freeze() {
+    if (now_.has_end_velocities()) {
+        if (scheme().bulk == BulkScheme::automatic) return;
+        begin_leapfrog(now_);
+    }
+    now_.motion = Motion::rigid;
+}
+
 /// A trial step of the whole body shows the forces that the region exerts on the rest.
 void Run::excavate() {
     double h = stepper_->step_size(now_, control_.next(now_));
@@ -315,7 +325,7 @@ void Run::step_to_end() {
                 record_.status = "interrupted";
                 break;
             }
-            if (control_.may_freeze(now_)) now_.motion = Motion::rigid;
+            if (control_.may_freeze(now_)) freeze();
             if (!depends_on_end_ && control_.depends_on_end(now_)) {  // from here the finished run can be extended
                 depends_on_end_ = true;
                 try {
