@@ -109,7 +109,7 @@ TEST_CASE("joined polygons: a point near the seam of two slabs meets one plane a
     CHECK(planes_at(slabs, {60, 55.01}, Vec2::Zero()).size() == 2);  // in the valley
 }
 
-TEST_CASE("joined polygons: on a straight seam exactly one slab has a point, wherever it is") {
+TEST_CASE("joined polygons: on a straight seam exactly one slab has a point wherever it is") {
     const auto slabs = joined({rectangle({-1, -1}, {0.1, 0}), rectangle({0.1, -1}, {1, 0})});
     for (const double x : {0.1, std::nextafter(0.1, 0), std::nextafter(0.1, 1), 0.1 - 1e-9, 0.1 + 1e-9})
         for (const double y : {0.01, 0.0, -1e-9, -0.01}) CHECK(planes_at(slabs, {x, y}, Vec2::Zero()).size() == 1);
