@@ -43,7 +43,8 @@ private:
 /// `on`, or `key`, of `table`, whose keys follow: a selection by boundary, box and body.
 void add_place(KeyTable& t, const std::string& table, std::string_view doc, std::string_view key = "on");
 inline constexpr std::string_view factor_csv =
-    "file with lines `time, factor` [s, -], instead of a table, relative to the scenario file; # starts a comment";
+    "file with lines `time, factor` instead of a table, relative to the scenario file; times in s, or as the line of "
+    "names says: `time [us], factor`; # starts a comment";
 /// ramp, table and csv of a factor over time.
 void add_history(KeyTable& t, std::string_view what, std::string_view csv = factor_csv);
 /// Thermal keys of [material.NAME].

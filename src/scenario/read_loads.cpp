@@ -51,8 +51,11 @@ TimeFunction read_history(const Table& table) {
         if (!std::ranges::is_sorted(history.time)) table.error("out-of-range", "table", "has times that do not ascend");
     }
     if (form == "csv" && table.has("csv"))
-        for (const Vec2& point :
-             read_pairs(table, {.line = "time, factor", .first = "times", .note = "each line: time [s], factor"})) {
+        for (const Vec2& point : read_pairs(
+                 table, {.line = "time, factor",
+                        .first = "times",
+                        .note = "each line: time, factor, with a line of names `time [us], factor` or times in s",
+                        .first_unit = "s"})) {
             history.time.push_back(point.x());
             history.value.push_back(point.y());
         }

@@ -53,8 +53,9 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     const auto number_in = [&](const std::string& text, int column) -> std::optional<double> {
         Quantity quantity = parse_quantity(text);
         if (!quantity.problem.empty()) return std::nullopt;
-        if (file.unit.empty()) return quantity.unit.empty() ? std::optional(quantity.value) : std::nullopt;
+        if (file.unit.empty() && !quantity.unit.empty()) return std::nullopt;
         if (quantity.unit.empty() && !unit[column].empty()) quantity = parse_quantity(text + " " + unit[column]);
+        if (file.unit.empty()) return quantity.value;
         lacks_unit = lacks_unit || quantity.unit.empty();
         const bool fits = quantity.problem.empty() && quantity.dimension == dimension_of(file.unit);
         return fits ? std::optional(quantity.value) : std::nullopt;
@@ -71,10 +72,11 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
         const bool are_swapped = names[0] == expected[1] && names[1] == expected[0];
         if (are_swapped || (!file.unit.empty() && names != expected))
             return "the columns are `" + names[0] + ", " + names[1] + "` and not `" + file.line + "`";
+        const std::string_view kind = file.unit.empty() ? file.first_unit : file.unit;
         for (const std::string& given : unit)
             if (const Quantity one = parse_quantity("1 " + given);
-                !given.empty() && (!one.problem.empty() || one.dimension != dimension_of(file.unit)))
-                return "the unit `" + given + "` is not one of the kind of `" + std::string(file.unit) + "`";
+                !given.empty() && (!one.problem.empty() || one.dimension != dimension_of(kind)))
+                return "the unit `" + given + "` is not one of the kind of `" + std::string(kind) + "`";
         return {};
     };
     std::vector<Vec2> pairs;
@@ -92,6 +94,7 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
         const auto first = number_in(column_1, 0), second = number_in(column_2, 1);
         if (!std::exchange(has_content, true) && !first && !lacks_unit) {  // names
             if (!file.unit.empty()) unit = {unit_of_name(column_1), unit_of_name(column_2)};
+            else if (!file.first_unit.empty()) unit[0] = unit_of_name(column_1);
             if (const std::string fault = fault_of_names({without_unit(column_1), without_unit(column_2)});
                 !fault.empty()) {
                 report(fault);

@@ -1480,6 +1480,11 @@ TEST_CASE("scenario: a history from a csv file is part of the resolved scenario"
     CHECK(again.loads.at(0).history.time == result.scenario.loads.at(0).history.time);
     CHECK(again.loads.at(0).history.value == result.scenario.loads.at(0).history.value);
 
+    write("pulse.csv", "time [us], factor\n0, 0\n1, 1\n3, 0.25\n");
+    CHECK(read_scenario(directory / "s.toml").scenario.loads.at(0).history.time[2] == tests::relative(3e-6, 1e-14));
+    write("pulse.csv", "time [mm], factor\n0, 0\n1, 1\n");
+    CHECK_THROWS_WITH_AS(read_scenario(directory / "s.toml"), doctest::Contains("the unit `mm`"), UserError);
+
     write("pulse.csv", "0, 0\n2, 1\n1, 1\nx, y\n");
     try {
         read_scenario(directory / "s.toml");

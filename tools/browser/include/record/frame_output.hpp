@@ -1,6 +1,7 @@
 #pragma once
 // In place of src/record/frame_output.hpp: the page draws its frames itself.
 #include "output/frame.hpp"
+#include "output/vtk_series.hpp"
 #include "record/output_time.hpp"
 
 #include <filesystem>
@@ -11,7 +12,7 @@
 namespace knap {
 
 struct FrameOutput {
-    FrameOutput(const Model&, const std::filesystem::path&, double, OutputTime&) {}
+    FrameOutput(const Model&, const std::filesystem::path&, double, Compression, OutputTime&) {}
     bool has_times() const { return false; }
     void open() {}
     void start(const State&) {}
