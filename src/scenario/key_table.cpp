@@ -453,7 +453,8 @@ void add_keys_of_loads(KeyTable& t) {
     add_history(t, "rise time: the factor of prescribed motion and force grows linearly from 0 to 1 and stays 1",
         "file with lines `time, factor` instead of a table, relative to the scenario file; times in s, or as the line "
         "of names says: `time [us], factor`; # starts a comment. Of a polyline: lines `x, y` of its points in order "
-        "(x does not turn back), with units in the line of names, `x [m], y [m]`, or behind the numbers; its factor is then by ramp or table");
+        "(x does not turn back), with units in the line of names, `x [m], y [m]`, "
+        "or behind the numbers; its factor is then by ramp or table");
     t.list("obstacle[].range[]", "a part of a polyline with values of its own; ranges do not overlap")
         .only_with("shape", {"polyline"});
     t.number("from", "m", "x where it begins").computed("the smallest x of the terrain");
