@@ -3,6 +3,8 @@
 #include "scenario/samples.hpp"
 
 #include <doctest/doctest.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 
@@ -36,7 +38,9 @@ struct Map {
         return {};
     }
 
-    std::filesystem::path directory = std::filesystem::path(KNAP_BINARY_DIR) / "test_scenario_traces";
+    // tests run side by side, each in a process of its own
+    std::filesystem::path directory =
+        std::filesystem::path(KNAP_BINARY_DIR) / ("test_scenario_traces_" + std::to_string(getpid()));
     std::string file;
 };
 
