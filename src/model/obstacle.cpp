@@ -12,13 +12,13 @@ const Vec2& next(const std::vector<Vec2>& points, std::size_t i) { return points
 SurfaceDistance distance_to_polygon(const std::vector<Vec2>& points, const Vec2& p) {
     SurfaceDistance inside{-infinity, Vec2::Zero()}, nearest{infinity, Vec2::Zero()};
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec2 side = next(points, i) - points[i], outward = -turned_left(side.normalized());
-        const double height = outward.dot(p - points[i]), along = nearest_parameter(points[i], next(points, i), p);
-        if (height > inside.gap) inside = {height, outward};
-        const Vec2 away = p - (points[i] + along * side);
+        const PlacedEdge side = placed_edge(points[i], next(points, i));
+        const double height = side.gap(p), along = nearest_parameter(side.start, side.end, p);
+        if (height > inside.gap) inside = {height, side.outward};
+        const Vec2 away = p - (side.start + along * (side.end - side.start));
         const double gap = away.norm();
         // next to an edge its normal is exact; beyond its ends the vertex is nearest
-        if (gap < nearest.gap) nearest = {gap, along > 0 && along < 1 ? outward : Vec2(away / gap)};
+        if (gap < nearest.gap) nearest = {gap, along > 0 && along < 1 ? side.outward : Vec2(away / gap)};
     }
     return inside.gap <= 0 ? inside : nearest;
 }
@@ -93,16 +93,12 @@ SurfaceDistance ObstacleSurface::distance_to(const Vec2& point, const Vec2& moti
     const std::vector<Vec2>& points = outline_->points;
     const Vec2 p = rotation_.turned_back(point - position_), moved = rotation_.turned_back(motion);
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec2 before = (points[(i + points.size() - 1) % points.size()] - points[i]).normalized(),
-                   after = (next(points, i) - points[i]).normalized(), away = p - points[i];
-        if (before.dot(away) > tolerance || after.dot(away) > tolerance) continue;
-        const Vec2 n_1 = turned_left(before), n_2 = -turned_left(after);
-        const double gap_1 = n_1.dot(away), gap_2 = n_2.dot(away);
-        if (std::min(gap_1, gap_2) < -tolerance) continue;
-        const double rate_1 = n_1.dot(moved), rate_2 = n_2.dot(moved);
-        const bool both_touch = std::max(gap_1, gap_2) < tolerance && std::max(gap_1 + rate_1, gap_2 + rate_2) < 0;
-        const bool first = both_touch ? rate_1 > rate_2 : gap_1 + rate_1 > gap_2 + rate_2;
-        return first ? SurfaceDistance{gap_1, rotation_.turned(n_1)} : SurfaceDistance{gap_2, rotation_.turned(n_2)};
+        const PlacedEdge before = placed_edge(points[(i + points.size() - 1) % points.size()], points[i]),
+                         after = placed_edge(points[i], next(points, i));
+        const AtCorner at = at_corner(before, after, p, moved, tolerance);
+        if (at == AtCorner::none) continue;
+        const Vec2& normal = (at == AtCorner::first ? before : after).outward;
+        return {normal.dot(p - points[i]), rotation_.turned(normal)};
     }
     return distance_to(point);
 }

@@ -98,13 +98,7 @@ public:
     /// Place [m] of a point of the outline.
     Vec2 place(std::size_t i) const { return position_ + rotation_.turned(outline_->points[i]); }
     /// A side of a polygon, from point i to the next one.
-    struct Side {
-        Vec2 start, end, outward;  // [m], [m], unit vector
-    };
-    Side side(std::size_t i) const {
-        const Vec2 start = place(i), end = place((i + 1) % outline_->points.size());
-        return {start, end, -turned_left((end - start).normalized())};
-    }
+    PlacedEdge side(std::size_t i) const { return placed_edge(place(i), place((i + 1) % outline_->points.size())); }
     /// The point of a disc or polygon that is furthest in a direction.
     Vec2 furthest(const Vec2& direction) const;
     /// The side of a polygon in front of which something is furthest; nearest(outward): its point that is nearest to a
@@ -117,7 +111,7 @@ public:
     FurthestSide furthest_side(const auto& nearest) const {
         FurthestSide found{0, -infinity, position_};
         for (std::size_t i = 0; i < outline_->points.size(); ++i) {
-            const Side at = side(i);
+            const PlacedEdge at = side(i);
             const Vec2 x = nearest(at.outward);
             if (const double gap = at.outward.dot(x - at.start); gap > found.gap) found = {i, gap, x};
         }
@@ -135,6 +129,11 @@ public:
             for (const std::size_t j : {i + 1, i + points.size() - 1})
                 look(points[j % points.size()] - points[i], rotation_);
         return any;
+    }
+    /// Point i of the outline is its foremost one towards an edge with this normal: no side leaves it against the
+    /// normal by more than the sine `widened` of an angle.
+    bool protrudes(std::size_t i, const Vec2& outward, double widened = 0) const {
+        return !any_side_at(i, [&](const Vec2& side) { return outward.dot(side) < -widened * side.norm(); });
     }
     /// A cheap test before distance_to: false only where the gap exceeds `reach` [m], or in a polyline the depth.
     bool may_reach(const Vec2& point, double reach) const;

@@ -87,13 +87,13 @@ ObstacleGap gap_between(const ObstacleSurface& a, const ObstacleSurface& b) {
 ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec2& b,
                         const std::function<bool(const Vec2&)>& is_in_body) {
     const Outline& outline = surface.outline();
-    const Vec2 outward = -turned_left((b - a).normalized());
+    const PlacedEdge edge = placed_edge(a, b);
     if (outline.kind == Kind::disc) {
         const double radius = outline.radius, along = nearest_parameter(a, b, surface.position());
         const Vec2 nearest = a + along * (b - a), away = surface.position() - nearest;
         const double distance = away.norm();
         if (distance >= radius) return {distance - radius, nearest};
-        return {(along > 0 && along < 1 ? outward.dot(away) : distance) - radius, nearest};
+        return {(along > 0 && along < 1 ? edge.outward.dot(away) : distance) - radius, nearest};
     }
     if (outline.line) {
         ObstacleGap smallest{infinity, a};
@@ -101,13 +101,11 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
             if (gap < smallest.gap) smallest = {gap, place};
         };
         for (const Vec2& end : {a, b}) look(surface.distance_to(end).gap, end);
-        const double length = (b - a).norm();
-        surface.visit_corners(a, 2 * length, [&](std::size_t i) {
+        surface.visit_corners(a, 2 * edge.length, [&](std::size_t i) {
             const Vec2 p = surface.corner(i);
-            const double height = outward.dot(p - a), along = (b - a).dot(p - a);
-            const auto falls_towards_body = [&](const Vec2& side) { return outward.dot(side) < 0; };
-            if (along > 0 && along < length * length && height > -length &&
-                !surface.any_side_at(i, falls_towards_body) && (height >= std::min(smallest.gap, 0.0) || is_in_body(p)))
+            const double height = edge.gap(p), along = edge.place(p);
+            if (along > 0 && along < edge.length && height > -edge.length && surface.protrudes(i, edge.outward) &&
+                (height >= std::min(smallest.gap, 0.0) || is_in_body(p)))
                 look(height, p);
         });
         return smallest;
@@ -124,11 +122,11 @@ ObstacleGap gap_to_edge(const ObstacleSurface& surface, const Vec2& a, const Vec
     double before = infinity, behind = infinity;  // [m] of the corners, the edge
     Vec2 deepest = a;
     for (std::size_t i = 0; i < outline.points.size(); ++i) {
-        const auto [p, end, normal] = surface.side(i);
-        const double height = outward.dot(p - a);
-        if (height < before) before = height, deepest = p;
+        const PlacedEdge own = surface.side(i);
+        const double height = edge.gap(own.start);
+        if (height < before) before = height, deepest = own.start;
         behind = std::min(behind, -height);
-        side(p, normal);
+        side(own.start, own.outward);
     }
     if (behind >= 0) return {std::max(behind, largest.gap), deepest};
     return before > largest.gap ? ObstacleGap{before, deepest} : largest;

@@ -10,21 +10,6 @@ namespace {
 
 constexpr double beyond_reflex = 0.25;  // [-] of a side: how far beyond such an end its plane counts
 
-/// Which of two sides has a point at the convex corner between them, or none where it is not in the cone of both
-/// outward normals, widened by `tolerance`.
-enum class AtCorner { none, first, second };
-
-AtCorner at_corner(const Polyline::Side& one, const Polyline::Side& two, const Vec2& p, const Vec2& motion,
-                   double tolerance) {
-    const Vec2 away = p - two.start;
-    if (two.along.dot(away) > tolerance || -one.along.dot(away) > tolerance) return AtCorner::none;
-    const double gap_1 = one.outward.dot(away), gap_2 = two.outward.dot(away), rate_1 = one.outward.dot(motion),
-                 rate_2 = two.outward.dot(motion);
-    if (std::min(gap_1, gap_2) < -tolerance) return AtCorner::none;
-    const bool both_touch = std::max(gap_1, gap_2) < tolerance && std::max(gap_1 + rate_1, gap_2 + rate_2) < 0;
-    return (both_touch ? rate_1 > rate_2 : gap_1 + rate_1 > gap_2 + rate_2) ? AtCorner::first : AtCorner::second;
-}
-
 /// [m] One draw of each kind, so that the offsets of other points do not depend on it.
 double offset_of(const Roughness& roughness, Random& random) {
     const double uniform = 2 * random.uniform() - 1;
@@ -34,6 +19,16 @@ double offset_of(const Roughness& roughness, Random& random) {
 }
 
 }  // namespace
+
+AtCorner at_corner(const PlacedEdge& one, const PlacedEdge& two, const Vec2& p, const Vec2& motion, double tolerance) {
+    const Vec2 away = p - two.start;
+    if (two.along.dot(away) > tolerance || -one.along.dot(away) > tolerance) return AtCorner::none;
+    const double gap_1 = one.outward.dot(away), gap_2 = two.outward.dot(away), rate_1 = one.outward.dot(motion),
+                 rate_2 = two.outward.dot(motion);
+    if (std::min(gap_1, gap_2) < -tolerance) return AtCorner::none;
+    const bool both_touch = std::max(gap_1, gap_2) < tolerance && std::max(gap_1 + rate_1, gap_2 + rate_2) < 0;
+    return (both_touch ? rate_1 > rate_2 : gap_1 + rate_1 > gap_2 + rate_2) ? AtCorner::first : AtCorner::second;
+}
 
 std::vector<Vec2> roughened(const std::vector<Vec2>& points, const std::vector<RoughRange>& ranges,
                             const Roughness& elsewhere, Random random) {
@@ -90,9 +85,8 @@ Polyline::Polyline(const std::vector<Vec2>& points)
 Polyline::Polyline(const std::vector<Part>& parts) {
     std::vector<Vec2> points;
     for (const auto& [start, end, before, after, owner] : parts) {
-        const Vec2 way = end - start, along = way.normalized();
         if (after < 0) ends_.push_back(size());
-        sides_.push_back({start, end, along, -turned_left(along), way.norm(), 0, before, after, owner});
+        sides_.push_back({placed_edge(start, end), 0, before, after, owner});
         points.push_back(start), points.push_back(end);
     }
     for (Side& side : sides_) {
@@ -110,14 +104,15 @@ Polyline::Polyline(const std::vector<Part>& parts) {
     bins_.resize(sides_.size());
     const auto for_bins = [&](const auto& visit) {  // visit(side, bin)
         for (Index i = 0; i < size(); ++i)
-            for (std::size_t b = first_bin_[i], last = bin(std::max(parts[i].start[axis_], parts[i].end[axis_]));
+            for (std::size_t b = first_bin_[i], last = bin(std::max(sides_[i].start[axis_], sides_[i].end[axis_]));
                  b <= last; ++b)
                 visit(i, b);
     };
-    for (Index i = 0; i < size(); ++i) first_bin_.push_back(bin(std::min(parts[i].start[axis_], parts[i].end[axis_])));
+    for (Index i = 0; i < size(); ++i)
+        first_bin_.push_back(bin(std::min(sides_[i].start[axis_], sides_[i].end[axis_])));
     for_bins([&](Index i, std::size_t b) {
         Bin& at = bins_[b];
-        for (const Vec2& end : {parts[i].start, parts[i].end})
+        for (const Vec2& end : {sides_[i].start, sides_[i].end})
             at.low = std::min(at.low, end[1 - axis_]), at.high = std::max(at.high, end[1 - axis_]);
         ++at.end;
     });
@@ -139,7 +134,7 @@ double Polyline::distance_to(const Vec2& p, Vec2& normal) const {
     double nearest = infinity, distance = infinity;
     const auto look = [&](Index i) {
         const Side& side = sides_[i];
-        const double s = std::clamp(side.along.dot(p - side.start), 0.0, side.length);
+        const double s = std::clamp(side.place(p), 0.0, side.length);
         const Vec2 away = p - side.start - s * side.along;
         const double length = away.norm();
         if (length >= nearest) return;
@@ -169,7 +164,7 @@ bool Polyline::is_as_deep(const Vec2& p, double gap) const {
 /// Whether the plane of side i is one that p may touch, by what is next to it at both ends.
 bool Polyline::has(Index i, const Vec2& p, double gap, const Vec2& motion, double tolerance, double reach) const {
     const Side& side = sides_[i];
-    const double s = side.along.dot(p - side.start);
+    const double s = side.place(p);
     const auto at_end = [&](Index neighbour, double beyond, AtCorner own) {
         if (neighbour < 0) return beyond <= 0;
         const Side &other = sides_[neighbour], &one = own == AtCorner::first ? side : other,

@@ -2,8 +2,8 @@
 // Polylines with the ground on their left: the open outline of a terrain, or the closed ones of polygons that have one
 // surface (model/joined_polygons). Their sides lie in bins along the longer side of their box, so that a place asks
 // only those near it, however many there are.
+#include "base/placed_edge.hpp"
 #include "base/random.hpp"
-#include "base/vec.hpp"
 
 #include <algorithm>
 #include <vector>
@@ -29,6 +29,12 @@ struct RoughRange {
 std::vector<Vec2> roughened(const std::vector<Vec2>& points, const std::vector<RoughRange>& ranges,
                             const Roughness& elsewhere, Random random);
 
+/// Which of two sides of an outline has a point at the convex corner between them, or none where it is not in the cone
+/// of both outward normals, widened by `tolerance` [m]: the one from which it is further away after the `motion` [m] of
+/// the step; where it touches both, the one that it approaches less. So what slides along flush faces passes the seam.
+enum class AtCorner { none, first, second };
+AtCorner at_corner(const PlacedEdge& one, const PlacedEdge& two, const Vec2& p, const Vec2& motion, double tolerance);
+
 class Polyline {
 public:
     /// A straight part; those before and after it, or -1 at an end; and whose it is.
@@ -36,10 +42,7 @@ public:
         Vec2 start, end;  // [m], not in one place
         Index before, after, owner;
     };
-    struct Side {
-        Vec2 start, end;      // [m]
-        Vec2 along, outward;  // unit vectors; outward: out of the ground
-        double length;        // [m]
+    struct Side : PlacedEdge {
         double turn;  // sine of the turn at its start, positive to the left: there the ground is convex; 0 at an end
         Index before, after, owner;  // as of its part
     };
@@ -95,7 +98,7 @@ public:
         visit_near(p, reach, [&](Index i) {
             const Side& side = sides_[i];
             if (side.owner != owner) return;
-            const double gap = side.outward.dot(p - side.start), s = side.along.dot(p - side.start);
+            const double gap = side.gap(p), s = side.place(p);
             if (gap >= 0 && gap <= reach && s >= 0 && s < side.length) visit(gap, side.outward);
         });
     }
@@ -108,7 +111,7 @@ public:
                       const Visit& visit) const {
         visit_near(p, std::max(reach, depth), [&](Index i) {
             if (sides_[i].owner != owner) return;
-            const double gap = sides_[i].outward.dot(p - sides_[i].start);
+            const double gap = sides_[i].gap(p);
             if (gap <= reach && gap >= -depth && has(i, p, gap, motion, tolerance, reach) &&
                 (gap >= -tolerance || is_as_deep(p, gap)))
                 visit(gap, sides_[i].outward);

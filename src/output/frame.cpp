@@ -143,11 +143,12 @@ void add_interfaces(const Model& model, const State& state, bool all, Frame& fra
 /// Outline of a strip along the polyline, `depth` [m] deep.
 std::vector<Vec2> strip_of(const Polyline& line, double depth) {
     std::vector<Vec2> points;
-    for (Index i = 0; i < line.n_points(); ++i) points.push_back(line.point(i));
+    for (const Polyline::Side& side : line.sides()) points.push_back(side.start);
+    points.push_back(line.sides().back().end);
     for (Index i = line.n_points() - 1; i >= 0; --i) {
         const Vec2 before = line.sides()[std::max<Index>(i - 1, 0)].outward,
                    after = line.sides()[std::min(i, line.n_points() - 2)].outward;
-        points.push_back(line.point(i) - depth * (before + after).normalized());
+        points.push_back(points[i] - depth * (before + after).normalized());
     }
     return points;
 }

@@ -18,12 +18,12 @@ std::string fault_of(const std::vector<Vec2>& points) {
         if (points[i] == points[i + 1]) return "has two points in a row at " + nearby(i);
     const Polyline line(points);
     std::string fault;
-    const auto side = [&](Index i) { return Segment{line.point(i), line.point(i + 1)}; };
+    const auto side = [&](Index i) { return Segment{line.sides()[i].start, line.sides()[i].end}; };
     for (Index i = 0; i + 1 < line.n_points() && fault.empty(); ++i) {
-        const Polyline::Side& at = line.sides()[i];
-        if (i > 0 && line.sides()[i - 1].along.dot(at.along) < -1 + 1e-12)
+        const Polyline::Side& own = line.sides()[i];
+        if (i > 0 && line.sides()[i - 1].along.dot(own.along) < -1 + 1e-12)
             return "turns back on itself at " + nearby(i);
-        line.visit_near(at.start, at.length, [&](Index j) {
+        line.visit_near(own.start, own.length, [&](Index j) {
             if (j <= i + 1 || distance_between(side(i), side(j)) > 0 || !fault.empty()) return;
             const auto [a, b] = side(i);
             const auto [c, d] = side(j);

@@ -25,15 +25,14 @@ void visit_contact_forces(const Model& model, const State& begin, const State& e
     for (const FaceContactState& contact : end.face_contacts) {
         const GroundVertex* ground = model.ground_at(contact.edge);
         const Index a = contact.edge, b = ground ? model.mesh.n_corners() + ground->next : next_in_triangle(a);
-        const Vec2 x_a = place_of(model, begin, a), along = place_of(model, begin, b) - x_a,
-                   away = place_of(model, begin, contact.vertex) - x_a;
-        const double length = along.norm();
+        const Vec2 x = place_of(model, begin, contact.vertex);
+        const PlacedEdge edge = placed_edge(place_of(model, begin, a), place_of(model, begin, b));
         const FaceContact at{.vertex = {contact.entering, contact.vertex},
                              .edge = {a, b},
-                             .normal = outward(along / length),
-                             .length = length,
-                             .share = along.dot(away) / (length * length),
-                             .gap = outward(along / length).dot(away)};
+                             .normal = edge.outward,
+                             .length = edge.length,
+                             .share = edge.share(x),
+                             .gap = edge.gap(x)};
         const Vec2 force = Vec2(contact.contact, contact.tangential) / end.last_step;
         at.visit_terms([&](const CornerTerm& term) { visit(contact, term.body, term.wrench(force)); });
     }

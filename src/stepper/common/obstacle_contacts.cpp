@@ -11,7 +11,6 @@ namespace {
 constexpr double end_of_edge = 1e-3;     // [-] of an edge: there its end is in contact instead
 constexpr double almost_as_near = 0.05;  // [-] of an edge: both ends touch as near as a corner between them
 constexpr double flat_arc = 0.008;  // [-] edge over radius: an arc rises by less than 1e-3 of the edge between its ends
-constexpr double corner_cone = 0.26;      // [-] sine of 15 degrees, by which directions out of a corner may differ
 constexpr double flat_corner = 1e-4;      // [rad] by which a corner protrudes that is none
 constexpr double at_the_corner = 1e-9;    // [-] of the distance from the origin of an obstacle
 constexpr double rounded_up = 1 + 1e-12;  // more than the rounding of a bound
@@ -135,25 +134,20 @@ bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x,
     const auto corners = model_.corners(model_.fans[at.fan]);
     const Index next = next_[corners.front()], previous = previous_[corners.back()];
     if (next < 0 || previous < 0) return false;
-    const Vec2 out = place(next, begin) - x, in = x - place(previous, begin);
+    const PlacedEdge out = placed_edge(x, place(next, begin)), in = placed_edge(place(previous, begin), x);
     if (outline.kind == Outline::Kind::disc) {
-        const Vec2 to_centre = surface.position() - x;
-        const auto is_beside = [&](const Vec2& along, double towards) {
-            const double length = along.norm();
-            const double height = -cross(along, to_centre) / length;
-            return length > flat_arc * outline.radius && towards > 0 && towards < length * length &&
-                   height >= outline.radius - touching_part * length;
+        const auto is_beside = [&](const PlacedEdge& edge) {
+            const double along = edge.place(surface.position());
+            return edge.length > flat_arc * outline.radius && along > 0 && along < edge.length &&
+                   edge.gap(surface.position()) >= outline.radius - touching_part * edge.length;
         };
-        return is_beside(out, out.dot(to_centre)) || is_beside(in, -in.dot(to_centre));
+        return is_beside(out) || is_beside(in);
     }
     if (!(distance.gap > 0)) return false;
     const Vec2 nearest = surface.rotation().turned_back(x - distance.gap * distance.normal - surface.position());
     const bool at_corner = std::ranges::any_of(
         outline.points, [&](const Vec2& p) { return (nearest - p).norm() <= at_the_corner * p.norm(); });
-    if (!at_corner) return false;
-    const Vec2 t_in = in.normalized(), t_out = out.normalized(), outside = t_in - t_out - turned_left(t_in + t_out);
-    const Vec2& n = distance.normal;
-    return n.dot(t_in) > corner_cone || n.dot(t_out) < -corner_cone || n.dot(outside) > corner_cone * outside.norm();
+    return at_corner && !VertexCone(in.along, out.along).accepts(distance.normal);
 }
 
 void ObstacleContacts::find_at_corner(const Candidate& at, Index o, const State& begin, double h,
@@ -307,10 +301,8 @@ void ObstacleContacts::find_on_edge(const Edge& edge, Index o, const State& begi
     const ObstacleSurface& surface = surfaces_[o];
     const Vec2 x_a = place(edge.a, begin);
     if (!surface.may_reach(x_a, 2 * longest_edge_)) return;
-    const Vec2 along = place(edge.b, begin) - x_a;
-    const double length = along.norm();
-    if (!(length > 0) || !surface.may_reach(x_a, 2 * length)) return;
-    const PlacedEdge at{.x_a = x_a, .along = along, .outward = -turned_left(along) / length, .length = length};
+    const PlacedEdge at = placed_edge(x_a, place(edge.b, begin));
+    if (!(at.length > 0) || !surface.may_reach(x_a, 2 * at.length)) return;
     if (surface.outline().kind == Outline::Kind::disc) find_on_arc(edge, at, o, begin, h);
     else find_at_corners_of(edge, at, o, begin, h);
 }
@@ -320,10 +312,9 @@ void ObstacleContacts::find_on_edge(const Edge& edge, Index o, const State& begi
 void ObstacleContacts::find_on_arc(const Edge& edge, const PlacedEdge& at, Index o, const State& begin, double h) {
     const ObstacleSurface& surface = surfaces_[o];
     const double radius = surface.outline().radius;
-    const Vec2 to_centre = surface.position() - at.x_a;
-    const double share = at.along.dot(to_centre) / (at.length * at.length), height = at.outward.dot(to_centre);
+    const double share = at.share(surface.position()), height = at.gap(surface.position());
     if (at.length <= flat_arc * radius || !(share > 0 && share < 1 && height > 0)) return;
-    const Vec2 x = at.x_a + share * at.along;
+    const Vec2 x = at.start + share * (at.end - at.start);
     const double as_near = almost_as_near * at.length;
     if (height - radius < -touching_part * at.length && is_carried(edge.a, as_near, begin) &&
         is_carried(edge.b, as_near, begin))
@@ -342,7 +333,7 @@ void ObstacleContacts::find_on_arc(const Edge& edge, const PlacedEdge& at, Index
 
 void ObstacleContacts::find_at_corners_of(const Edge& edge, const PlacedEdge& at, Index o, const State& begin,
                                           double h) {
-    surfaces_[o].visit_corners(at.x_a, 2 * at.length,
+    surfaces_[o].visit_corners(at.start, 2 * at.length,
                                [&](std::size_t corner) { find_at_corner_of(edge, at, o, corner, begin, h); });
 }
 
@@ -355,12 +346,12 @@ bool ObstacleContacts::is_in_front_of_next(const Edge& edge, const PlacedEdge& a
     const Index next = is_whole(edge.b) ? next_[corners(edge.b).front()] : -1,
                 previous = is_whole(edge.a) ? previous_[corners(edge.a).back()] : -1;
     if (next >= 0) {
-        const Vec2 x_b = at.x_a + at.along, end = place(next, begin);
-        if (cross(at.along, end - x_b) > 0 && is_right_of(x_b, end)) return true;
+        const Vec2 end = place(next, begin);
+        if (cross(at.along, end - at.end) > 0 && is_right_of(at.end, end)) return true;
     }
     if (previous < 0) return false;
     const Vec2 start = place(previous, begin);
-    return cross(at.x_a - start, at.along) > 0 && is_right_of(start, at.x_a);
+    return cross(at.start - start, at.along) > 0 && is_right_of(start, at.start);
 }
 
 /// A corner of an obstacle that no side of it which begins there leaves towards the body, and that lies between the
@@ -369,11 +360,9 @@ void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at,
                                          const State& begin, double h) {
     const ObstacleSurface& surface = surfaces_[o];
     const Vec2 arm = surface.arm_of_corner(corner), x = surface.position() + arm;
-    const double share = at.along.dot(x - at.x_a) / (at.length * at.length), gap = at.outward.dot(x - at.x_a);
+    const double share = at.share(x), gap = at.gap(x);
     if (share <= end_of_edge || share >= 1 - end_of_edge || gap < -edge.depth) return;
-    if (surface.any_side_at(corner,
-                            [&](const Vec2& side) { return at.outward.dot(side) < -corner_cone * side.norm(); }))
-        return;
+    if (!surface.protrudes(corner, at.outward, VertexCone::widened)) return;
     if (gap < 0 && surface.outline().line && is_in_front_of_next(edge, at, x, begin)) return;
     const double as_near = gap + almost_as_near * at.length;
     if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) return;

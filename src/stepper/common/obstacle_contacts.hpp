@@ -116,11 +116,6 @@ private:
         Index a, b;    // corners
         double depth;  // [m] largest penetration: that of a corner which meets this edge and not the opposite one
     };
-    /// An edge in its place.
-    struct PlacedEdge {
-        Vec2 x_a, along, outward;  // [m], [m], [-]
-        double length;             // [m]
-    };
     /// Bounds of the motion of an obstacle, start and end of the step together.
     struct AtMost {
         double speed, spin;  // [m/s], [rad/s]

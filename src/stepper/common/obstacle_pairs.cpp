@@ -30,23 +30,19 @@ using Two = std::array<ObstacleSurface, 2>;
 /// The facing side of the other one, clipped to what lies beside side i of polygon `of` or beyond its ends by `reach`.
 void clip(const Two& pair, int of, std::size_t i, double reach, std::vector<Facing>& found) {
     const ObstacleSurface &polygon = pair[of], &other = pair[1 - of];
-    const auto [a, b, normal] = polygon.side(i);
-    const Vec2 along = b - a;
-    const double length = along.norm();
-    std::size_t facing = 0;
-    double most = infinity;
-    for (std::size_t j = 0; j < n_corners(other); ++j)
-        if (const double product = normal.dot(other.side(j).outward); product < most) most = product, facing = j;
-    const auto [from, to, outward] = other.side(facing);
-    const auto place = [&](const Vec2& x) { return along.dot(x - a) / length; };  // [m] along the side
-    const double s_from = place(from), s_to = place(to);
-    const auto add = [&](const Vec2& x) { found.push_back({of, x, normal, normal.dot(x - a)}); };
+    const PlacedEdge side = polygon.side(i);
+    PlacedEdge facing = other.side(0);
+    for (std::size_t j = 1; j < n_corners(other); ++j)
+        if (const PlacedEdge next = other.side(j); side.outward.dot(next.outward) < side.outward.dot(facing.outward))
+            facing = next;
+    const double s_from = side.place(facing.start), s_to = side.place(facing.end);
+    const auto add = [&](const Vec2& x) { found.push_back({of, x, side.outward, side.gap(x)}); };
     const auto clipped = [&](const Vec2& x, double s, const Vec2& towards, double s_towards) {
-        const double end = std::clamp(s, -reach, length + reach);
+        const double end = std::clamp(s, -reach, side.length + reach);
         if (s == end) return add(x);
         if ((s_towards - end) * (s - end) < 0) add(x + (end - s) / (s_towards - s) * (towards - x));
     };
-    clipped(from, s_from, to, s_to), clipped(to, s_to, from, s_from);
+    clipped(facing.start, s_from, facing.end, s_to), clipped(facing.end, s_to, facing.start, s_from);
 }
 
 /// A disc against the sides of polyline `line` beside its centre and the corners in whose cones it lies.
@@ -81,12 +77,10 @@ void find_on_terrain(const Two& pair, int line, double reach, double tolerance, 
         const Vec2 x = ground.corner(i);
         const auto [number, gap, nearest] = polygon.furthest_side([&](const Vec2&) { return x; });
         if (gap > reach || gap < -depth) return;
-        const auto [a, b, normal] = polygon.side(number);
-        const Vec2 along = b - a;
-        const double share = along.dot(x - a) / along.squaredNorm();
+        const PlacedEdge side = polygon.side(number);
+        const double share = side.share(x);
         if (share <= tolerance / depth || share >= 1 - tolerance / depth) return;  // a corner has planes of the ground
-        if (!ground.any_side_at(i, [&](const Vec2& way) { return normal.dot(way) < 0; }))
-            found.push_back({1 - line, x, normal, gap});
+        if (ground.protrudes(i, side.outward)) found.push_back({1 - line, x, side.outward, gap});
     });
 }
 

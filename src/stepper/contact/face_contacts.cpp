@@ -16,7 +16,6 @@ constexpr double deep_in_steps = 2;    // distances covered in a step, for a pen
 constexpr double beyond_end = 0.25;    // [-] of an edge
 constexpr double reflex_turn = -0.02;  // sine of a turn to the right that still counts as flat
 constexpr double flat_turn = 0.2;      // sine of a turn of a flat vertex
-constexpr double cone = NearbyEdges::cone;
 constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
 constexpr double parallel = 0.97;        // likewise for two edges that are one face
 constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are a duplicate pair
@@ -34,7 +33,7 @@ bool is_reflex(const Vec2& t_in, const Vec2& t_out, bool in_body) {
 
 /// Along the bisector of a convex or flat corner from the first edge to the second: n_2 - n_1, and t_1 + t_2, which has
 /// the same direction and stays definite where the corner is flat.
-Vec2 across_corner(const Vec2& t_1, const Vec2& t_2) { return t_1 + t_2 + outward(t_2 - t_1); }
+Vec2 across_corner(const Vec2& t_1, const Vec2& t_2) { return t_1 + t_2 - turned_left(t_2 - t_1); }
 
 /// [m] How far beyond an end of an edge a point may lie; `overrun` is where no edge is beside it.
 double largest_overrun(double gap, double reach, double overrun, double length, double depth) {
@@ -125,12 +124,8 @@ void FaceContacts::find_rigid(const State& begin, double h, bool boundary_change
         corners_[c] = {.x = reference_[c] + begin.displacement[node], .v = begin.velocity[node]};
     }
     const auto edges = boundary_.edges();
-    sides_.resize(edges.size());
-    for (Index e = 0; e < std::ssize(edges); ++e) {
-        const Vec2 along = end_of(e).x - start_of(e).x;
-        const double length = along.norm();
-        sides_[e] = {.tangent = along / length, .length = length};
-    }
+    placed_.resize(edges.size());
+    for (Index e = 0; e < std::ssize(edges); ++e) place_edge(e);
     if (reads) nearby_pieces_.read(edges, corners_, *pieces_);
     complete_ = true;
     nearby_pieces_.find(edges, corners_, begin.rigid_pieces, h);
@@ -197,12 +192,8 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
         for (std::size_t b = 0; b < nearby_.n_blocks(); ++b) use_edges_of(b);
         complete_ = true;
     }
-    sides_.resize(boundary_.edges().size());
-    for (const Index e : used_) {
-        const Vec2 along = end_of(e).x - start_of(e).x;
-        const double length = along.norm();
-        sides_[e] = {.tangent = along / length, .length = length};
-    }
+    placed_.resize(boundary_.edges().size());
+    for (const Index e : used_) place_edge(e);
     return true;
 }
 
@@ -223,28 +214,24 @@ void FaceContacts::use_edges_of(std::size_t block) {
 
 /// Rule 1 with a reach [m] that no contact exceeds, of a vertex at x. Nearly all pairs end at their gap.
 bool FaceContacts::may_touch(const Vec2& x, Index e, double reach) const {
-    const FreeEdge& edge = boundary_.edges()[e];
-    const auto& [t, length] = sides_[e];
-    const double gap = cross(x - start_of(e).x, t), along = t.dot(x - start_of(e).x);
-    if (!(gap <= reach && gap >= -edge.depth)) return false;
-    const double beyond = largest_overrun(gap, reach, overrun(e, x, gap, along / length), length, edge.depth);
-    return along >= -beyond && along <= length + beyond;
+    const double depth = boundary_.edges()[e].depth;
+    const PlacedEdge& at = placed_[e];
+    const double gap = at.gap(x), along = at.place(x);
+    if (!(gap <= reach && gap >= -depth)) return false;
+    const double beyond = largest_overrun(gap, reach, overrun(e, x, gap, along / at.length), at.length, depth);
+    return along >= -beyond && along <= at.length + beyond;
 }
 
 FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
     const FreeEdge& leaving = boundary_.edges()[i];
     const CornerMotion &in = end_of(leaving.entering), &out = start_of(i);
-    const auto& [t_in, l_in] = sides_[leaving.entering];
-    const auto& [t_out, l_out] = sides_[i];
-    // both parts point out of a convex vertex; the first is definite where it is sharp, the second where it is flat
-    const Vec2 outside = t_in - t_out + outward(t_in + t_out);
+    const PlacedEdge &entering = placed_[leaving.entering], &own = placed_[i];
+    const Vec2 &t_in = entering.along, &t_out = own.along;
     return {.x = 0.5 * (in.x + out.x),
             .v = 0.5 * (in.v + out.v),
-            .t_in = t_in,
-            .t_out = t_out,
-            .outside = outside.normalized(),
-            .l_in = l_in,
-            .l_out = l_out,
+            .cone = {t_in, t_out},
+            .l_in = entering.length,
+            .l_out = own.length,
             .joint_law = {boundary_.edges()[leaving.entering].joint_law, leaving.joint_law},
             .before = contacts_before(begin, leaving.start),
             .reflex = is_reflex(t_in, t_out, leaving.reflex_piece),
@@ -254,14 +241,15 @@ FaceContacts::Vertex FaceContacts::vertex(Index i, const State& begin) const {
 void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const {
     const FreeEdge &edge = boundary_.edges()[pair.edge], &leaving = boundary_.edges()[pair.vertex];
     const CornerMotion &a = start_of(pair.edge), &b = end_of(pair.edge);
-    const auto& [t, length] = sides_[pair.edge];
-    const Vec2 n = outward(t), from_a = at.x - a.x;
-    const double gap = n.dot(from_a), share = t.dot(from_a) / length, most = overrun(pair.edge, at.x, gap, share);
+    const PlacedEdge& placed = placed_[pair.edge];
+    const Vec2& n = placed.outward;
+    const double length = placed.length, gap = placed.gap(at.x), share = placed.share(at.x),
+                 most = overrun(pair.edge, at.x, gap, share);
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
     const double travel = h * v.norm(), reach = touching_part * length + contact_reach_in_steps * travel;
     const double beyond = largest_overrun(gap, reach, most, length, edge.depth) / length;
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
-    if (!at.accepts(n)) return;
+    if (!at.cone.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
     const double gap_at_end = gap + h * n.dot(v);
     if (travel > largest_motion * length && gap_at_end < touching_part * length)
@@ -277,7 +265,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                                        .edge = {edge.start, edge.end},
                                        .normal = n,
-                                       .joint_law = at.joint_law_against(t) == edge.joint_law ? edge.joint_law : -1,
+                                       .joint_law = at.joint_law_against(placed.along) == edge.joint_law ? edge.joint_law : -1,
                                        .length = length,
                                        .share = share,
                                        .gap = gap,
@@ -305,11 +293,11 @@ FaceContacts::Corner FaceContacts::corner(Index e, bool at_end) const {
 double FaceContacts::overrun(Index e, const Vec2& x, double gap, double share) const {
     if (share >= 0 && share <= 1) return 0;
     const Corner at = corner(e, share > 1);
-    const Vec2 &t_1 = sides_[at.first].tangent, &t_2 = sides_[at.second].tangent;
-    const double other_gap =
-        share > 1 ? outward(t_2).dot(x - start_of(at.second).x) : outward(t_1).dot(x - end_of(at.first).x);
+    const PlacedEdge &first = placed_[at.first], &second = placed_[at.second];
+    const Vec2 &t_1 = first.along, &t_2 = second.along;
+    const double other_gap = share > 1 ? second.gap(x) : first.outward.dot(x - first.end);
     if (cross(t_1, t_2) < reflex_turn && gap <= other_gap && other_gap < 0) return infinity;
-    const double mouth = 0.5 * sides_[e].tangent.dot(start_of(at.second).x - end_of(at.first).x);
+    const double mouth = 0.5 * placed_[e].along.dot(second.start - first.end);
     return std::max(mouth, -gap * std::max(1., -cross(t_1, t_2) / (1 + t_1.dot(t_2))));
 }
 
@@ -319,19 +307,19 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
     for (const bool at_end : {false, true}) {
         const auto [first, second, is_outer] = corner(e, at_end);
         // beyond the closed end of a crack, or nearer to it than deep
-        if (!is_outer && (at_end ? 1 - share : share) * sides_[e].length < std::max(0.0, -gap)) return false;
-        const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
-        const Vec2 from_corner = at.x - 0.5 * (end_of(first).x + start_of(second).x);
+        if (!is_outer && (at_end ? 1 - share : share) * placed_[e].length < std::max(0.0, -gap)) return false;
+        const Vec2 &t_1 = placed_[first].along, &t_2 = placed_[second].along;
+        const Vec2 from_corner = at.x - 0.5 * (placed_[first].end + placed_[second].start);
         if (!is_reflex(t_1, t_2, is_outer ? edges[second].reflex_piece : edges[first].reflex_wedge)) {
-            const auto& [t, length] = sides_[at_end ? second : first];
-            const Vec2 n = outward(sides_[e].tangent), other_n = outward(t);
+            const PlacedEdge& other = placed_[at_end ? second : first];
+            const Vec2 &n = placed_[e].outward, &other_n = other.outward;
             // two tips: a plane that only the widened cones accept may separate the vertex, but not its edges
-            const bool tips = n.dot(other_n) < opposite && at.accepts(other_n);
+            const bool tips = n.dot(other_n) < opposite && at.cone.accepts(other_n);
             if (tips && at.distance(other_n, from_corner) > at.distance(n, from_corner)) return false;
             if (tips || second_is_nearer(first, second, at, h) != at_end) continue;
-            if (at.accepts(other_n)) return false;
+            if (at.cone.accepts(other_n)) return false;
             // both edges at the vertex lie in front of the nearer edge, which separates them from this one
-            if (at.distance(other_n, from_corner) > -touching_part * length) return false;
+            if (at.distance(other_n, from_corner) > -touching_part * other.length) return false;
             // gaps between the places of both vertices: else each may seem smaller than the other
             const Index j = at_end ? edges[e].piece_end : edges[e].piece_start;
             if (meets_nearer(j, at, n.dot(from_corner), begin)) return false;
@@ -347,8 +335,8 @@ bool FaceContacts::belongs_to(Index e, const Vertex& at, double gap, double shar
 bool FaceContacts::meets_nearer(Index j, const Vertex& at, double gap, const State& begin) const {
     if (j < 0) return true;
     const Vertex other = vertex(j, begin);
-    return !other.reflex && std::ranges::any_of(std::array{at.t_in, at.t_out}, [&](const Vec2& t) {
-        return other.accepts(outward(t)) && other.distance(outward(t), other.x - at.x) > gap;
+    return !other.reflex && std::ranges::any_of(at.normals(), [&](const Vec2& n) {
+        return other.cone.accepts(n) && other.distance(n, other.x - at.x) > gap;
     });
 }
 
@@ -359,24 +347,23 @@ double FaceContacts::overlap(const FreeEdge& edge, const Vertex& at, double gap,
         if (j < 0 || vertex(j, begin).reflex) continue;
         const Vertex other = vertex(j, begin);
         for (const auto& [one, two] : {std::pair(&at, &other), std::pair(&other, &at)})
-            for (const Vec2& t : {one->t_in, one->t_out})
-                least = std::min(least, -two->distance(outward(t), two->x - one->x));
+            for (const Vec2& n : one->normals()) least = std::min(least, -two->distance(n, two->x - one->x));
     }
     return least;
 }
 
 /// At a convex or flat corner between two edges: the one with the larger gap, but for seams.
 bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at, double h) const {
-    const Vec2 &t_1 = sides_[first].tangent, &t_2 = sides_[second].tangent;
-    const Vec2 n_1 = outward(t_1), n_2 = outward(t_2), across = across_corner(t_1, t_2);
+    const PlacedEdge &one = placed_[first], &two = placed_[second];
+    const Vec2 &n_1 = one.outward, &n_2 = two.outward, across = across_corner(one.along, two.along);
     const CornerMotion &a = end_of(first), &b = start_of(second);
     const Vec2 from_corner = at.x - 0.5 * (a.x + b.x), v = at.v - 0.5 * (a.v + b.v);
     const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
-    const double rounding_1 = touching_part * sides_[first].length, rounding_2 = touching_part * sides_[second].length;
-    const double tie = even_planes * across.norm() * std::min(sides_[first].length, sides_[second].length);
+    const double rounding_1 = touching_part * one.length, rounding_2 = touching_part * two.length;
+    const double tie = even_planes * across.norm() * std::min(one.length, two.length);
     if (n_1.dot(n_2) > parallel || gap_1 < -rounding_1 || gap_2 < -rounding_2) return across.dot(from_corner) > tie;
     const auto slides_on = [&](const Vec2& n, double gap, double rate, double rounding) {
-        return gap < rounding && h * rate > -std::max(cone * h * v.norm(), touching_part * rounding) &&
+        return gap < rounding && h * rate > -std::max(VertexCone::widened * h * v.norm(), touching_part * rounding) &&
                was_on_face(at, n);
     };
     const bool slides_on_1 = slides_on(n_1, gap_1, rate_1, rounding_1),
@@ -384,7 +371,7 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
     if (slides_on_1 != slides_on_2) return slides_on_2;
     const double then_1 = gap_1 + h * rate_1, then_2 = gap_2 + h * rate_2;
     const bool both_rounding = std::max(then_1, then_2) < 0 && then_1 > -rounding_1 && then_2 > -rounding_2;
-    if (both_rounding && std::abs(rate_2 - rate_1) > cone * v.norm()) return rate_2 > rate_1;
+    if (both_rounding && std::abs(rate_2 - rate_1) > VertexCone::widened * v.norm()) return rate_2 > rate_1;
     return across.dot(from_corner + h * v) > tie;
 }
 
@@ -392,7 +379,7 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
 bool FaceContacts::was_on_face(const Vertex& at, const Vec2& normal) const {
     return std::ranges::any_of(at.before, [&](const FaceContactState& contact) {
         const Index e = boundary_.place_of(contact.edge);
-        return e >= 0 && outward((end_of(e).x - start_of(e).x).normalized()).dot(normal) > parallel;
+        return e >= 0 && placed_edge(start_of(e).x, end_of(e).x).outward.dot(normal) > parallel;
     });
 }
 
@@ -407,7 +394,7 @@ const FaceContactState* FaceContacts::slid_from(Index e, const Vertex& at) const
     if (at.before.empty()) return nullptr;
     for (const Index other : {boundary_.edges()[e].prev, boundary_.edges()[e].next})
         if (const auto* before = known(at.before, other);
-            before && sides_[other].tangent.dot(sides_[e].tangent) > parallel)
+            before && placed_[other].along.dot(placed_[e].along) > parallel)
             return before;
     return nullptr;
 }

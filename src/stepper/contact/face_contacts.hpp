@@ -8,6 +8,7 @@
 //     i: P = p_N n + p_T t         a: -(1-s) P - Q         b: -s P + Q                 Q = (g/L) p_T n
 //
 // These are the rates of invariants of position, so every pair of impulses has zero resultant and zero moment.
+#include "base/placed_edge.hpp"
 #include "law/row_term.hpp"
 #include "stepper/contact/nearby_edges.hpp"
 #include "stepper/contact/nearby_pieces.hpp"
@@ -15,9 +16,6 @@
 #include <optional>
 
 namespace knap {
-
-/// The normal of a free edge, whose material lies to the left.
-inline Vec2 outward(const Vec2& tangent) { return -turned_left(tangent); }
 
 /// A boundary vertex near a boundary edge, at the positions of the start of the step.
 struct FaceContact {
@@ -100,28 +98,25 @@ private:
     };
     /// What all pairs of a vertex share.
     struct Vertex {
-        Vec2 x, v, t_in, t_out;
-        Vec2 outside;                    // unit vector out of the body
+        Vec2 x, v;
+        VertexCone cone;                 // rule 3
         double l_in, l_out;              // [m] of the edges that enter and leave it
         std::array<Index, 2> joint_law;  // of these edges
         std::span<const FaceContactState> before;
         bool reflex, flat;
 
-        /// Rule 3.
-        bool accepts(const Vec2& n) const {
-            constexpr double cone = NearbyEdges::cone;
-            return n.dot(t_in) <= cone && n.dot(t_out) >= -cone && n.dot(outside) <= cone;
-        }
+        /// Outward, of its edges.
+        std::array<Vec2, 2> normals() const { return {-turned_left(cone.t_in), -turned_left(cone.t_out)}; }
         /// [m] How much further than the vertex its edges reach against the normal.
-        double overhang(const Vec2& n) const { return std::max({0.0, n.dot(t_in) * l_in, -n.dot(t_out) * l_out}); }
+        double overhang(const Vec2& n) const { 
+            return std::max({0.0, n.dot(cone.t_in) * l_in, -n.dot(cone.t_out) * l_out});
+        }
         /// [m] Of its edges from a plane, where the vertex is at `from_plane`; negative: a part of them is behind it.
         double distance(const Vec2& n, const Vec2& from_plane) const { return n.dot(from_plane) - overhang(n); }
         /// FreeEdge::joint_law of the edge that faces one with this tangent.
-        Index joint_law_against(const Vec2& tangent) const { return joint_law[t_out.dot(tangent) < t_in.dot(tangent)]; }
-    };
-    struct Side {
-        Vec2 tangent;
-        double length;
+        Index joint_law_against(const Vec2& tangent) const { 
+            return joint_law[cone.t_out.dot(tangent) < cone.t_in.dot(tangent)];
+        }
     };
     /// Largest of all corners: move since the search, speed.
     struct Motion {
@@ -141,6 +136,7 @@ private:
     const CornerMotion& start_of(Index edge) const { return corners_[boundary_.edges()[edge].start_place]; }
     const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }
     bool may_touch(const Vec2& x, Index edge, double reach) const;
+    void place_edge(Index e) { placed_[e] = placed_edge(start_of(e).x, end_of(e).x); }
     Vec2 place_of_vertex(Index i) const { return 0.5 * (end_of(boundary_.edges()[i].entering).x + start_of(i).x); }
     Vertex vertex(Index i, const State& begin) const;
     void examine(const NearbyEdge& pair, const Vertex& at, const State& begin, double h, Block& block) const;
@@ -179,7 +175,7 @@ private:
     bool complete_ = false;              // what is nearby knows all edges
     std::vector<std::uint8_t> is_used_;  // per edge: in used_
     std::vector<Index> used_;            // edges near others
-    std::vector<Side> sides_;            // per edge; of those in used_
+    std::vector<PlacedEdge> placed_;     // per edge; those in used_
     std::vector<Motion> partial_;
     std::vector<Block> blocks_;
     std::vector<Found> found_;

@@ -1,6 +1,7 @@
 #include "stepper/contact/nearby_edges.hpp"
 
 #include "base/parallel.hpp"
+#include "base/placed_edge.hpp"
 #include "mesh/polygon.hpp"
 
 #include <bit>
@@ -146,7 +147,7 @@ bool NearbyEdges::is_near(std::span<const FreeEdge> edges, Index i, const Corner
     if (!(length > 0) || cross(from_a, along) > margin_ * length ||
         distance_to_segment(a, x_[edge.end_place], at.x) > edge.depth + margin_)
         return false;
-    const double least = cone + largest_turn(length);
+    const double least = VertexCone::widened + largest_turn(length);
     const Vec2 normal = -turned_left(along) / length;
     return !(normal.dot(at.t_in) > least + at.turn_in || normal.dot(at.t_out) < -least - at.turn_out);
 }

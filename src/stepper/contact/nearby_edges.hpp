@@ -24,7 +24,6 @@ struct NearbyEdge {
 /// of the vertex meanwhile (FaceContacts, rule 3).
 class NearbyEdges {
 public:
-    static constexpr double cone = 0.26;       // sine of 15 degrees, by which the cone of a vertex is widened
     static constexpr std::size_t block = 256;  // vertices
 
     /// The edge leaves a vertex that may touch something.

@@ -150,17 +150,15 @@ void NearbyPieces::search(Pair& pair, std::span<const FreeEdge> edges, std::span
             const double far = edge.depth + pair.margin;
             const Vec2 low = start(e).cwiseMin(end(e)), high = start(e).cwiseMax(end(e));
             if (((low - box.high).array() > far).any() || ((box.low - high).array() > far).any()) continue;
-            const Vec2 along = end(e) - start(e);
-            const double length = along.norm();
-            const Vec2 t = along / length, n = -turned_left(t);
+            const Vec2 n = placed_edge(start(e), end(e)).outward;
             for (Index v = with_vertices.first_vertex; v < with_vertices.last_vertex; ++v) {
                 const Index i = vertices_[v];
                 const Vec2 x = 0.5 * (end(edges[i].entering) + start(i)), from_a = x - start(e);
                 if (n.dot(from_a) > pair.margin) continue;
                 if (distance_to_segment(start(e), end(e), x) > far || !NearbyEdges::may_meet(edges, i, e)) continue;
                 const Vec2 in = end(edges[i].entering) - start(edges[i].entering), out = end(i) - start(i);
-                if (n.dot(in) > (NearbyEdges::cone + turned_list) * in.norm() ||
-                    n.dot(out) < -(NearbyEdges::cone + turned_list) * out.norm())
+                if (n.dot(in) > (VertexCone::widened + turned_list) * in.norm() ||
+                    n.dot(out) < -(VertexCone::widened + turned_list) * out.norm())
                     continue;
                 pair.near.push_back({i, e});
             }

@@ -26,9 +26,9 @@ void FacePoints::turn(const State& begin, double h, const std::vector<Vec2>& cor
     const auto way = [&](Index corner) -> Vec2 { return 0.5 * h * corner_rate[corner]; };
     const auto middle = [&](Index c) -> Vec2 { return place_of(model_, begin, c) + unless_ground(c, way); };
     for (FaceContact& row : rows_) {
-        const Vec2 a = middle(row.edge[0]), along = middle(row.edge[1]) - a;
-        row.normal = outward(along.normalized());
-        row.share = along.dot(0.5 * (middle(row.vertex[0]) + middle(row.vertex[1])) - a) / along.squaredNorm();
+        const PlacedEdge edge = placed_edge(middle(row.edge[0]), middle(row.edge[1]));
+        row.normal = edge.outward;
+        row.share = edge.share(0.5 * (middle(row.vertex[0]) + middle(row.vertex[1])));
     }
 }
 

@@ -378,8 +378,8 @@ TEST_CASE("the cell grid finds every pair that comes near before the list is mad
                     return (corners[edges[of].end_place].x - corners[edges[of].start_place].x).normalized();
                 };
                 const Vec2 normal = -turned_left(direction(e));
-                if (normal.dot(direction(edges[i].entering)) > NearbyEdges::cone ||
-                    normal.dot(direction(i)) < -NearbyEdges::cone)
+                if (normal.dot(direction(edges[i].entering)) > VertexCone::widened ||
+                    normal.dot(direction(i)) < -VertexCone::widened)
                     continue;  // outside the cone of the vertex
                 ++n_near;
                 CHECK(listed.contains({i, e}));
