@@ -178,27 +178,8 @@ bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>&
     return !signals.interrupted();
 }
 
-/// What a figure of a study or a sweep shows, by its name.
-std::string caption_of(const fs::path& figure) {
-    static constexpr std::pair<std::string_view, std::string_view> kinds[] = {
-        {"work_precision_", "Error over processor time: "},
-        {"convergence_", "Error over the refined step or mesh: "},
-        {"statistics_over_time_", "Mean and standard deviation over seeds, by processor time: "},
-        {"statistics_", "Mean and standard deviation over seeds, by the refined step or mesh: "},
-        {"sweep", "The last state of every run, with one range of colours"},
-        {"trajectories", "Ways of the pieces of all runs"},
-        {"heights", "Height above the ground along the way, percentiles over all runs"},
-        {"energies", "Kinetic energy along the way, percentiles over all runs"},
-        {"run_out", "Where the pieces of all runs come to rest"},
-        {"sizes", "Sizes of the pieces of all runs"}};
-    const std::string name = figure.stem().string();
-    for (const auto& [prefix, words] : kinds)
-        if (name.starts_with(prefix)) return std::string(words) + name.substr(prefix.size());
-    return "";
-}
-
 /// report.html, with the way to the reports of its runs.
-void write_report(const Ensemble& ensemble, const std::vector<fs::path>& figures, const std::string& overview,
+void write_report(const Ensemble& ensemble, const std::vector<CaptionedFigure>& figures, const std::string& overview,
                   const Texts& command, const fs::path& directory) {
     Texts troubles;
     std::string runs;
@@ -210,12 +191,17 @@ void write_report(const Ensemble& ensemble, const std::vector<fs::path>& figures
         runs += "<li><a href=\"runs/" + name + "/report.html\">" + name + "</a> " + html_text(run.result.status) +
                 "</li>\n";
     }
+    std::vector<fs::path> files;
+    for (const CaptionedFigure& figure : figures) files.push_back(figure.file);
+    const auto caption_of = [&](const fs::path& file) {
+        return std::ranges::find(figures, file, &CaptionedFigure::file)->caption;
+    };
     write_whole_file(
         directory / "report.html",
         html_page(ensemble.title.empty() ? ensemble.name : ensemble.title, ensemble.question,
                   html_section("Warnings", html_list(troubles, "bad")) +
                       html_section("Results", html_of_markdown(overview)) +
-                      html_section("Figures", html_figures(figures, caption_of)) +
+                      html_section("Figures", html_figures(files, caption_of)) +
                       (runs.empty() ? "" : html_section("Runs", "<ul>\n" + runs + "</ul>\n")) +
                       html_section("How to repeat it",
                                    html_table({}, {{"command", command_line(command)},
@@ -257,8 +243,8 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
     if (!ensemble.collectors.empty()) write_whole_file(directory / "passages.csv", passages_csv(ensemble, runs));
     if (ensemble.has_statistics()) write_whole_file(directory / "statistics.csv", statistics_csv(ensemble));
     std::printf("%s%-9s%s\n", text.c_str(), (kind + ":").c_str(), directory.c_str());
-    const std::vector<fs::path> figures = draw_ensemble(ensemble, directory);
-    for (const fs::path& figure : figures) std::printf("figure:  %s\n", figure.c_str());
+    const std::vector<CaptionedFigure> figures = draw_ensemble(ensemble, directory);
+    for (const CaptionedFigure& figure : figures) std::printf("figure:  %s\n", figure.file.c_str());
     if (ensemble.report) {
         write_report(ensemble, figures, text, options.command, directory);
         std::printf("report:  %s\n", (directory / "report.html").c_str());

@@ -145,12 +145,16 @@ std::string passages_csv(const Ensemble& sweep, const std::filesystem::path& run
 /// A row per collector: statistics of the passages of all these runs together.
 std::string passages_table(const Ensemble& sweep, const std::filesystem::path& runs);
 
-/// Of a sweep: trajectories of all its runs over the ground, heights and energies over x, run-outs, sizes of pieces.
-/// Returns the files; none where nothing has moved.
-std::vector<std::filesystem::path> draw_trajectories(const Ensemble& sweep, const std::filesystem::path& runs,
-                                                     const std::filesystem::path& figures);
+struct CaptionedFigure {
+    std::filesystem::path file;
+    std::string caption;
+};
 
-/// Returns the files.
-std::vector<std::filesystem::path> draw_ensemble(const Ensemble& ensemble, const std::filesystem::path& directory);
+/// Of a sweep: trajectories of all its runs over the ground, heights and energies over x, run-outs, sizes of pieces;
+/// none where nothing has moved.
+std::vector<CaptionedFigure> draw_trajectories(const Ensemble& sweep, const std::filesystem::path& runs,
+                                               const std::filesystem::path& figures);
+
+std::vector<CaptionedFigure> draw_ensemble(const Ensemble& ensemble, const std::filesystem::path& directory);
 
 }  // namespace knap

@@ -76,22 +76,29 @@ Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
 }
 
 /// PNG and SVG of each quantity, where a curve has two points at least.
-std::vector<fs::path> draw_study(const Ensemble& study, const fs::path& figures) {
-    std::vector<fs::path> drawn;
-    const auto draw = [&](const Chart& chart, const std::string& name) {
+std::vector<CaptionedFigure> draw_study(const Ensemble& study, const fs::path& figures) {
+    std::vector<CaptionedFigure> drawn;
+    const auto draw = [&](const Chart& chart, const char* kind, const std::string& name, const char* caption) {
         const auto is_finite = [](double y) { return std::isfinite(y); };
         if (std::ranges::none_of(chart.curves,
                                  [&](const Curve& c) { return std::ranges::count_if(c.y, is_finite) > 1; }))
             return;
         for (const char* ending : {".png", ".svg"})
-            drawn.push_back(draw_chart(chart, figures / (name + ending), 1200).file);
+            drawn.push_back({draw_chart(chart, figures / (kind + name + ending), 1200).file, caption + name});
     };
     const bool errors = !study.errors.empty();
     for (std::size_t q = 0; q < study.quantities.size(); ++q) {
         const std::string name = plain_name(study.quantities[q].name);
-        if (errors || study.study.lines.size() > 1)
-            draw(chart_of(study, q, true), (errors ? "work_precision_" : "statistics_over_time_") + name);
-        draw(chart_of(study, q, false), (errors ? "convergence_" : "statistics_") + name);
+        const Chart over_time = chart_of(study, q, true), over_step = chart_of(study, q, false);
+        if (errors) {
+            draw(over_time, "work_precision_", name, "Error over processor time: ");
+            draw(over_step, "convergence_", name, "Error over the refined step or mesh: ");
+            continue;
+        }
+        if (study.study.lines.size() > 1)
+            draw(over_time, "statistics_over_time_", name,
+                 "Mean and standard deviation over seeds, by processor time: ");
+        draw(over_step, "statistics_", name, "Mean and standard deviation over seeds, by the refined step or mesh: ");
     }
     return drawn;
 }
@@ -158,15 +165,16 @@ fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
 
 }  // namespace
 
-std::vector<fs::path> draw_ensemble(const Ensemble& ensemble, const fs::path& directory) {
+std::vector<CaptionedFigure> draw_ensemble(const Ensemble& ensemble, const fs::path& directory) {
     const fs::path figures = directory / "figures";
     if (ensemble.is_study() || ensemble.trajectories) fs::create_directories(figures);
     if (ensemble.is_study()) return draw_study(ensemble, figures);
-    std::vector<fs::path> drawn;
-    if (!ensemble.sheet.show.empty()) drawn.push_back(draw_sheet(ensemble, directory));
+    std::vector<CaptionedFigure> drawn;
+    if (!ensemble.sheet.show.empty())
+        drawn.push_back({draw_sheet(ensemble, directory), "The last state of every run, with one range of colours"});
     if (ensemble.trajectories)
-        for (fs::path& file : draw_trajectories(ensemble, directory / "runs", figures))
-            drawn.push_back(std::move(file));
+        for (CaptionedFigure& figure : draw_trajectories(ensemble, directory / "runs", figures))
+            drawn.push_back(std::move(figure));
     return drawn;
 }
 

@@ -253,20 +253,22 @@ std::string passages_table(const Ensemble& sweep, const fs::path& runs) {
     return text + "\n";
 }
 
-std::vector<fs::path> draw_trajectories(const Ensemble& sweep, const fs::path& runs, const fs::path& figures) {
+std::vector<CaptionedFigure> draw_trajectories(const Ensemble& sweep, const fs::path& runs, const fs::path& figures) {
     const Ways ways = read_ways(sweep, runs);
-    std::vector<fs::path> drawn;
+    std::vector<CaptionedFigure> drawn;
     if (!(ways.high > ways.low)) return drawn;
-    const auto draw = [&](const Chart& chart, const char* name) {
+    const auto draw = [&](const Chart& chart, const char* name, const char* caption) {
         const auto is_empty = [](const Curve& curve) { return curve.x.empty(); };
         if (!std::ranges::all_of(chart.curves, is_empty))
-            drawn.push_back(draw_chart(chart, figures / (std::string(name) + ".png"), 1200).file);
+            drawn.push_back({draw_chart(chart, figures / (std::string(name) + ".png"), 1200).file, caption});
     };
-    draw(chart_of_ways(sweep, ways), "trajectories");
-    draw(envelope(ways, "Height", "m", &Way::height), "heights");
-    draw(envelope(ways, "Energy", "J", &Way::energy), "energies");
-    draw(run_outs(ways), "run_out");
-    draw(sizes(ways), "sizes");
+    draw(chart_of_ways(sweep, ways), "trajectories", "Ways of the pieces of all runs");
+    draw(envelope(ways, "Height", "m", &Way::height), "heights",
+         "Height above the ground along the way, percentiles over all runs");
+    draw(envelope(ways, "Energy", "J", &Way::energy), "energies",
+         "Kinetic energy along the way, percentiles over all runs");
+    draw(run_outs(ways), "run_out", "Where the pieces of all runs come to rest");
+    draw(sizes(ways), "sizes", "Sizes of the pieces of all runs");
     return drawn;
 }
 
