@@ -286,9 +286,9 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
         std::printf("  after the first loss of cohesion h = %s (%.3g CFL): up to %.0f steps\n",
                     readable(plan.limits.cracking, "s", 4).c_str(), plan.limits.cracking / plan.stable_step,
                     std::ceil(scenario.time.end / plan.limits.cracking));
-    const bool breaks_in_contact =
-        !model.contact_of_pair.empty() &&
-        std::ranges::any_of(model.interfaces, [&](const Interface& i) { return model.laws[i.law].breakable(); });
+    const bool breaks_in_contact = model.faces_meet() && std::ranges::any_of(model.interfaces, [&](const Interface& i) {
+                                       return model.laws[i.law].breakable();
+                                   });
     if (cost.given_up_after > 0) {
         std::printf("  %s; a smaller time.step, or %s\n", unknown_text(cost, plan.limits.largest).c_str(),
                     long_measured ? "bulk = \"auto\"" : "--time, which waits ten times as long");

@@ -161,7 +161,7 @@ private:
 
 }  // namespace
 
-Ground make_ground(const Model& model) { return model.contact_of_pair.empty() ? Ground{} : GroundMaker(model).make(); }
+Ground make_ground(const Model& model) { return !model.faces_meet() ? Ground{} : GroundMaker(model).make(); }
 
 std::vector<Obstacle> obstacles_of_ground(const Model& model) {
     std::vector<Obstacle> made;

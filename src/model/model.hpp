@@ -154,8 +154,7 @@ struct Model {
     std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one
     std::vector<Obstacle> obstacles;
     bool large_rotation = false;  // Green's strain and turned fans; else all rotations are small
-    std::vector<std::vector<ContactLaw>> contact_of_pair;  // [material][material], symmetric; empty: faces that are no
-                                                           // neighbours pass through each other
+    std::vector<std::vector<ContactLaw>> contact_of_pair;  // [material][material], symmetric; or empty: faces_meet()
     Ground ground;                                         // the supports, with contact; its vertices are numbered
                                                            // behind the corners
     std::shared_ptr<const Heat> heat;                      // null: no temperatures
@@ -173,6 +172,9 @@ struct Model {
     const GroundVertex* ground_at(Index corner) const {
         return corner < mesh.n_corners() ? nullptr : &ground.vertices[corner - mesh.n_corners()];
     }
+    /// Free faces that are no neighbours meet, [contact].
+    bool faces_meet() const { return !contact_of_pair.empty(); }
+    bool may_become_finer() const { return !too_coarse.empty(); }
     bool has_vanished(Index triangle) const { return !vanished.empty() && vanished[triangle]; }
     /// One of its triangles was excavated, so it has no points any more.
     bool is_gone(const Interface& interface) const {

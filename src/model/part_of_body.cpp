@@ -3,6 +3,7 @@
 #include "model/fans.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace knap {
 namespace {
@@ -38,13 +39,14 @@ void take_mesh(const Mesh& whole, PartOfBody& part) {
 bool may_be_parted(const Model& model) {
     return model.mesh.order == 1 && model.ground.vertices.empty() && model.prescribed.empty() &&
            model.state_forces.empty() && model.crack_fluids.empty() && !model.heat && model.vanished.empty() &&
-           model.too_coarse.empty() &&
+           !model.may_become_finer() &&
            std::ranges::none_of(model.interfaces,
                                 [](const Interface& interface) { return interface.triangle[0] == rigid_support; }) &&
            std::ranges::none_of(model.obstacles, [](const Obstacle& obstacle) { return obstacle.is_free(); });
 }
 
 PartOfBody part_of(const Model& model, std::span<const Index> triangles) {
+    assert(std::ranges::is_sorted(triangles));
     PartOfBody part{
         .model = {.plane = model.plane, .thickness = model.thickness, .materials = model.materials, .laws = model.laws},
         .triangles = {triangles.begin(), triangles.end()},

@@ -87,6 +87,7 @@ Polyline::Polyline(const std::vector<Part>& parts) {
     for (const auto& [start, end, before, after, owner] : parts) {
         if (after < 0) ends_.push_back(size());
         sides_.push_back({placed_edge(start, end), 0, before, after, owner});
+        assert(sides_.back().length > 0);
         points.push_back(start), points.push_back(end);
     }
     for (Side& side : sides_) {

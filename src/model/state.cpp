@@ -20,7 +20,7 @@ State initial_state(const Model& model) {
     state.split_rank.assign(n_fans, -1);
     state.reaction.assign(model.prescribed.size(), Vec2::Zero());
     for (const Obstacle& obstacle : model.obstacles) state.obstacles.push_back(initial_state(obstacle));
-    if (!model.contact_of_pair.empty()) state.retired.assign(model.n_points(), Retirement::none);
+    if (model.faces_meet()) state.retired.assign(model.n_points(), Retirement::none);
     for (std::size_t f = 0; f < n_fans; ++f)
         if (model.fans[f].split_at_start) split(model, static_cast<Index>(f), state);
     if (has_incubation(model)) state.incubation.resize(n_fans);

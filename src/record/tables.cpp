@@ -3,6 +3,7 @@
 #include "record/outputs.hpp"
 
 #include <algorithm>
+#include <cassert>
 
 namespace knap {
 
@@ -35,7 +36,9 @@ void Tables::add_line(History Histories::*table, std::vector<double> line) {
 }
 
 void Tables::append(Sheet& sheet, std::vector<double> line) {
-    std::vector<std::vector<double>>& rows = (histories_.*sheet.table).rows;
+    History& table = histories_.*sheet.table;
+    assert(line.size() == table.columns.size());
+    std::vector<std::vector<double>>& rows = table.rows;
     rows.push_back(std::move(line));
     if (sheet.growing) sheet.growing->add(csv_line(rows.back()) + "\n");
 }

@@ -28,7 +28,7 @@ std::string named(const Obstacle& obstacle, Index number) {
 /// [m/s] At most that at which bodies and obstacles meet first: from their velocities at the start, and a fall through
 /// the smallest gap to an obstacle. 0: nothing meets.
 double speed_of_impact(const Scenario& scenario, const Model& model) {
-    if (model.obstacles.empty() && model.contact_of_pair.empty()) return 0;
+    if (model.obstacles.empty() && !model.faces_meet()) return 0;
     std::vector<Vec2> others;  // velocities of obstacles and bodies
     for (const Obstacle& obstacle : model.obstacles) {
         Vec2 v = Vec2::Zero();
@@ -39,7 +39,7 @@ double speed_of_impact(const Scenario& scenario, const Model& model) {
                     if (std::abs(drive.value * factor) > std::abs(v[k])) v[k] = drive.value * factor;
         others.push_back(v);
     }
-    if (!model.contact_of_pair.empty())
+    if (model.faces_meet())
         for (const MeshPart& part : model.mesh.parts)
             others.push_back(model.initial_velocity[model.mesh.corners_per_triangle() * part.first_triangle]);
     double speed = 0, gap = infinity, pull = 0;  // [m/s], [m], [m/s2]

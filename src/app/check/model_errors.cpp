@@ -88,7 +88,7 @@ BodiesAtStart bodies_of(const Model& model) {
     for (const Interface& interface : model.interfaces)
         if (interface.triangle[0] == rigid_support && interface.gap <= closed_gap * interface.length)
             carried.push_back(interface.triangle[1]);
-    if (!model.contact_of_pair.empty()) {
+    if (model.faces_meet()) {
         FaceContacts faces(model);
         faces.find(start, 0);
         for (const FaceContact& at : faces.all()) {
@@ -122,7 +122,7 @@ double clearance(const Model& model, const std::vector<Index>& body, Index which
     }
     double least = infinity;
     for (const Segment& side : own) {
-        if (!model.contact_of_pair.empty())
+        if (model.faces_meet())
             for (const Segment& other : others) least = std::min(least, distance_between(side, other));
         for (const Obstacle& obstacle : model.obstacles)
             least = std::min(least, ObstacleSurface(obstacle.outline, obstacle.start).distance_to(side.a).gap);
@@ -194,7 +194,7 @@ void refuse_unheld_bodies(const ReadResult& read, const Model& model) {
         const Eigen::Vector3d unheld = balance.unheld();
         if (unheld.norm() <= 1e-6 * balance.size || n_unheld++ > 0) continue;
         const double gap = clearance(model, body, t);
-        const bool passes = n_bodies > 1 && model.contact_of_pair.empty(), hovers = !passes && gap < balance.length;
+        const bool passes = n_bodies > 1 && !model.faces_meet(), hovers = !passes && gap < balance.length;
         first = formatted(
             "`time.start` requests equilibrium, but nothing holds the body around %s%s: a force of (%.3g, "
             "%.3g) N and a moment of %s of the loads at t = 0 would move it away",

@@ -95,8 +95,7 @@ private:
             return (point.cracked || model_.laws[point.law].sigma_c <= 0) &&
                    point.gap <= near * model_.interfaces[model_.interface_of(point.point)].length;
         };
-        if (model_.obstacles.empty() && model_.contact_of_pair.empty() &&
-            std::ranges::none_of(model_.fan_points, may_slide))
+        if (model_.obstacles.empty() && !model_.faces_meet() && std::ranges::none_of(model_.fan_points, may_slide))
             return;
         const State start = initial_state(model_);
         pieces_ = pieces_of_body(model_, start, dashpots_on(model_, time_.scheme.absorbing));
@@ -117,7 +116,7 @@ private:
                              obstacles.law_of(contact, start).friction);
             }
         }
-        if (model_.contact_of_pair.empty()) return;
+        if (!model_.faces_meet()) return;
         FaceContacts faces(model_);
         faces.find(start, h);
         for (const FaceContact& contact : faces.all())

@@ -173,7 +173,7 @@ StartState::StartState(const std::string& file, const RunOrigin& origin, const S
     excavations.repeat(model);
     adaptation.repeat(model);
     now.reaction.assign(model.prescribed.size(), Vec2::Zero());  // of other loads
-    if (!model.contact_of_pair.empty()) now.retired.resize(model.n_points(), Retirement::none);
+    if (model.faces_meet()) now.retired.resize(model.n_points(), Retirement::none);
     if (!model.heat) drop_heat(model);
     fit_laws(model, now);
     begin_bulk(scenario, model);

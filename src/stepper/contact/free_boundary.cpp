@@ -23,7 +23,7 @@ double angle_at(const Mesh& mesh, Index c) {
 }  // namespace
 
 FreeBoundary::FreeBoundary(const Model& model) : model_(model) {
-    if (model.contact_of_pair.empty()) return;
+    if (!model.faces_meet()) return;
     retired_.assign(model.n_points(), Retirement::none);
     const Mesh& mesh = model.mesh;
     assert(mesh.order == 1);

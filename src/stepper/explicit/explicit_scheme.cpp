@@ -37,7 +37,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       fan_is_candidate_(model.fans.size(), 0),
       splits_(model.fans.size(), 0),
       workspaces_(omp_get_max_threads(), ThreadWorkspace(model)) {
-    if (!model.contact_of_pair.empty() || !model.obstacles.empty()) {
+    if (model.faces_meet() || !model.obstacles.empty()) {
         corner_impulse_.assign(model.mesh.n_corners(), Vec2::Zero());
         contacts_.emplace(model, solver_, obstacle_step_, corner_impulse_);
     }
@@ -367,7 +367,7 @@ void ExplicitScheme::release(const ExplicitStep& step, StepReport& report) {
         splits_[f] = 0;
         step.end.displacement[f] = step.begin.displacement[f];
         split(model_, f, step.end);
-        if (!model_.too_coarse.empty() && model_.too_coarse[f])
+        if (model_.may_become_finer() && model_.too_coarse[f])
             report.reject(Rejection::too_coarse, model_.mesh.corner(model_.corners(model_.fans[f])[0]));
         ++report.released;
         if (!incubation_.concerns(f)) continue;
