@@ -41,7 +41,7 @@ Verdict judged(const LcpProblem& problem, const LcpSolver& solver, const std::op
     if (proves_infeasibility(problem, solution.ray)) verdict.ray = solution.ray;
     if (layout && solution.z.allFinite())
         verdict.n_spuriously_broken = spurious_breaking(problem, solution.z, *layout).n_spurious;
-    if (verdict.is_solved() && verdict.scaled_residual > max_scaled_residual) verdict.status = "inaccurate";
+    if (verdict.is_solved() && verdict.scaled_residual > max_residual) verdict.status = "inaccurate";
     if (verdict.is_solved() && verdict.n_spuriously_broken.value_or(0) > 0) verdict.status = "breaks_spuriously";
     return verdict;
 }

@@ -1,12 +1,13 @@
 #include "law/norm_law.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <algorithm>
 #include <cmath>
 
 namespace knap {
 namespace {
 
-constexpr int most_root_steps = 100;
 constexpr double root_rounding = 4e-16;
 
 struct ValueAndSlope {
@@ -17,7 +18,7 @@ struct ValueAndSlope {
 template <class Function>
 double root_between(double low, double high, double x, const Function& f) {
     double last = infinity;
-    for (int i = 0; i < most_root_steps && high > low; ++i) {
+    for (int i = 0; i < max_iterations && high > low; ++i) {
         const auto [value, slope] = f(x);
         if (value == 0) return x;
         (value > 0 ? high : low) = x;

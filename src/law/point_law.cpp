@@ -1,5 +1,7 @@
 #include "law/point_law.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -7,7 +9,6 @@
 namespace knap {
 namespace {
 
-constexpr int max_ramp_steps = 100;
 constexpr double rounding = 2e-16;
 
 /// beta+ and beta_theta from the openings at the end of the step.
@@ -134,7 +135,7 @@ PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double
     PointResponse r;
     const double full = law.strength * law.cohesion;
     double low = 0, high = full, c = full;
-    for (int i = 0; i < max_ramp_steps; ++i) {
+    for (int i = 0; i < max_iterations; ++i) {
         const double beyond = law.ramp * c - respond_to_cohesion(law, at, w_N, w_T, c, r);
         (beyond > 0 ? high : low) = c;
         const Vec2 moves = rates_of_cohesion(law, at, r, at.friction_follows ? rubs(law, r) : 0);

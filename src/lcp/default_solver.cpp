@@ -18,8 +18,7 @@ namespace {
 
 constexpr int sweeps_between_checks = 5;  // of their rate
 constexpr double steady = 0.999;          // a change whose ratio to the last one is nearer to one is a drift
-constexpr int max_rays = 100;
-constexpr double dense_fraction = 0.3;  // of the entries of a matrix that counts as dense
+constexpr double dense_fraction = 0.3;    // of the entries of a matrix that counts as dense
 
 /// Sweeps that cost about as much as a linear solve, measured on problems of 100 to 4000 unknowns; on large sparse ones
 /// a few times as many, since there Newton often needs tens of solves to separate the redundant impulses.
@@ -63,7 +62,7 @@ bool sweep_while_it_pays(const BoxLcp& box, double tolerance, Eigen::VectorXd& x
         const double left = change < before
                                 ? sweeps_between_checks * std::log(tolerance / change) / std::log(change / before)
                                 : infinity;
-        if (change > steady * before && change < before / steady && n_rays < max_rays)
+        if (change > steady * before && change < before / steady && n_rays < max_iterations)
             follow_ray(box, x), ++n_sweeps, ++n_rays;
         else if ((done >= budget && left > 2 * budget) || done >= 20 * budget) return false;
         before = change;
@@ -118,7 +117,7 @@ private:
     Rank judge(LcpSolution& solution) {
         if (!scaling_) scaling_ = scaling_of(problem_), layout_ = cohesive_layout(problem_);
         const double residual = scaled_residual(*scaling_, solution.z, solution.w);
-        const bool inaccurate = !(residual <= max_scaled_residual);
+        const bool inaccurate = !(residual <= max_residual);
         if (!inaccurate) solution.status = LcpStatus::solved;
         else if (solution.status == LcpStatus::solved) solution.status = LcpStatus::stalled;
         const bool spurious =

@@ -13,7 +13,6 @@ namespace knap {
 namespace {
 
 constexpr int max_interior_point_iterations = 150;
-constexpr double part_of_longest_step = 0.995;
 constexpr double min_step = 1e-10;
 constexpr int max_crossover_steps = 10;
 constexpr double crossover = 1e-6;  // residual from which Newton may finish what the ill-conditioned systems cannot

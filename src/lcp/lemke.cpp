@@ -19,8 +19,6 @@ namespace {
 using MatrixIn = Eigen::Ref<const Eigen::MatrixXd>;
 using VectorIn = Eigen::Ref<const Eigen::VectorXd>;
 constexpr double golden_ratio = 0.6180339887498949;
-constexpr double pivot_tolerance = 1e-11;  // of the largest entry of the entering column
-constexpr double tie_tolerance = 1e-12;    // of ratios, in the equilibrated problem; of a stiff one also of values
 constexpr int max_pivots_per_unknown = 50;
 constexpr int n_covering_vectors = 30, n_covering_vectors_of_quick_search = 3;
 constexpr int few = 96;  // unknowns whose tableau is on the stack, 75 kB twice: explicit steps allocate nothing
@@ -54,7 +52,7 @@ public:
         Path best{LcpStatus::ray, Vector::Zero(n_), 0};
         double smallest = infinity;
         if (n_ == 0 || q_.minCoeff() >= 0) smallest = 0, best.status = LcpStatus::solved;
-        for (int attempt = 0; attempt < n_paths && smallest > max_scaled_residual; ++attempt) {
+        for (int attempt = 0; attempt < n_paths && smallest > max_residual; ++attempt) {
             ties_of_values_ = attempt % 2 == 0;
             const Path path = follow_path(attempt, infinity);
             if (path.status != LcpStatus::solved) continue;
@@ -64,12 +62,12 @@ public:
     }
 
     /// One path after the other, until one ends at a solution. M and q are of order one. A solution whose residual is
-    /// above `max_residual` has lost too much to rounding: its status is `stalled`.
-    Path first_path_to_solution(int n_paths, double max_residual) {
+    /// above `accepted` has lost too much to rounding: its status is `stalled`.
+    Path first_path_to_solution(int n_paths, double accepted) {
         Path path{LcpStatus::ray, Vector::Zero(n_), 0};
         if (n_ == 0 || q_.minCoeff() >= 0) path.status = LcpStatus::solved;
         for (int attempt = 0; attempt < n_paths && path.status != LcpStatus::solved; ++attempt) {
-            const Path next = follow_path(attempt, max_residual);
+            const Path next = follow_path(attempt, accepted);
             path = {next.status, next.z.size() == n_ ? next.z : path.z, path.n_pivots + next.n_pivots};
         }
         return path;
@@ -78,7 +76,7 @@ public:
 private:
     using Column = Eigen::Ref<Eigen::VectorXd>;
 
-    Path follow_path(int attempt, double max_residual) {
+    Path follow_path(int attempt, double accepted) {
         start(attempt);
         int entering = complement(pivot(first_row(), z0()));
         for (int count = 1; count <= max_pivots_per_unknown * n_; ++count) {
@@ -92,7 +90,7 @@ private:
                 if (basic_[i] >= n_) z[basic_[i] - n_] = std::max(0.0, value(i));
             const Vector refined = refined_solution();
             const double before = residual(z), after = residual(refined);
-            const LcpStatus status = std::min(before, after) <= max_residual ? LcpStatus::solved : LcpStatus::stalled;
+            const LcpStatus status = std::min(before, after) <= accepted ? LcpStatus::solved : LcpStatus::stalled;
             return {status, after < before ? refined : z, count};
         }
         return {LcpStatus::iteration_limit, {}, max_pivots_per_unknown * n_};
@@ -177,11 +175,11 @@ private:
         const auto value = column(n_ + 1);
         const double difference = value[a] / entering[a] - value[b] / entering[b];
         const double large = ties_of_values_ ? std::max(1.0, std::min(entering[a], entering[b])) : 1;
-        if (std::abs(difference) > tie_tolerance / large) return difference < 0;
+        if (std::abs(difference) > relative_tolerance / large) return difference < 0;
         if (basic_[a] == z0() || basic_[b] == z0()) return basic_[a] == z0();
         for (int k = 0; k < n_; ++k) {
             const double next = of_inverse(a, k) / entering[a] - of_inverse(b, k) / entering[b];
-            if (std::abs(next) > tie_tolerance / large) return next < 0;
+            if (std::abs(next) > relative_tolerance / large) return next < 0;
         }
         return false;
     }
@@ -239,7 +237,7 @@ LcpSolution solve_by_lemke(const LcpProblem& problem, const LcpOptions& options)
     const MatrixIn M(dense);
     const VectorIn q(scaled.q);
     const int n_paths = options.exhaustive ? n_covering_vectors : n_covering_vectors_of_quick_search;
-    const auto path = Tableau<Eigen::Dynamic>(M, q).first_path_to_solution(n_paths, max_scaled_residual);
+    const auto path = Tableau<Eigen::Dynamic>(M, q).first_path_to_solution(n_paths, max_residual);
     return lcp_solution(problem, path.status, scaling.original_z(path.z), path.n_pivots);
 }
 

@@ -15,8 +15,7 @@ namespace {
 
 constexpr double first_proximal = 1e-10, min_proximal = 1e-12, max_proximal = 1.0;
 constexpr int max_newton_halvings = 4;
-constexpr int n_remembered = 6;             // norms that the line search compares with
-constexpr int max_newton_iterations = 100;  // of the solver
+constexpr int n_remembered = 6;  // norms that the line search compares with
 constexpr int first_sweeps = 5;
 
 enum State : signed char { lower = -1, free = 0, upper = 1 };
@@ -131,8 +130,7 @@ LcpSolution solve_by_newton(const LcpProblem& problem, const LcpOptions& options
         x = whole.box_start(box.lcp_point(start));
     }
     int n_solves = 0;
-    const LcpStatus status =
-        solve_box_by_newton(whole, options.tolerance, options.limit(max_newton_iterations), x, n_solves);
+    const LcpStatus status = solve_box_by_newton(whole, options.tolerance, options.limit(max_iterations), x, n_solves);
     return lcp_solution(problem, status, whole.lcp_point(x), n_solves);
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // The linear complementarity problem  w = M z + q,  0 <= w  perp  z >= 0  (Cottle, Pang, Stone, The Linear
 // Complementarity Problem), and the arguments and results of every solver. The empty problem has the empty solution.
+#include "base/tolerance.hpp"
+
 #include <Eigen/SparseCore>
 
 #include <span>

@@ -54,7 +54,7 @@ LcpStatus solve_box_by_proximal_points(const BoxLcp& box, double tolerance, Eige
         convex.q = box.q - D.cwiseProduct(x);
         sweep(convex, x, sweeps_per_round);
         count += sweeps_per_round;
-        newton(convex, max_scaled_residual);  // a round whose problem is not solved leads hardly nearer
+        newton(convex, max_residual);  // a round whose problem is not solved leads hardly nearer
         if (!x.allFinite()) return LcpStatus::stalled;
         if (newton(box, tolerance) || box.residual(x) <= tolerance) return LcpStatus::solved;
     }

@@ -37,6 +37,4 @@ double scaled_residual(const LcpProblem& problem, const Eigen::VectorXd& z);
 /// The same with the scaling of the problem and w = M z + q, for callers that judge several answers.
 double scaled_residual(const LcpScaling& scaling, const Eigen::VectorXd& z, const Eigen::VectorXd& w);
 
-inline constexpr double max_scaled_residual = 1e-10;  // of an answer that counts as a solution
-
 }  // namespace knap

@@ -36,8 +36,6 @@
 
 namespace knap {
 
-constexpr double kink_tolerance = 1e-12;  // [-] of the speeds: nearer kinks of the friction are one
-
 /// How much is spent on a problem that sweeps and the active set leave unsolved: nothing, fast proximal points, careful
 /// ones where these fail. Sweeps: of contacts of rigid bodies alone, more of them where they leave much.
 enum class ClusterEffort { sweeps, active_set, proximal_points, careful };

@@ -1,5 +1,7 @@
 #include "nonsmooth/curved_fan.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -13,8 +15,6 @@ constexpr int most_newton_steps = 20, most_descents = 40, most_halvings = 12, n_
 constexpr double round_weights[n_rounds] = {1, 1, 30, 1000, 1, 30, 1000};
 constexpr double multiplier_weights[] = {10,  10,  10,  30,  30,
                                          100, 100, 1e3, 1e4, 1e5};  // [-] of the method of multipliers
-constexpr double driven_weight = 1e3;  // [-] where both sides are driven, the rate alone decides
-constexpr double no_mobility = 1e-12;  // [-] of a component, over that of both
 constexpr Eigen::Index max_unknowns = 32;
 
 }  // namespace
@@ -45,12 +45,12 @@ void CurvedFan::start() {
         const Eigen::Matrix2d W = mobility(i);
         Row& row = rows_[i];
         row.unbreakable = link.unbreakable;
-        row.r = W.trace() > 0 ? 1 / W.trace() : driven_weight * scales_.impulse / scales_.speed;
+        row.r = W.trace() > 0 ? 1 / W.trace() : scales_.impulse / scales_.speed;
         row.impulse = W.trace() > 0 ? link.last_impulse : Vec2::Zero();
         if (link.unbreakable) continue;
         const Vec2 before = problem_->velocity_before(link.after) - problem_->velocity_before(link.before);
         row.law = norm_law(link, before, problem_->drift_time, scales_.rest);
-        if (W(0, 0) <= no_mobility * W.trace()) row.law.contact.may_touch = false;
+        if (W(0, 0) <= relative_tolerance * W.trace()) row.law.contact.may_touch = false;
     }
     find_velocities();
 }

@@ -38,7 +38,7 @@ FanSolution solve_softening(SolvedFan& fan, FanSolver& solver, std::vector<LinkC
         if (gap <= beta_tolerance || solve == max_cohesion_solves) {
             solution.iterations = iterations;
             solution.residual = std::max(solution.residual, gap);
-            solution.settled = gap <= max_violation;
+            solution.settled = gap <= max_residual;
             return solution;
         }
         for (const LinkCohesion& at : cohesion)

@@ -59,7 +59,7 @@ bool FanSolver::settle_states(int correction_limit, int& n_solves) {
                                      now_.motion.cohesive_impulse[i]);
         if (!settle_self_stress()) continue;
         if (correct_states(correction >= patient_corrections) > 0) continue;
-        return now_.violation <= max_violation;  // else a law or the balance is violated, and no state repairs it
+        return now_.violation <= max_residual;  // else a law or the balance is violated, and no state repairs it
     }
     return false;
 }

@@ -14,9 +14,6 @@
 
 namespace knap {
 
-/// [-] Relative, of a solution: the gate of every run.
-constexpr double max_violation = 1e-10;
-
 struct FanSolution {
     enum class Status {
         exact,     // by the active set

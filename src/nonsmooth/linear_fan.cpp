@@ -1,5 +1,7 @@
 #include "nonsmooth/linear_fan.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 
@@ -11,7 +13,6 @@ namespace knap {
 namespace {
 
 constexpr int max_multipliers = 24;
-constexpr double rank_tolerance = 1e-11;
 
 template <int max>  // on the stack, or on the heap where max is Eigen::Dynamic
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max, max>;
@@ -22,7 +23,7 @@ using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max, 1>;
 template <int max>
 Vector<max> solution_of_least_norm(const Matrix<max>& A, const Vector<max>& b) {
     Eigen::FullPivLU<Matrix<max>> lu(A);
-    lu.setThreshold(rank_tolerance);
+    lu.setThreshold(pivot_tolerance);
     Vector<max> x = lu.solve(b);
     if (lu.dimensionOfKernel() == 0) return x;
     const Matrix<max> N = lu.kernel();

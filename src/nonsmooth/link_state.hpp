@@ -1,14 +1,12 @@
 #pragma once
 // The state of a link: closed or open, and its place on the staircase of its tangential law (interface_law.hpp),
 // between two kinks or at one. States are guessed from the motion before the step; a violated law names the next state.
+#include "base/tolerance.hpp"
 #include "law/interface_law.hpp"
 #include "law/norm_law.hpp"
 #include "nonsmooth/fan_problem.hpp"
 
 namespace knap {
-
-/// [-] Of the largest impulse, or speed: to which links satisfy their laws.
-constexpr double relative_tolerance = 1e-12;
 
 /// Units of the impulses and velocities of one fan, and its tolerances.
 struct FanScales {

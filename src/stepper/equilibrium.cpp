@@ -30,7 +30,6 @@ namespace {
 // steps.
 constexpr double first_step = 1, last_step = 1e4, growth = 10;
 constexpr int max_steps = 200, max_rounds = 100;
-constexpr double in_equilibrium = 1e-12;    // force carried by inertia, over the loads
 constexpr double accepted_residual = 1e-9;  // where rounding prevents less
 constexpr double jammed = 3;  // a large step that increases this force by more has jammed the body, with friction
 constexpr double follows_body = 10, closes_gap = 0.05;  // [-] of displacements; of the half width of an obstacle
@@ -285,7 +284,7 @@ bool EquilibriumSearch::settle(Interfaces interfaces, State& now) {
     double last = infinity;
     for (int round = 0;; ++round) {
         const double change = correct(now);
-        if (change <= in_equilibrium || (change <= accepted_residual && change > 0.5 * last)) return true;
+        if (change <= relative_tolerance || (change <= accepted_residual && change > 0.5 * last)) return true;
         if (round == max_rounds || !(change <= 2 * last))
             no_equilibrium("the body turns or strains too far", place_of_largest_displacement(now));
         last = change;
@@ -377,7 +376,7 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
     double part = 1;             // of the loads, carried by inertia
     int patience = 2, wait = 0;  // steps without growth after a rejection
     bool once_more = false;
-    for (int step = 0; part > in_equilibrium; ++step) {
+    for (int step = 0; part > relative_tolerance; ++step) {
         next.temperature = now.temperature;
         const StepReport report = still_->scheme.step(now, h, next);
         const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;

@@ -9,7 +9,6 @@ namespace {
 constexpr double fast = 10, fast_at_begin = 100;  // [-] over quiet_below, so that the schemes do not alternate
 constexpr double max_lag_of_step = 0.05;          // [-] law lag over the energy that the step consumed
 constexpr double max_lag_of_all = 1e-3;           // [-] or over all that was consumed so far
-constexpr double lag_rounding = 1e-12;            // [-] over the strain energy
 constexpr double max_patience = 16;               // [-]
 
 double surface_of(const StepReport& report) {
@@ -36,7 +35,7 @@ StepFault SchemeChange::fault(const StepReport& report) const {
                  lag = report.cohesive_work + report.law_change - report.crossing_loss - report.viscous_dissipation -
                        consumed;
     const double allowed =
-        std::max({max_lag_of_step * std::abs(consumed), max_lag_of_all * surface, lag_rounding * report.strain});
+        std::max({max_lag_of_step * std::abs(consumed), max_lag_of_all * surface, relative_tolerance * report.strain});
     return std::abs(lag) > allowed ? StepFault::cohesive_work : StepFault::none;
 }
 

@@ -123,13 +123,12 @@ TEST_CASE("every solver solves the collection and bonds break spuriously in none
             const LcpSolution solution = solver.solve(named.problem, {});
             const double residual = scaled_residual(named.problem, solution.z);
             const bool solved = solution.status == LcpStatus::solved;
-            CHECK(solved == (residual <= max_scaled_residual));  // solver and judge agree
+            CHECK(solved == (residual <= max_residual));  // solver and judge agree
             CHECK(solved);
             if (const auto layout = cohesive_layout(named.problem); layout && solved) {
                 const SpuriousBreaking found = spurious_breaking(named.problem, solution.z, *layout);
                 CHECK((found.n_spurious > 0) == listed(breaks_spuriously, solver.name, named.name));
-                if (found.n_spurious == 0)
-                    CHECK(scaled_residual(named.problem, found.tightened) <= 2 * max_scaled_residual);
+                if (found.n_spurious == 0) CHECK(scaled_residual(named.problem, found.tightened) <= 2 * max_residual);
             }
         }
 }
@@ -149,10 +148,10 @@ TEST_CASE("the default solver solves every problem that another solver solves") 
         const LcpProblem problem = lcp_problem(M, q);
         bool any = false;
         for (const LcpSolver& solver : lcp_solvers().subspan(1))
-            any = any || scaled_residual(problem, solver.solve(problem, {}).z) <= max_scaled_residual;
+            any = any || scaled_residual(problem, solver.solve(problem, {}).z) <= max_residual;
         const LcpSolution found = solve_by_default(problem);
         CAPTURE(trial);
-        CHECK((found.status == LcpStatus::solved) == (scaled_residual(problem, found.z) <= max_scaled_residual));
+        CHECK((found.status == LcpStatus::solved) == (scaled_residual(problem, found.z) <= max_residual));
         if (any) CHECK(found.status == LcpStatus::solved);
         (any ? n_solved : n_unsolved) += 1;
     }

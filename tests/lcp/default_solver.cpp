@@ -26,7 +26,7 @@ LcpProblem stored(const std::string& name) {
 
 void check_solved(const LcpProblem& problem, const LcpSolution& solution) {
     CHECK(solution.status == LcpStatus::solved);
-    CHECK(scaled_residual(problem, solution.z) <= max_scaled_residual);
+    CHECK(scaled_residual(problem, solution.z) <= max_residual);
     if (const auto layout = cohesive_layout(problem))
         CHECK(spurious_breaking(problem, solution.z, *layout).n_spurious == 0);
 }

@@ -3,17 +3,14 @@
 #include "model/body_edges.hpp"
 #include "stepper/common/contact_search.hpp"
 
+#include <cassert>
 #include <numbers>
 
 namespace knap {
 namespace {
 
-constexpr double end_of_edge = 1e-3;     // [-] of an edge: there its end is in contact instead
-constexpr double almost_as_near = 0.05;  // [-] of an edge: both ends touch as near as a corner between them
-constexpr double flat_arc = 0.008;  // [-] edge over radius: an arc rises by less than 1e-3 of the edge between its ends
-constexpr double flat_corner = 1e-4;      // [rad] by which a corner protrudes that is none
-constexpr double at_the_corner = 1e-9;    // [-] of the distance from the origin of an obstacle
-constexpr double rounded_up = 1 + 1e-12;  // more than the rounding of a bound
+constexpr double almost_as_near = 0.05;         // [-] of an edge: both ends touch as near as a corner between them
+constexpr double flat_arc = 8 * touching_part;  // [-] edge over radius: an arc rises by no more between its ends
 
 /// The gap at x, or zero where it is rounding.
 double cleared(double gap, const Vec2& x, const ObstacleSurface& surface) {
@@ -95,6 +92,7 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
     contacts_.clear();
     n_at_corners_ = 0;
     if (model_.obstacles.empty()) return;
+    assert(end_velocity.size() == model_.obstacles.size());
     surfaces_.clear();
     for (std::size_t o = 0; o < model_.obstacles.size(); ++o)
         surfaces_.emplace_back(model_.obstacles[o].outline, begin.obstacles[o].pose);
@@ -146,7 +144,7 @@ bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x,
     if (!(distance.gap > 0)) return false;
     const Vec2 nearest = surface.rotation().turned_back(x - distance.gap * distance.normal - surface.position());
     const bool at_corner = std::ranges::any_of(
-        outline.points, [&](const Vec2& p) { return (nearest - p).norm() <= at_the_corner * p.norm(); });
+        outline.points, [&](const Vec2& p) { return (nearest - p).norm() <= geometric_rounding * p.norm(); });
     return at_corner && !VertexCone(in.along, out.along).accepts(distance.normal);
 }
 
@@ -165,7 +163,8 @@ void ObstacleContacts::find_at_corner(const Candidate& at, Index o, const State&
     const double depth = surface.outline().line ? corner_size_[c] : 0;
     // nearly all corners are far, so at first without roots
     const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>();
-    if (!surface.may_reach(x, rounded_up * (nearest + in_steps * (most + most_of_obstacle)) + depth)) return;
+    if (!surface.may_reach(x, (1 + relative_tolerance) * (nearest + in_steps * (most + most_of_obstacle)) + depth))
+        return;
     const double speed = v.norm() + kick * force.norm();
     const double obstacle_speed =
         velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
@@ -218,7 +217,7 @@ void ObstacleContacts::read_pieces(const State& begin) {
             const Index first = i;
             double angle = angle_at(corners[i % n]);
             for (++i; i < start + n && !begins(i); ++i) angle += angle_at(corners[i % n]);
-            if (angle <= std::numbers::pi - flat_corner) candidates_.push_back({f, corners[first % n], first});
+            if (angle <= std::numbers::pi - even_turn) candidates_.push_back({f, corners[first % n], first});
         }
     }
     std::ranges::stable_sort(candidates_, {},
@@ -361,7 +360,7 @@ void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at,
     const ObstacleSurface& surface = surfaces_[o];
     const Vec2 arm = surface.arm_of_corner(corner), x = surface.position() + arm;
     const double share = at.share(x), gap = at.gap(x);
-    if (share <= end_of_edge || share >= 1 - end_of_edge || gap < -edge.depth) return;
+    if (share <= touching_part || share >= 1 - touching_part || gap < -edge.depth) return;
     if (!surface.protrudes(corner, at.outward, VertexCone::widened)) return;
     if (gap < 0 && surface.outline().line && is_in_front_of_next(edge, at, x, begin)) return;
     const double as_near = gap + almost_as_near * at.length;

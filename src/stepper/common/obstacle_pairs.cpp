@@ -5,6 +5,7 @@
 #include "stepper/common/contact_search.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -12,8 +13,6 @@ namespace knap {
 namespace {
 
 using PairKind = Outline::Kind;
-
-constexpr double same_depth = 1e-3;  // [-] of the half width: sides that are as far away; the first one is taken
 
 /// A point of one obstacle that faces another one.
 struct Facing {
@@ -138,6 +137,7 @@ ObstaclePairs::ObstaclePairs(const Model& model, Supports supports) : model_(mod
 }
 
 void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& rate) {
+    assert(rate.size() == model_.obstacles.size());
     contacts_.clear();
     std::vector<Facing> found;
     const auto n = static_cast<Index>(model_.obstacles.size());
@@ -158,7 +158,7 @@ void ObstaclePairs::find(const State& begin, double h, const std::vector<Vec3>& 
         const double reach = near_contact * size + contact_reach_in_steps * h * speed;
         const int bounded = !of[0].outline().is_bounded();  // what is not tells its distance to the other
         if (!of[1 - bounded].may_reach(of[bounded].position(), of[bounded].radius() + reach)) continue;
-        find_facing(of, reach, same_depth * size, found);
+        find_facing(of, reach, touching_part * size, found);
         for (const Facing& at : found) {
             if (at.gap > reach) continue;
             const int one = at.of, two = 1 - at.of;

@@ -7,6 +7,7 @@
 // which remains when the point closes, is dissipated; beta sigma_c s, the work of the constant traction, is
 // recoverable. With secant unloading half of that is dissipated where beta falls, and the rest is elastic. Delayed
 // softening dissipates more: what the point bears beyond the softening curve while beta falls.
+#include "base/tolerance.hpp"
 #include "material/cohesive_law.hpp"
 #include "model/model.hpp"
 #include "stepper/common/step_report.hpp"
@@ -17,7 +18,6 @@
 namespace knap {
 
 constexpr double rate_rounding = 1e-14;  // [-] of the rates
-constexpr double min_softening = 1e-12;  // [-] loss of beta in a step; a smaller one is rounding of an opening
 
 struct ContactWork {
     double contact, friction;  // [N s] p >= 0, and the part of P_T that is friction
@@ -51,12 +51,6 @@ inline void account_drive(double impulse, double rate, StepReport& report, doubl
     report.external_work += impulse * rate + on_mass;
 }
 
-/// [J] That contacts did beyond account_contact, since their rates changed after they were solved.
-inline void account_correction(double work, StepReport& report) {
-    report.impact_work += work;
-    report.contact_injection += std::max(0.0, work);
-}
-
 /// A point over a step. `kappa` [m]: of secant unloading, else 0.
 struct CohesionStep {
     double area;           // [m2] S, times phi where its strength was incubated
@@ -75,7 +69,7 @@ inline void account_rest(const FanPoint& point, const CohesiveLaw& law, double a
 
 inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, const CohesionStep& at,
                              StepReport& report) {
-    if (const double fall = at.before - at.after; fall > min_softening) {
+    if (const double fall = at.before - at.after; fall > relative_tolerance) {
         ++report.softened;
         const double drop = at.area * law.G_c * fall * law.opening_of_fall(at.before, at.after);
         if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.corner();

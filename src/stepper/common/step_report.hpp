@@ -1,5 +1,6 @@
 #pragma once
 // Energies, works, errors and counts of one step; the ledger adds them up.
+#include "base/tolerance.hpp"
 #include "base/vec.hpp"
 
 #include <algorithm>
@@ -8,8 +9,6 @@
 
 namespace knap {
 
-/// [-] Of the interface laws, scaled: the gate of every run; a step beyond it is rejected.
-constexpr double max_residual = 1e-10;
 /// [-] Of contacts between free faces: the error of their rates over their speeds, and their depth over the length of
 /// the edge. A step beyond is repeated with a smaller size.
 constexpr double max_contact_residual = 1e-6, max_contact_depth = 0.1;

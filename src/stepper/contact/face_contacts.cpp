@@ -5,24 +5,21 @@
 #include "stepper/common/step_report.hpp"
 #include "stepper/contact/retirement.hpp"
 
+#include <cassert>
 #include <cmath>
 
 namespace knap {
 namespace {
 
-constexpr double even_planes = 1e-9;   // [-] of an edge: gaps to two planes that differ by less do not decide (ties)
 constexpr double even_pairs = 1e-5;    // [-] likewise of duplicate pairs, whose edges turn a little
 constexpr double deep_in_steps = 2;    // distances covered in a step, for a penetration without a history
 constexpr double beyond_end = 0.25;    // [-] of an edge
 constexpr double reflex_turn = -0.02;  // sine of a turn to the right that still counts as flat
 constexpr double flat_turn = 0.2;      // sine of a turn of a flat vertex
-constexpr double opposite = -0.9;        // product of the normals of two contacts between the same faces
-constexpr double parallel = 0.97;        // likewise for two edges that are one face
-constexpr double beside_end = 0.05;      // [-] of an edge: there a vertex and the end of the edge are a duplicate pair
-constexpr double largest_motion = 0.05;  // [-] of an edge, in a step
-constexpr double margin_share = 0.2;     // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
-constexpr double reach_margin = 1.5, motion_margin = 2.5;  // NearbyEdges
-constexpr double extrapolated = 2.5;  // relative speed of a vertex and a point of the prolonged edge, per largest speed
+constexpr double opposite = -0.9;      // product of the normals of two contacts between the same faces
+constexpr double parallel = 0.97;      // likewise for two edges that are one face
+constexpr double beside_end = 0.05;    // [-] of an edge: there a vertex and the end of the edge are a duplicate pair
+constexpr double margin_share = 0.2;   // [-] of the mean edge: how far the boundary moves between two searches, x 2.5
 
 /// A polyline that turns right by more than a flat one; `in_body` decides where it turns back.
 bool is_reflex(const Vec2& t_in, const Vec2& t_out, bool in_body) {
@@ -73,6 +70,7 @@ void FaceContacts::read_boundary() {
 }
 
 void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* corner_velocity) {
+    assert(!corner_velocity || std::ssize(*corner_velocity) >= model_.mesh.n_corners());
     contacts_.clear(), found_.clear(), refusal_.reset();
     const bool boundary_changed = boundary_.update(begin.retired);
     if (boundary_changed && boundary_.changed().empty()) complete_ = false;
@@ -166,7 +164,7 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
             }
         });
     const double speed = std::sqrt(motion.squared_speed);
-    reach_ = touching_part * longest_ + contact_reach_in_steps * h * extrapolated * speed;
+    reach_ = touching_part * longest_ + contact_reach_in_steps * h * NearbyEdges::motion_margin * speed;
     if (!(reach_ <= longest_)) {
         for (const CornerMotion& corner : corners_)
             if (corner.v.squaredNorm() == motion.squared_speed)
@@ -174,7 +172,9 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
         complete_ = complete_ && !boundary_changed;
         return false;
     }
-    const bool moved = reach_margin * reach_ + motion_margin * std::sqrt(motion.squared_move) > nearby_.margin();
+    const bool moved =
+        NearbyEdges::reach_margin * reach_ + NearbyEdges::motion_margin * std::sqrt(motion.squared_move) >
+        nearby_.margin();
     bool search = !complete_ || moved;
     if (!search && boundary_changed) {
         is_used_.resize(boundary_.edges().size(), 0);
@@ -187,7 +187,7 @@ bool FaceContacts::place_corners(const State& begin, double h, const std::vector
     }
     if (search) {
         const double mean = total_ / static_cast<double>(boundary_.edges().size());
-        nearby_.find(boundary_.edges(), corners_, margin_share * mean + reach_margin * reach_);
+        nearby_.find(boundary_.edges(), corners_, margin_share * mean + NearbyEdges::reach_margin * reach_);
         is_used_.assign(boundary_.edges().size(), 0), used_.clear();
         for (std::size_t b = 0; b < nearby_.n_blocks(); ++b) use_edges_of(b);
         complete_ = true;
@@ -262,22 +262,23 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double depth = gap < -max_contact_depth * length ? overlap(edge, at, gap, begin) : -gap;
     if (depth <= 0 && gap < 0 && !before) return;
     if (!before) before = slid_from(pair.edge, at);
-    block.found.push_back({.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
-                                       .edge = {edge.start, edge.end},
-                                       .normal = n,
-                                       .joint_law = at.joint_law_against(placed.along) == edge.joint_law ? edge.joint_law : -1,
-                                       .length = length,
-                                       .share = share,
-                                       .gap = gap,
-                                       .depth = depth,
-                                       .contact = before ? before->contact : 0,
-                                       .tangential = before ? before->tangential : 0},
-                           .vertex = pair.vertex,
-                           .edge = pair.edge,
-                           .gap_at_end = gap_at_end,
-                           .overhang = at.overhang(n),
-                           .flat = at.flat,
-                           .kept = true});
+    block.found.push_back(
+        {.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
+                     .edge = {edge.start, edge.end},
+                     .normal = n,
+                     .joint_law = at.joint_law_against(placed.along) == edge.joint_law ? edge.joint_law : -1,
+                     .length = length,
+                     .share = share,
+                     .gap = gap,
+                     .depth = depth,
+                     .contact = before ? before->contact : 0,
+                     .tangential = before ? before->tangential : 0},
+         .vertex = pair.vertex,
+         .edge = pair.edge,
+         .gap_at_end = gap_at_end,
+         .overhang = at.overhang(n),
+         .flat = at.flat,
+         .kept = true});
 }
 
 /// The corner of the contact piece where its outline goes on: a crack that live points close is none.
@@ -360,7 +361,7 @@ bool FaceContacts::second_is_nearer(Index first, Index second, const Vertex& at,
     const Vec2 from_corner = at.x - 0.5 * (a.x + b.x), v = at.v - 0.5 * (a.v + b.v);
     const double gap_1 = n_1.dot(from_corner), gap_2 = n_2.dot(from_corner), rate_1 = n_1.dot(v), rate_2 = n_2.dot(v);
     const double rounding_1 = touching_part * one.length, rounding_2 = touching_part * two.length;
-    const double tie = even_planes * across.norm() * std::min(one.length, two.length);
+    const double tie = geometric_rounding * across.norm() * std::min(one.length, two.length);
     if (n_1.dot(n_2) > parallel || gap_1 < -rounding_1 || gap_2 < -rounding_2) return across.dot(from_corner) > tie;
     const auto slides_on = [&](const Vec2& n, double gap, double rate, double rounding) {
         return gap < rounding && h * rate > -std::max(VertexCone::widened * h * v.norm(), touching_part * rounding) &&
@@ -472,8 +473,8 @@ void FaceContacts::prune_corners(Found& at) {
                 stays.contact.tangential += goes.contact.tangential;
             } else {
                 const double less = at.overhang - other.overhang;
-                const Found& then = prefers(at.gap_at_end - other.gap_at_end - less, even_planes) ? at : other;
-                const Found& now = prefers(at.contact.gap - other.contact.gap - less, even_planes) ? at : other;
+                const Found& then = prefers(at.gap_at_end - other.gap_at_end - less, geometric_rounding) ? at : other;
+                const Found& now = prefers(at.contact.gap - other.contact.gap - less, geometric_rounding) ? at : other;
                 const Found& stays = then.contact.gap > -touching_part * then.contact.length ? then : now;
                 (&stays == &at ? other : at).kept = false;
             }

@@ -108,13 +108,13 @@ private:
         /// Outward, of its edges.
         std::array<Vec2, 2> normals() const { return {-turned_left(cone.t_in), -turned_left(cone.t_out)}; }
         /// [m] How much further than the vertex its edges reach against the normal.
-        double overhang(const Vec2& n) const { 
+        double overhang(const Vec2& n) const {
             return std::max({0.0, n.dot(cone.t_in) * l_in, -n.dot(cone.t_out) * l_out});
         }
         /// [m] Of its edges from a plane, where the vertex is at `from_plane`; negative: a part of them is behind it.
         double distance(const Vec2& n, const Vec2& from_plane) const { return n.dot(from_plane) - overhang(n); }
         /// FreeEdge::joint_law of the edge that faces one with this tangent.
-        Index joint_law_against(const Vec2& tangent) const { 
+        Index joint_law_against(const Vec2& tangent) const {
             return joint_law[cone.t_out.dot(tangent) < cone.t_in.dot(tangent)];
         }
     };

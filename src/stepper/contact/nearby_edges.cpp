@@ -121,9 +121,9 @@ Vec2 NearbyEdges::place_of_vertex(std::span<const FreeEdge> edges, Index i) cons
     return 0.5 * (x_[edges[edges[i].entering].end_place] + x_[edges[i].start_place]);
 }
 
-/// [-] Of the direction of an edge, until its ends have moved by margin/2.5.
+/// [-] Of the direction of an edge, until its ends have moved by margin/motion_margin.
 double NearbyEdges::largest_turn(double length) const {
-    const double ends = 2 * margin_ / 2.5;
+    const double ends = 2 * margin_ / motion_margin;
     return length > 2 * ends ? ends / (length - ends) : 2;
 }
 

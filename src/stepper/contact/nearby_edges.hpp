@@ -19,11 +19,12 @@ struct NearbyEdge {
 /// A pair (vertex, edge) with gap g and the point of the vertex beside s of the edge is near if g <= reach, if the
 /// penetration is at most FreeEdge::depth, and if the point lies beyond an end of the edge by at most L/4 and reach +
 /// depth + min(g, 0). The list contains every near pair of a reach as long as all ends of edges have moved by at most
-/// (margin - 1.5 reach)/2.5 since it was made (the distance between a vertex and an edge changes by at most 2 moves,
-/// the gap of a point beside the prolonged edge by at most 2.5). Left out are pairs whose edge stays outside the cone
-/// of the vertex meanwhile (FaceContacts, rule 3).
+/// (margin - reach_margin reach)/motion_margin since it was made (the distance between a vertex and an edge changes by
+/// at most 2 moves, the gap of a point beside the prolonged edge by at most 2.5). Left out are pairs whose edge stays
+/// outside the cone of the vertex meanwhile (FaceContacts, rule 3).
 class NearbyEdges {
 public:
+    static constexpr double reach_margin = 1.5, motion_margin = 2.5;
     static constexpr std::size_t block = 256;  // vertices
 
     /// The edge leaves a vertex that may touch something.

@@ -2,6 +2,7 @@
 
 #include "mesh/polygon.hpp"
 #include "model/obstacle.hpp"
+#include "stepper/common/contact_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +11,11 @@
 namespace knap {
 namespace {
 
-constexpr double even_turn = 1e-4;        // sine of a turn that does not protrude
-constexpr double touching_pieces = 1e-3;  // [-] of an edge: rounding of the geometry
-constexpr double moved_by_blow = 0.05;    // [-] of an edge: what is hit in the step moves by no more
-constexpr double kept_list = 0.25;        // [-] of an edge: by which pieces move until the list of a pair is made anew
-constexpr double turned_list = 0.1;       // [rad] likewise
-constexpr double prolonged = 1.25;        // [-] points of prolonged edges, over the radius of a piece
-constexpr double piece_reach_margin = 1.5, piece_motion_margin = 1.25;  // as NearbyEdges, of relative motions
+constexpr double kept_list = 0.25;   // [-] of an edge: by which pieces move until the list of a pair is made anew
+constexpr double turned_list = 0.1;  // [rad] likewise
+constexpr double prolonged = 1.25;   // [-] points of prolonged edges, over the radius of a piece
+constexpr double reach_margin = NearbyEdges::reach_margin;
+constexpr double motion_margin = NearbyEdges::motion_margin / 2;  // relative motions are of two
 
 }  // namespace
 
@@ -66,7 +65,7 @@ void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const C
     for (const Index p : order_) {
         const Outline& outline = outlines_[p];
         Box& box = boxes_[p] = {Vec2::Constant(infinity), Vec2::Constant(-infinity),
-                                (touching_pieces + moved_by_blow) * outline.longest};
+                                (touching_part + largest_motion) * outline.longest};
         for (Index k = outline.first_edge; k < outline.last_edge; ++k)
             for (const Index end : {edges[edges_[k]].start_place, edges[edges_[k]].end_place})
                 box.low = box.low.cwiseMin(corners[end].x), box.high = box.high.cwiseMax(corners[end].x);
@@ -125,14 +124,14 @@ void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerM
         const double turn = two.angle - one.angle;
         const double speed = (two.velocity - one.velocity - one.spin * turned_left(between)).norm() +
                              std::abs(two.spin - one.spin) * radius;
-        pair.reach = std::min((touching_pieces + moved_by_blow) * longest + h * speed,
+        pair.reach = std::min((touching_part + largest_motion) * longest + h * speed,
                               boxes_[pair.of[0]].room + boxes_[pair.of[1]].room);
         const double moved = (offset - pair.offset).norm() + std::abs(turn - pair.turn) * radius;
-        if (piece_reach_margin * pair.reach + piece_motion_margin * moved <= pair.margin &&
+        if (reach_margin * pair.reach + motion_margin * moved <= pair.margin &&
             std::abs(turn - pair.turn) <= turned_list)
             continue;
         pair.offset = offset, pair.turn = turn;
-        pair.margin = piece_reach_margin * pair.reach + piece_motion_margin * kept_list * longest;
+        pair.margin = reach_margin * pair.reach + motion_margin * kept_list * longest;
         search(pair, edges, corners);
     }
 }

@@ -1,6 +1,7 @@
 #include "stepper/contact/retirement.hpp"
 
 #include "base/parallel.hpp"
+#include "base/tolerance.hpp"
 
 #include <array>
 
@@ -8,7 +9,6 @@ namespace knap {
 namespace {
 
 constexpr double inner_overlap = 0.005;    // [-] of an edge
-constexpr double same_direction = 1e-9;    // sine of an angle between edges that is rounding
 constexpr double rounded_down = 1 - 1e-6;  // less than the rounding of a bound takes away
 constexpr double parting_slip = 0.02;      // [-] of the edge
 constexpr double parting_turn =
@@ -77,7 +77,7 @@ bool overlap(const Model& model, const State& state, Index one, Index two, doubl
             const auto lies_outside = [&, other = other](Index end) {
                 const Vec2 edge = along(other, end);
                 const double height = outward.dot(edge);
-                return height >= 0 || height >= -same_direction * outward.norm() * edge.norm();
+                return height >= 0 || height >= -geometric_rounding * outward.norm() * edge.norm();
             };
             if (!lies_outside(next_in_triangle(other)) || !lies_outside(previous_in_triangle(other))) continue;
             if (!is_more) return false;
@@ -175,7 +175,7 @@ bool joined_nonadjacent_corners_overlap(const Model& model, const State& state, 
 }  // namespace
 
 void retire_points(const Model& model, const std::vector<Retirement>& before, State& end) {
-    if (model.contact_of_pair.empty()) return;
+    if (!model.faces_meet()) return;
     end.retired = before;  // for good
     const std::ptrdiff_t n = std::ssize(end.split_fans);
     for_blocks((n + block - 1) / block, [&](std::ptrdiff_t b) {

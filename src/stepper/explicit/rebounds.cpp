@@ -1,5 +1,7 @@
 #include "stepper/explicit/rebounds.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +11,6 @@ namespace {
 constexpr double most_given = 0.9;    // [-] of the approach: what gives way altogether stops nothing
 constexpr double rests_below = 0.02;  // [-] of the approach: with R_N = 0 a slower rebound is none
 constexpr double slowest = 1e-6;      // [-] of the speed of waves: a slower approach is no impact
-constexpr double touching = 1e-9;     // [-] of the deepest overlap
 constexpr double longest_impact = 100, longest_pause = 6, longest_slip = 24;  // [-] passages of a wave
 constexpr double many_steps = 20;                                             // an impact of fewer has no mean force
 constexpr double deepest = 0.3, deepest_face = 0.05;  // [-] of an edge: deeper no surface gives way
@@ -108,7 +109,7 @@ Impact* Rebounds::impact_of(const Sides& sides) {
 GivingWay Rebounds::find(const Sides& sides, const Vec2& rate, double gap, double deepest_gap, const ContactLaw& law,
                          const State& begin) {
     GivingWay found{.lies_deep = law.rebound == ContactLaw::Rebound::of_bodies};
-    const bool touches = gap <= touching * deepest_gap;
+    const bool touches = gap <= geometric_rounding * deepest_gap;
     Impact* impact = impact_of(sides);
     if (!impact) {
         if (!touches || -rate.x() <= slowest * wave_speed_) return found;

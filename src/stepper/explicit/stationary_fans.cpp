@@ -1,13 +1,12 @@
 #include "stepper/explicit/stationary_fans.hpp"
 
+#include "base/tolerance.hpp"
 #include "law/interface_law.hpp"
 #include "law/self_stress.hpp"
 #include "stepper/common/point_work.hpp"
 
 namespace knap {
 namespace {
-
-constexpr double opening_rounding = 1e-9;  // of a displacement: a smaller opening may touch
 
 /// The corners on both sides of point j, by their places in the fan.
 struct Sides {
@@ -49,7 +48,7 @@ bool find_parts(const Model& model, Index rank, const ExplicitStep& step, Statio
                           law.gamma > 0;
         const Vec2& normal = work.normal[j];
         const double u_N = normal.dot(u), v_N = normal.dot(v),
-                     touching = opening_rounding * u_after.cwiseAbs().maxCoeff();  // [m]
+                     touching = geometric_rounding * u_after.cwiseAbs().maxCoeff();  // [m]
         const bool open =
             state[j].cohesion == 0 && law.restitution == 0 && u_N > touching && u_N + step.drift_time * v_N > 0;
         const bool retired = begin.has_retired(points[j].point);

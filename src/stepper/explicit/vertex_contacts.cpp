@@ -11,10 +11,8 @@
 namespace knap {
 namespace {
 
-constexpr double rebound_depth = 1e-3;   // [-] of the edge: a deeper penetration is reduced by a rebound
 constexpr double max_speed_ratio = 1e3;  // [-] of the speeds of a cluster: no impulse of a contact causes it
 constexpr double max_injected = 1e-3;    // [-] of energy and losses of a cluster, by its residual
-constexpr int max_contact_rounds = 100;  // of contacts and fans
 constexpr int careful_round = 3;         // of clusters with obstacles
 constexpr int patience = 4;              // rounds without half the residual: a wedge has no solution
 
@@ -65,7 +63,7 @@ double VertexContacts::approach_by_forces(Index contact, const ExplicitStep& ste
 void VertexContacts::add_row(const FaceContact& contact, const ExplicitStep& step) {
     // a force lasts; a start in equilibrium has forces
     const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);
-    Row row{row_of(model_, step.begin, contact, scale), rebound_depth * contact.length};
+    Row row{row_of(model_, step.begin, contact, scale), touching_part * contact.length};
     row.gives = obstacles_.rebounds.find(contact, row.law, step.begin);
     if (row.law.rebound == ContactLaw::Rebound::of_bodies) row.deep = Rebounds::depth_of_faces() * contact.length;
     row.law = of_deformable(row.law);
@@ -93,7 +91,7 @@ void VertexContacts::add_row(const ObstacleContact& contact, const Vec2& impulse
 
 void VertexContacts::add_row(const ObstaclePairContact& contact, const ExplicitStep& step) {
     visit_terms(contact, [&](const ClusterTerm& term) { obstacle_terms_.push_back(term); });
-    add_row({row_of(model_, step.begin, contact), rebound_depth * contact.size}, step.begin);
+    add_row({row_of(model_, step.begin, contact), touching_part * contact.size}, step.begin);
     settle_law(step);
 }
 
@@ -253,7 +251,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     };
     double residual = 0, least = infinity;
     bool more_jointly = false;
-    for (int round = 0, last_progress = 0; round < max_contact_rounds; ++round) {
+    for (int round = 0, last_progress = 0; round < max_iterations; ++round) {
         if (round > 0) assemble(cluster, step, more_jointly, work);
         for (std::size_t k = 0; k < cluster.contacts.size(); ++k) {
             const Row& row = rows_[cluster.contacts[k]];
@@ -261,7 +259,7 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
             const bool rubs = row.gives.rubs && problem.may_slip(k);
             problem.contact(k).law =
                 contact_law(row.gap, row.before, rubs ? row.law.friction : 0, row.law.restitution, step.drift_time,
-                            row.deep, kink_tolerance * speed + of_gap, row.law.tangential, row.gives.rate);
+                            row.deep, relative_tolerance * speed + of_gap, row.law.tangential, row.gives.rate);
             if (!row.gives.pushes) problem.contact(k).law.contact.may_touch = false;
         }
         residual = problem.solve(speed, error, effort_of(round));
@@ -372,7 +370,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
     for (const Cluster& cluster : clusters_) report.add_contact_residual(cluster.residual, rows_[cluster.worst].place);
     report.face_contacts = n_faces();
     obstacles_.rebounds.finish(step.end);
-    if (!model_.contact_of_pair.empty()) retire_points(model_, step.begin.retired, step.end);
+    if (model_.faces_meet()) retire_points(model_, step.begin.retired, step.end);
 }
 
 }  // namespace knap

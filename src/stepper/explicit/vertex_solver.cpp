@@ -10,11 +10,9 @@
 namespace knap {
 namespace {
 
-constexpr double contradiction = 1e-12;  // [-] residual of a fan whose rebounds contradict each other; rounding is less
 constexpr double rest_tolerance = 1e-9, max_rest_tolerance = 1e-6;  // [-] of the largest speed
 constexpr double closed_opening =
-    1e-5;  // [-] of the softening length: where fans turn, an opening below it counts as none
-constexpr int max_fan_sweeps = 100;
+    1e-5;                         // [-] of the softening length: where fans turn, an opening below it counts as none
 constexpr double far_away = 1e6;  // [m] a gap that no step closes
 constexpr double stick_tolerance =
     1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
@@ -242,7 +240,7 @@ FanSolution VertexSolver::solve(Index f, const ExplicitStep& step, Workspace& wo
     // a contraction, by less than (c_p - c_s)/(c_p + c_s)
     work.mean_velocity.assign(model_.fans[f].n_corners, Vec2::Zero());
     double change = 1, speed = 0;
-    for (int sweep = 0; sweep < max_fan_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < max_iterations; ++sweep) {
         change = 0;
         for (std::size_t i = 0; i < work.mean_velocity.size(); ++i) {
             const Vec2 before = work.fan.problem.bodies[i].velocity, after = work.fan.result.velocity[i],
@@ -272,7 +270,8 @@ FanSolution VertexSolver::solve_for_mean(Index f, const ExplicitStep& step, Work
         else std::swap(work.fan, work.kept);
     };
     const auto rebounds = [](const FanLink& link) { return link.restitution > 0; };
-    if (best.residual > contradiction && std::ranges::any_of(work.fan.problem.links, rebounds)) try_without_rebounds(0);
+    if (best.residual > relative_tolerance && std::ranges::any_of(work.fan.problem.links, rebounds))
+        try_without_rebounds(0);
     if (best.residual > (model_.large_rotation ? 0.1 : 0.5) * max_residual) try_without_rebounds(rest_tolerance);
     for (double rest = 10 * rest_tolerance;
          model_.large_rotation && rest <= max_rest_tolerance && best.residual > 0.1 * max_residual; rest *= 10)

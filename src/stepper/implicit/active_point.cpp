@@ -1,11 +1,12 @@
 #include "stepper/implicit/active_point.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <cmath>
 
 namespace knap {
 namespace {
 
-constexpr double no_cohesion = 1e-12;  // [-] beta below it is zero
 // [-] kappa/delta_c. A steeper ramp counts as an opening without one: rounding of the openings would be forces, and its
 // energy is less than a millionth of G_c.
 constexpr double steepest_ramp = 1e-6;
@@ -27,7 +28,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     const Vec2 normal = turn.middle.turned(at.normal);
     const double u_rate = normal.dot(velocity(at.after) - velocity(at.before)) - turn.convected.x();
     double beta = at.cracked || law.sigma_c == 0 ? 0 : cohesion(model, *step.begin, at.point);
-    if (beta < no_cohesion) beta = 0;
+    if (beta < relative_tolerance) beta = 0;
     const PointState* known = state_of(model, *step.begin, at.point);
     const double kappa = known ? law.ramp(beta, known->largest_opening) : 0;
     ActivePoint made{

@@ -1,13 +1,11 @@
 #include "stepper/implicit/carried_motion.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <algorithm>
 
 namespace knap {
-namespace {
-
-constexpr double tolerance = 1e-12;  // [-] of the momenta and loads, for the impulse of a wrong W
-
-}  // namespace
+namespace {}  // namespace
 
 void CarriedMotion::find(const State& begin) {
     const Mesh& mesh = model_.mesh;
@@ -74,7 +72,7 @@ bool CarriedMotion::agrees(const std::vector<Vec2>& rate) {
         Search& at = search_[p];
         const Eigen::Vector3d error = at.q - along_[p], rise = error - at.error;
         const double mass = rigid_.inertia[p](0, 0) / bulk_.mass_factor() / at.n_corners;
-        if (d * mass * error.norm() > tolerance * bulk_.largest_impulse()) all = false;
+        if (d * mass * error.norm() > relative_tolerance * bulk_.largest_impulse()) all = false;
         if (const double slope = at.change.dot(at.inverse_slope * rise);
             !is_first_ && std::abs(slope) > 1e-3 * at.change.squaredNorm() / (1 + d))
             at.inverse_slope +=

@@ -6,7 +6,7 @@ namespace knap {
 
 FacePoints::FacePoints(const Model& model)
     : model_(model), law_{.sigma_c = 0, .G_c = 0, .gamma = 1, .friction = 0, .restitution = 0} {
-    if (!model.contact_of_pair.empty()) faces_.emplace(model);
+    if (model.faces_meet()) faces_.emplace(model);
 }
 
 bool FacePoints::find(const State& begin, double h, const std::vector<Vec2>& corner_rate) {

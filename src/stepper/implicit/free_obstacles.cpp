@@ -11,7 +11,6 @@
 namespace knap {
 namespace {
 
-constexpr double obstacle_tolerance = 1e-12;  // of the largest impulse
 constexpr int max_steps = 60, max_secants = 20;
 constexpr double no_line_search_below = 1e3;  // times the tolerance: the last digits are not worth a line search
 constexpr double difference = 1e-6;           // [-] of the speeds, for the slope: exact up to rounding
@@ -122,7 +121,7 @@ void FreeObstacles::solve_rows(const Matrix& B, const Vector& x_free) {
     }
     for (Index i = 0; i < n_rows; ++i)
         cluster_.contacts[i].law =
-            law_of_rigid(rows_[i].gap, rows_[i].before, rows_[i].law, *step_, kink_tolerance * speed);
+            law_of_rigid(rows_[i].gap, rows_[i].before, rows_[i].law, *step_, relative_tolerance * speed);
     answer_ = step_->theta * B * along_;
     for (Index of = 0; of < n_rows; ++of) {
         cluster_.couple(of, of, Eigen::Matrix2d::Zero());
@@ -252,7 +251,7 @@ double FreeObstacles::find_rates(const Response& response) {
     FewRows error = with_rows(missed);
     scale = largest();
     // rows press with impulses of which nothing is left in x, and hold places: until x follows them it is the measure
-    double goal = obstacle_tolerance * (rows_.empty() ? scale : std::max(0.01 * speed, x.cwiseAbs().maxCoeff()));
+    double goal = relative_tolerance * (rows_.empty() ? scale : std::max(0.01 * speed, x.cwiseAbs().maxCoeff()));
     Eigen::PartialPivLU<Few> slope;
     bool slope_is_known = false;
     for (int step = 0; step < max_steps && error.norm() > goal; ++step) {
@@ -277,7 +276,7 @@ double FreeObstacles::find_rates(const Response& response) {
         double of_next = largest();
         // without friction `missed` is the gradient of a convex function: the zero of its slope along Newton's step is
         // the length of the step
-        if (next_error.norm() > 0.1 * before && before > no_line_search_below * obstacle_tolerance * scale) {
+        if (next_error.norm() > 0.1 * before && before > no_line_search_below * relative_tolerance * scale) {
             const double at_0 = change.dot(missed), at_1 = change.dot(next_missed);
             const auto along = [&](double part) { return change.dot(missed_at(x + part * change)); };
             const double length =
@@ -286,14 +285,14 @@ double FreeObstacles::find_rates(const Response& response) {
             of_next = largest();
         }
         // between the pieces of friction, which has no potential, full steps may cycle
-        if (step >= may_cycle && before > no_line_search_below * obstacle_tolerance * scale)
+        if (step >= may_cycle && before > no_line_search_below * relative_tolerance * scale)
             for (double length = 0.5; next_error.norm() >= before && length >= least_length; length *= 0.5) {
                 next = x + length * change, next_missed = missed_at(next), next_error = with_rows(next_missed);
                 of_next = largest();
             }
-        if (before <= no_line_search_below * obstacle_tolerance * scale && next_error.norm() >= before) break;
+        if (before <= no_line_search_below * relative_tolerance * scale && next_error.norm() >= before) break;
         slope_is_known = next_error.norm() <= same_piece * before;  // the same linear piece
-        x = next, missed = next_missed, error = next_error, scale = of_next, goal = obstacle_tolerance * scale;
+        x = next, missed = next_missed, error = next_error, scale = of_next, goal = relative_tolerance * scale;
     }
     if (error.norm() > goal) error = with_rows(missed_at(x));
     if (!error.allFinite()) return infinity;

@@ -6,7 +6,6 @@ namespace knap {
 namespace {
 
 constexpr int n_rows = 8, n_columns = 4;  // of a tile; every instruction set adds in the same order
-constexpr double largest = 1e308;
 
 template <int lanes>
 struct Register;
@@ -122,7 +121,7 @@ bool eliminate_columns(double* L, std::ptrdiff_t size, std::ptrdiff_t first, std
     for (int c = 0; c < width; ++c) {
         for (int b = 0; b < c; ++b)
             for (int r = c; r < width; ++r) top[c][r] -= top[b][r] * top[b][c];
-        if (!(top[c][c] > 0) || top[c][c] > largest) return false;
+        if (!(top[c][c] > 0) || top[c][c] == __builtin_inf()) return false;
         const double root = __builtin_sqrt(top[c][c]);
         pivot.inverse[c] = 1 / root;
         top[c][c] = root;

@@ -20,8 +20,7 @@ FrontKernel fastest_kernel_of_fronts() {
     return baseline_front_kernel();
 }
 
-constexpr Index large_front = 128;           // unknowns: several threads share it
-constexpr std::size_t min_parts = 128;       // of a body for several threads
+constexpr Index for_threads = 128;           // unknowns of a front, parts of a body: more are shared by several
 constexpr std::size_t columns_at_once = 16;  // of a thread in a large front
 constexpr std::ptrdiff_t pivots_at_once = 64, rows_at_once = 32;
 
@@ -36,7 +35,7 @@ FrontalFactor::FrontalFactor(const Dissection& dissection, std::size_t n_numbers
       dissection_(dissection),
       fronts_(dissection.parts.size()),
       stale_(fronts_.size(), true),
-      threads_(fronts_.size() < min_parts ? Threads::one : Threads::all),
+      threads_(std::ssize(fronts_) < for_threads ? Threads::one : Threads::all),
       level_(fronts_.size(), 0),
       by_level_(fronts_.size()) {
     Index n_levels = 1;
@@ -75,7 +74,7 @@ std::span<const Index> FrontalFactor::parts_of_level(std::size_t level) const {
 
 /// Leaves are not.
 bool FrontalFactor::is_large(Index part) const {
-    return threads_ == Threads::all && !dissection_.parts[part].is_leaf() && fronts_[part].size() >= large_front;
+    return threads_ == Threads::all && !dissection_.parts[part].is_leaf() && fronts_[part].size() >= for_threads;
 }
 
 bool FrontalFactor::update(const std::vector<Index>& eliminated_in, const ElementsOf& elements_of) {

@@ -20,7 +20,6 @@ constexpr double max_pressing = 1e3;
 constexpr double max_energy_balance_error = 1e-11;  // of the energies; usual: 1e-15, tolerance of the balance: 1e-12
 constexpr int max_face_rounds = 5;                  // until no faces meet that were not found before
 constexpr int max_free_rounds = 2;
-constexpr double moved_freely = 1e-10;  // of the rates: less needs no other solution
 // Of large rotations. Errors of the linear equations over momenta, loads and forces: below the first one bonded fans
 // are tested, the second one ends the step, and below the third one what falls no more by `falls` in two rounds is
 // rounding.
@@ -268,7 +267,7 @@ bool ImplicitScheme::needs_free_motions() {
 bool ImplicitScheme::move_freely() {
     double fastest = 0;
     for (const Vec2& rate : x_.rate) fastest = std::max(fastest, rate.norm());
-    const bool moved = solver_.move_freely() > moved_freely * fastest;
+    const bool moved = solver_.move_freely() > max_residual * fastest;
     read_corner_rates(corner_rate_);
     return !moved || ++n_free_rounds_ == max_free_rounds;
 }

@@ -1,5 +1,7 @@
 #include "stepper/implicit/interior_point.hpp"
 
+#include "base/tolerance.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +11,6 @@ namespace {
 constexpr int max_steps = 80;
 constexpr double least_start = 1e-2;    // [-] of their scales: impulses and rates at the start
 constexpr double centring = 0.3;        // of the products lambda z: what a step aims at
-constexpr double most_of_way = 0.995;   // to the first bound
 constexpr double following = 0.5;       // part of its lag by which s follows |w_T| in a step
 constexpr double near_enough = 1e-2;    // of the scale: rates that lack, and the lag of s, are left to the active set
 constexpr double slips_beyond = 0.999;  // of mu p
@@ -143,7 +144,7 @@ bool InteriorPoint::find_direction(double tau) {
 }
 
 double InteriorPoint::longest_step() const {
-    double a = 1 / most_of_way;
+    double a = 1 / part_of_longest_step;
     const auto stop_at = [&](double value, double step) {
         if (step < 0) a = std::min(a, -value / step);
     };
@@ -151,7 +152,7 @@ double InteriorPoint::longest_step() const {
         for (int k = 0; k < 2 && newton_.x.points[j].law.contact.may_touch; ++k)
             stop_at(contacts_[j].lambda[k], contacts_[j].lambda_step[k]),
                 stop_at(contacts_[j].z[k], contacts_[j].z_step[k]);
-    return most_of_way * a;
+    return part_of_longest_step * a;
 }
 
 void InteriorPoint::move(double a) {

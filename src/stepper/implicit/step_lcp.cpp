@@ -1,5 +1,6 @@
 #include "stepper/implicit/step_lcp.hpp"
 
+#include "base/tolerance.hpp"
 #include "lcp/solvers.hpp"
 
 #include <algorithm>
@@ -7,11 +8,7 @@
 #include <utility>
 
 namespace knap {
-namespace {
-
-constexpr double lcp_rounding = 1e-12;  // [-] relative
-
-}  // namespace
+namespace {}  // namespace
 
 StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options,
                  SharedTemperatures end_temperature)
@@ -137,7 +134,7 @@ void StepLcp::lay_out() {
         if (step_.implicit_beta) add_layers(law);
         if (law.ramp > 0) ramps_.push_back(static_cast<int>(cohesive_.size()) - 1);
         const double end_at_bound = law.u_N + reach(law) * law.contact.rate;
-        const bool lands = !law.contact.may_touch || end_at_bound < -lcp_rounding * law.material->delta_c();
+        const bool lands = !law.contact.may_touch || end_at_bound < -relative_tolerance * law.material->delta_c();
         if ((step_.implicit_beta || law.ramp > 0) && lands) landing_.push_back(p);
     }
     const auto group = [&](std::size_t n) { return std::exchange(size_, size_ + static_cast<int>(n)); };

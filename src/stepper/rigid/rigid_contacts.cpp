@@ -13,8 +13,6 @@
 namespace knap {
 namespace {
 
-constexpr double same_plane = 1e-12;  // [-] 1 - cosine of the normals of one plane
-constexpr double held = 1e-12;        // [-] of the mobility of a row: nothing moves along this component
 constexpr int more_rounds = 10, sweeps_of_round = 40;  // of clusters whose works are positive beyond the next two
 constexpr double allowed_injection = 2e-4;             // [-] of the losses
 constexpr double at_rest = 1e-8;                       // [-] of the impulses times the speeds
@@ -142,7 +140,7 @@ void RigidContacts::keep_hull(std::size_t first) {
         hull_.clear();
         for (std::size_t j = i; j < by_bodies_.size() && bodies_of(by_bodies_[j]) == bodies_of(r); ++j) {
             const std::size_t k = by_bodies_[j];
-            if (rows_[k].terms[0].along_N.head<2>().dot(rows_[r].terms[0].along_N.head<2>()) >= 1 - same_plane)
+            if (rows_[k].terms[0].along_N.head<2>().dot(rows_[r].terms[0].along_N.head<2>()) >= 1 - relative_tolerance)
                 hull_.push_back(k), seen[k - first] = 1;
         }
         std::ranges::stable_sort(hull_, {}, along);
@@ -293,7 +291,7 @@ void RigidContacts::solve(std::size_t number, const RigidStep& step, std::vector
         cluster.speed = std::max({cluster.speed, row.before.norm(), row.free.norm()});
         error = std::max(error, row.rounding / step.drift_time);
     }
-    const double tolerance = cluster.tolerance = kink_tolerance * cluster.speed + error;
+    const double tolerance = cluster.tolerance = relative_tolerance * cluster.speed + error;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         Row& row = rows_[rows[i]];
         const auto contact = static_cast<Index>(i);
@@ -301,8 +299,8 @@ void RigidContacts::solve(std::size_t number, const RigidStep& step, std::vector
         for (int k = 0; k < row.n_terms; ++k) {
             ClusterTerm term = row.terms[k];
             if (!bodies[term.body].moves()) continue;
-            if (row.own_N <= held * (row.own_N + row.own_T)) term.along_N.setZero();
-            if (row.own_T <= held * (row.own_N + row.own_T)) term.along_T.setZero();
+            if (row.own_N <= relative_tolerance * (row.own_N + row.own_T)) term.along_N.setZero();
+            if (row.own_T <= relative_tolerance * (row.own_N + row.own_T)) term.along_T.setZero();
             problem.add_term(contact, {work.body[term.body], term.along_N, term.along_T});
         }
         problem.couple(contact, contact, Eigen::Matrix2d::Zero());

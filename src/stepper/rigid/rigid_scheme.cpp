@@ -1,5 +1,6 @@
 #include "stepper/rigid/rigid_scheme.hpp"
 
+#include "stepper/common/contact_search.hpp"
 #include "stepper/common/surface_energy.hpp"
 #include "stepper/contact/retirement.hpp"
 #include "stepper/rigid/freeze.hpp"
@@ -10,10 +11,8 @@
 namespace knap {
 namespace {
 
-constexpr double slow_for = 0.2;         // [s] until a piece falls asleep
-constexpr double negligible = 1e-12;     // [-] vibration over kinetic energy
-constexpr double largest_motion = 0.05;  // [-] of an edge, of faces that meet in a step
-constexpr double largest_turn = 0.7;     // [rad] of a piece in a step: 40 degrees
+constexpr double slow_for = 0.2;      // [s] until a piece falls asleep
+constexpr double largest_turn = 0.7;  // [rad] of a piece in a step: 40 degrees
 
 }  // namespace
 
@@ -28,7 +27,7 @@ bool RigidScheme::may_begin(const State& start) const {
     State state = start;
     const FrozenPieces frozen = freeze(model_, state);
     const auto is_loaded = [](const FrozenBody::Piece& piece) { return piece.held && piece.weakest < infinity; };
-    return frozen.all_vibration() <= negligible * frozen.kinetic &&
+    return frozen.all_vibration() <= relative_tolerance * frozen.kinetic &&
            std::ranges::none_of(frozen.body->pieces, is_loaded);
 }
 

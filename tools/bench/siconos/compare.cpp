@@ -45,7 +45,7 @@ Measured measured(const LcpProblem& problem, const std::optional<CohesiveLayout>
     peer::Outcome outcome = solve();
     Measured result{.seconds = outcome.seconds};
     const double residual = scaled_residual(problem, outcome.z);
-    if (!(residual <= max_scaled_residual)) result.verdict = residual <= nearly ? '~' : 'x';
+    if (!(residual <= max_residual)) result.verdict = residual <= nearly ? '~' : 'x';
     if (result.counts() && layout && spurious_breaking(problem, outcome.z, *layout).n_spurious > 0)
         result.verdict = 'f';
     for (double total = outcome.seconds; total < min_time; total += outcome.seconds) {
