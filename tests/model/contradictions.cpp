@@ -14,12 +14,8 @@ using namespace knap::tests;
 namespace {
 
 std::vector<Contradiction> found(const std::vector<Load>& loads, int order = 1) {
-    ModelInput input;
-    input.mesh = bar_mesh(4, 2, 4, 2);
+    ModelInput input = body_with(bar_mesh(4, 2, 4, 2), {.density = 1, .E = 1, .nu = 0}, {.sigma_c = 1, .G_c = 1});
     input.mesh.order = order;
-    input.materials = {{.density = 1, .E = 1, .nu = 0}};
-    input.laws = {{.sigma_c = 1, .G_c = 1}};
-    input.law_of_pair = {{0}};
     input.loads = loads;
     return find_contradictions(make_model(input), loads);
 }

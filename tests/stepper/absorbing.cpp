@@ -33,12 +33,9 @@ TimeFunction pulse(double T) {
 }
 
 ModelInput bar(Mesh mesh, const Elastic& material, PlaneModel plane) {
-    ModelInput input;
-    input.mesh = std::move(mesh);
+    ModelInput input =
+        body_with(std::move(mesh), material, {.sigma_c = 20e6, .G_c = 1e3, .gamma = 1});  // more than any wave here
     input.plane = plane;
-    input.materials = {material};
-    input.laws = {{.sigma_c = 20e6, .G_c = 1e3, .gamma = 1}};  // more than any wave here
-    input.law_of_pair = {{0}};
     return input;
 }
 

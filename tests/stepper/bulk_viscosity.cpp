@@ -19,12 +19,10 @@ constexpr double pi = 3.14159265358979324;
 
 ModelInput body_of(Mesh mesh, std::array<double, 2> bulk, double shear, PlaneModel plane = PlaneModel::strain,
                    double nu = 0.2) {
-    ModelInput input;
-    input.mesh = std::move(mesh);
+    ModelInput input = body_with(
+        std::move(mesh), {.density = 2500, .E = 40e9, .nu = nu, .bulk_viscosity = bulk, .shear_viscosity = shear},
+        CohesiveLaw::unbreakable());
     input.plane = plane;
-    input.materials = {{.density = 2500, .E = 40e9, .nu = nu, .bulk_viscosity = bulk, .shear_viscosity = shear}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
     return input;
 }
 

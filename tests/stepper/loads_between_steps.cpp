@@ -21,12 +21,8 @@ const TimeFunction pulse{{0, 0.212, 0.213, 0.217, 0.218}, {0, 0, 1, 1, 0}},     
 constexpr double of_pulse = 0.005, of_jumps = 0.838;                             // integrals
 
 ModelInput bar(Load load) {
-    ModelInput input;
+    ModelInput input = body_with(bar_mesh(4, 2, 2, 1), unit, CohesiveLaw::unbreakable());
     input.plane = PlaneModel::stress;
-    input.mesh = bar_mesh(4, 2, 2, 1);
-    input.materials = {unit};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
     input.loads = {std::move(load)};
     return input;
 }

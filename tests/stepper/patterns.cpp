@@ -33,12 +33,8 @@ Mesh cracked_block(const Vec2& size, double crack, double edge, std::uint64_t se
 
 /// Pulled apart across the crack by a step of traction.
 ModelInput pulled(Mesh mesh, double sigma_c, double pull) {
-    ModelInput input;
-    input.mesh = std::move(mesh);
+    ModelInput input = body_with(std::move(mesh), glass, {.sigma_c = sigma_c, .G_c = 3, .gamma = 1});
     input.thickness = 1e-3;
-    input.materials = {glass};
-    input.laws = {{.sigma_c = sigma_c, .G_c = 3, .gamma = 1}};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::traction, "top", 0.0, pull), load(Load::Kind::traction, "bottom", 0.0, -pull)};
     return input;
 }
@@ -87,12 +83,9 @@ struct Strip {
     Strip(double angle_, std::uint64_t seed) : angle(angle_), run(input(angle_, seed)) {}
 
     static ModelInput input(double angle, std::uint64_t seed) {
-        ModelInput input;
-        input.mesh = cracked_block({length, height}, crack, edge, seed, angle);
+        ModelInput input = body_with(cracked_block({length, height}, crack, edge, seed, angle), glass,
+                                     {.sigma_c = sigma_c, .G_c = G_c, .gamma = 1});
         input.thickness = 1e-3;
-        input.materials = {glass};
-        input.laws = {{.sigma_c = sigma_c, .G_c = G_c, .gamma = 1}};
-        input.law_of_pair = {{0}};
         // G = M (2 U/height)^2 height/2, with the modulus M of uniaxial strain (plane strain)
         const double modulus = glass.E * (1 - glass.nu) / ((1 + glass.nu) * (1 - 2 * glass.nu));
         const Vec2 up = turned({0, 0.5 * height * std::sqrt(2 * excess * G_c / (modulus * height))}, angle);

@@ -18,12 +18,8 @@ namespace {
 const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
 
 ModelInput plate(Mesh mesh, const CohesiveLaw& law, PlaneModel plane = PlaneModel::strain) {
-    ModelInput input;
+    ModelInput input = body_with(std::move(mesh), glass, law);
     input.plane = plane;
-    input.mesh = std::move(mesh);
-    input.materials = {glass};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
     return input;
 }
 

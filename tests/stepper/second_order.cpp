@@ -18,13 +18,9 @@ namespace {
 const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
 
 ModelInput plate(Mesh mesh, const CohesiveLaw& law, Index order = 2) {
-    ModelInput input;
+    ModelInput input = body_with(std::move(mesh), glass, law);
     input.plane = PlaneModel::stress;
-    input.mesh = std::move(mesh);
     input.mesh.order = order;
-    input.materials = {glass};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
     return input;
 }
 

@@ -25,12 +25,8 @@ const CohesiveLaw glue{.sigma_c = 2, .G_c = 1e-3, .gamma = 1, .friction = 0.3};
 
 /// Plane stress, thickness 1, E = 1000, density 1, nu = 0: what is pulled along y stays as wide as it is.
 ModelInput block(const Mesh& mesh, const CohesiveLaw& law = glue) {
-    ModelInput input;
+    ModelInput input = body_with(mesh, {.density = 1, .E = 1000, .nu = 0}, law);
     input.plane = PlaneModel::stress;
-    input.mesh = mesh;
-    input.materials = {{.density = 1, .E = 1000, .nu = 0}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
     return input;
 }
 

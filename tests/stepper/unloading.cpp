@@ -179,12 +179,8 @@ TEST_CASE("B1 a mass on the ramp of its shear loses what it loses at zero slip w
 TEST_CASE("a pulled block breaks with secant unloading and its energies balance") {
     for (const SchemeOptions& path : both_paths()) {
         const CohesiveLaw law{.sigma_c = 8e6, .G_c = 60, .gamma = 1, .friction = 0.5, .unloading = Unloading::secant};
-        ModelInput input;
-        input.mesh = bar_mesh(12, 6, 0.04, 0.02);
+        ModelInput input = body_with(bar_mesh(12, 6, 0.04, 0.02), {.density = 2450, .E = 32e9, .nu = 0.2}, law);
         input.thickness = 1e-3;
-        input.materials = {{.density = 2450, .E = 32e9, .nu = 0.2}};
-        input.laws = {law};
-        input.law_of_pair = {{0}};
         input.loads = {load(Load::Kind::traction, "top", 0.0, 8e6, {{0, 5e-6}, {0, 1}}),
                        load(Load::Kind::traction, "bottom", 0.0, -8e6, {{0, 5e-6}, {0, 1}})};
         Run run(input, path);

@@ -21,13 +21,18 @@ inline Load load(Load::Kind kind, const std::string& boundary, std::optional<dou
     return {.kind = kind, .on = {.boundary = boundary, .box = {}}, .value = {x, y}, .history = std::move(history)};
 }
 
-/// Of one material and one law, with large rotations.
-inline ModelInput turning_body(Mesh mesh, const Elastic& material, const CohesiveLaw& law) {
+/// Of one material and one law.
+inline ModelInput body_with(Mesh mesh, const Elastic& material, const CohesiveLaw& law) {
     ModelInput input;
     input.mesh = std::move(mesh);
     input.materials = {material};
     input.laws = {law};
     input.law_of_pair = {{0}};
+    return input;
+}
+/// The same with large rotations.
+inline ModelInput turning_body(Mesh mesh, const Elastic& material, const CohesiveLaw& law) {
+    ModelInput input = body_with(std::move(mesh), material, law);
     input.large_rotation = true;
     return input;
 }

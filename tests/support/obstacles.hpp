@@ -11,23 +11,16 @@ namespace knap::tests {
 
 /// A free block of 1 x 1 m to meet them, rho = 1, E = 100, of 4 x 4 squares.
 inline ModelInput free_block(int order, const CohesiveLaw& law) {
-    ModelInput input;
-    input.mesh = bar_mesh(4, 4, 1, 1);
+    ModelInput input = body_with(bar_mesh(4, 4, 1, 1), {.density = 1, .E = 100, .nu = 0.2}, law);
     input.mesh.order = order;
-    input.materials = {{.density = 1, .E = 100, .nu = 0.2}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
     return input;
 }
 
 /// A rigid mass that runs with v [m/s] into the end of a bar of n cells, 1 x 0.01 m, rho = E = 1, nu = 0.
 inline ModelInput boulder_at_bar(int n, double v) {
-    ModelInput input;
-    input.mesh = symmetric_bar_mesh(n, 1, 0.01);
+    ModelInput input =
+        body_with(symmetric_bar_mesh(n, 1, 0.01), {.density = 1, .E = 1, .nu = 0}, CohesiveLaw::unbreakable());
     input.plane = PlaneModel::stress;
-    input.materials = {{.density = 1, .E = 1, .nu = 0}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
     input.obstacles = {polygon({{-0.1, -0.05}, {0, -0.05}, {0, 0.06}, {-0.1, 0.06}})};
     set_free(input.obstacles[0], 0.2);
     input.obstacles[0].initial_velocity.x() = v;

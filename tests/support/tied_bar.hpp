@@ -5,12 +5,9 @@
 namespace knap::tests {
 
 inline ModelInput tied_bar() {
-    ModelInput input;
+    ModelInput input = body_with(bar_mesh(20, 4, 1, 0.2), {.density = 1, .E = 1, .nu = 0},
+                                 {.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3});
     input.plane = PlaneModel::stress;
-    input.mesh = bar_mesh(20, 4, 1, 0.2);
-    input.materials = {{.density = 1, .E = 1, .nu = 0}};
-    input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::velocity, "left", -1e-3, std::nullopt),
                    load(Load::Kind::velocity, "right", 1e-3, std::nullopt)};
     return input;

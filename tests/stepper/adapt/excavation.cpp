@@ -98,12 +98,9 @@ Vec2 momentum(const Model& model, const State& state) {
 constexpr int n_cells = 200;
 constexpr double sigma = 1e-3, height = 1. / n_cells, half = 0.5;
 ModelInput pulled_bar() {
-    ModelInput input;
+    ModelInput input =
+        body_with(symmetric_bar_mesh(n_cells, 1, height), {.density = 1, .E = 1, .nu = 0}, CohesiveLaw::unbreakable());
     input.plane = PlaneModel::stress;
-    input.mesh = symmetric_bar_mesh(n_cells, 1, height);
-    input.materials = {{.density = 1, .E = 1, .nu = 0}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::displacement, "left", 0.0, std::nullopt),
                    load(Load::Kind::traction, "right", sigma, 0.0)};
     return input;
@@ -123,12 +120,8 @@ double mean_velocity(const ExcavatedRun& run, double a, double b) {
 
 /// A plate of 16 x 16 cells under its weight and a stress around it, at rest on its lower edge.
 ModelInput plate(const CohesiveLaw& law, Index order = 1) {
-    ModelInput input;
-    input.mesh = bar_mesh(16, 16, 1, 1);
+    ModelInput input = body_with(bar_mesh(16, 16, 1, 1), {.density = 1, .E = 1, .nu = 0.2}, law);
     input.mesh.order = order;
-    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
     Load around = load(Load::Kind::stress, "left", std::nullopt, std::nullopt);
     around.stress = {-2e-3, -1e-3, 3e-4};
     for (const char* side : {"left", "right", "top"}) around.on.boundary = side, input.loads.push_back(around);
@@ -322,11 +315,7 @@ TEST_CASE("excavation: the first step of bonded fans is that of the whole body")
 TEST_CASE(
     "excavation: a body that turns freely keeps momentum and angular momentum of what remains while nothing is "
     "released") {
-    ModelInput input;
-    input.mesh = bar_mesh(12, 12, 1, 1);
-    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
+    ModelInput input = body_with(bar_mesh(12, 12, 1, 1), {.density = 1, .E = 1, .nu = 0.2}, CohesiveLaw::unbreakable());
     input.large_rotation = true;
     input.initial_velocities = {{.on = {}, .value = {0.01, 0.02}, .spin = 0.05}};
     ExcavatedRun run(std::move(input), {.damping = 0.1});
@@ -387,12 +376,9 @@ TEST_CASE("excavation: a round hole converges to the displacements of Kirsch wit
         shape.outer.boundary.assign(8, 0), shape.boundary_names = {"rim"};
         const std::vector<Vec2> outline = circle(Vec2::Zero(), 1, 4 * static_cast<int>(std::lround(0.5 * M_PI / size)));
         shape.regions = {{.points = outline, .only_line = true}};
-        ModelInput input;
+        ModelInput input =
+            body_with(triangulate(shape, {.size = size}), {.density = 1, .E = E, .nu = nu}, CohesiveLaw::unbreakable());
         input.plane = PlaneModel::stress;
-        input.mesh = triangulate(shape, {.size = size});
-        input.materials = {{.density = 1, .E = E, .nu = nu}};
-        input.laws = {CohesiveLaw::unbreakable()};
-        input.law_of_pair = {{0}};
         for (const int k : {0, 1})  // u_x = 0 at (0, +-L), u_y = 0 at (+-L, 0)
             for (const double sign : {-1., 1.}) {
                 const Vec2 at = sign * L * Vec2::Unit(1 - k);
@@ -434,11 +420,8 @@ TEST_CASE("excavation: a round hole converges to the displacements of Kirsch wit
 
 TEST_CASE("excavation: a roof whose support vanishes falls freely and meets the floor by the new faces") {
     constexpr double g = 1e-3, opened = 0.1;
-    ModelInput input;
-    input.mesh = bar_mesh(8, 20, 0.4, 1);
-    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
+    ModelInput input =
+        body_with(bar_mesh(8, 20, 0.4, 1), {.density = 1, .E = 1, .nu = 0.2}, CohesiveLaw::unbreakable());
     input.large_rotation = true;
     input.contact_of_pair = {{{.friction = 0.5}}};
     input.loads = {{.kind = Load::Kind::acceleration, .value = {0.0, -g}},

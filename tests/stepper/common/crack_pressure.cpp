@@ -28,13 +28,10 @@ ModelInput block(std::vector<Crack> cracks, const CrackPressure& fluid, double s
     shape.outer = {.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
     shape.cracks = std::move(cracks);
-    ModelInput input;
-    input.mesh = triangulate(shape, {.size = size, .refine = refine, .seed = 2});
+    ModelInput input = body_with(triangulate(shape, {.size = size, .refine = refine, .seed = 2}),
+                                 {.density = 2500, .E = 30e9, .nu = 0.2}, {.sigma_c = 1e9, .G_c = 1e7, .gamma = 1});
     input.mesh.order = order;
     input.thickness = thickness;
-    input.materials = {{.density = 2500, .E = 30e9, .nu = 0.2}};
-    input.laws = {{.sigma_c = 1e9, .G_c = 1e7, .gamma = 1}};
-    input.law_of_pair = {{0}};
     input.crack_pressures = {fluid};
     return input;
 }

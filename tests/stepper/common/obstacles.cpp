@@ -39,11 +39,7 @@ Vec2 momentum(const Run& run) {
 
 /// An elastic block of 1 x 1 that breaks, from the origin.
 ModelInput block(int n, const CohesiveLaw& law) {
-    ModelInput input;
-    input.mesh = bar_mesh(n, n, 1, 1);
-    input.materials = {{.density = 1, .E = 100, .nu = 0.2}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
+    ModelInput input = body_with(bar_mesh(n, n, 1, 1), {.density = 1, .E = 100, .nu = 0.2}, law);
     return input;
 }
 

@@ -12,12 +12,9 @@ using namespace knap::tests;
 
 TEST_CASE("reactions of a bar that is pulled do the external work and are its stress at rest") {
     const double E = 2, strain = 1e-3, length = 4, height = 1;
-    ModelInput input;
+    ModelInput input =
+        body_with(bar_mesh(8, 2, length, height), {.density = 1, .E = E, .nu = 0}, CohesiveLaw::unbreakable());
     input.plane = PlaneModel::stress;
-    input.mesh = bar_mesh(8, 2, length, height);
-    input.materials = {{.density = 1, .E = E, .nu = 0}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
     // left is held, the right end glides to its place and stays; a load that later ones replace everywhere drives
     // nothing
     input.loads = {load(Load::Kind::velocity, "right", 7.0, std::nullopt),

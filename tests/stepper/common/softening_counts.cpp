@@ -28,11 +28,8 @@ ModelInput cycled() {
 
 /// A square under a sudden pull that it cannot bear: cracks, and behind them pieces that rest.
 ModelInput torn() {
-    ModelInput input;
-    input.mesh = bar_mesh(6, 6, 6, 6);
-    input.materials = {{.density = 1, .E = 100, .nu = 0.2}};
-    input.laws = {{.sigma_c = 1, .G_c = 0.05, .friction = 0.3}};
-    input.law_of_pair = {{0}};
+    ModelInput input = body_with(bar_mesh(6, 6, 6, 6), {.density = 1, .E = 100, .nu = 0.2},
+                                 {.sigma_c = 1, .G_c = 0.05, .friction = 0.3});
     input.scatter = {{.kind = Scatter::Kind::uniform, .deviation = 0.1}};
     input.seed = 1;
     input.loads = {load(Load::Kind::velocity, "top", std::nullopt, 0.1),
@@ -43,7 +40,7 @@ ModelInput torn() {
 std::int64_t lost_cohesion(const Model& model, const State& begin, const State& end) {
     std::int64_t n = 0;
     for (Index p = 0; p < model.n_points(); ++p)
-        n += cohesion(model, begin, p) - cohesion(model, end, p) > min_softening;
+        n += cohesion(model, begin, p) - cohesion(model, end, p) > relative_tolerance;
     return n;
 }
 

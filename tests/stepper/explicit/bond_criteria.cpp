@@ -20,12 +20,8 @@ ModelInput plate(Index order, const CohesiveLaw& law) {
     Shape shape;
     shape.outer = {.points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
-    ModelInput input;
-    input.mesh = triangulate(shape, {.size = 0.06});
+    ModelInput input = body_with(triangulate(shape, {.size = 0.06}), {.density = 1, .E = 1, .nu = 0.2}, law);
     input.mesh.order = order;
-    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::traction, "top", 0.0, 1.0), load(Load::Kind::velocity, "left", 0.0, {})};
     return input;
 }

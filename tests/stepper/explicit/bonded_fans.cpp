@@ -22,11 +22,8 @@ ModelInput pulled_plate(double size, double pull) {
     Shape shape;
     shape.outer = {.points = {{0, 0}, {2, 0}, {2, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
-    ModelInput input;
-    input.mesh = triangulate(shape, {.size = size});
-    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
-    input.laws = {{.sigma_c = 1e-3, .G_c = 1e-6, .gamma = 1, .friction = 0.3}};
-    input.law_of_pair = {{0}};
+    ModelInput input = body_with(triangulate(shape, {.size = size}), {.density = 1, .E = 1, .nu = 0.2},
+                                 {.sigma_c = 1e-3, .G_c = 1e-6, .gamma = 1, .friction = 0.3});
     const TimeFunction ramp({{0, 0}, {1, 1}});
     input.loads = {load(Load::Kind::traction, "top", 0.0, pull, ramp),
                    load(Load::Kind::traction, "bottom", 0.0, -pull, ramp)};

@@ -7,12 +7,10 @@
 namespace knap::tests {
 
 inline Model clamped_bar(Index order) {
-    ModelInput input;
-    input.mesh = order == 1 ? bar_mesh(5, 3, 1, 0.6) : bar_mesh(3, 2, 1, 0.6);
+    ModelInput input =
+        body_with(order == 1 ? bar_mesh(5, 3, 1, 0.6) : bar_mesh(3, 2, 1, 0.6), {.density = 1, .E = 1, .nu = 0.3},
+                  {.sigma_c = 0.05, .G_c = 2e-2, .gamma = 1, .friction = 0});
     input.mesh.order = order;
-    input.materials = {{.density = 1, .E = 1, .nu = 0.3}};
-    input.laws = {{.sigma_c = 0.05, .G_c = 2e-2, .gamma = 1, .friction = 0}};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::velocity, "left", 0, 0), load(Load::Kind::velocity, "left", 1, 0)};
     return make_model(std::move(input));
 }

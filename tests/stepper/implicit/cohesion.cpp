@@ -25,12 +25,9 @@ ModelInput pulled_block() {
     shape.outer = {.points = {{0, 0}, {0.04, 0}, {0.04, 0.02}, {0, 0.02}}, .boundary = {0, 1, 2, 3}};
     shape.cracks = {{.points = {{0, 0.01}, {0.015, 0.01}}}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
-    ModelInput input;
-    input.mesh = triangulate(shape, {.size = 1.05e-3});
+    ModelInput input = body_with(triangulate(shape, {.size = 1.05e-3}), {.density = 2450, .E = 32e9, .nu = 0.2},
+                                 {.sigma_c = 8e6, .G_c = 3, .gamma = 1, .friction = 0.5});
     input.thickness = 1e-3;
-    input.materials = {{.density = 2450, .E = 32e9, .nu = 0.2}};
-    input.laws = {{.sigma_c = 8e6, .G_c = 3, .gamma = 1, .friction = 0.5}};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::traction, "top", 0.0, 4e6), load(Load::Kind::traction, "bottom", 0.0, -4e6)};
     return input;
 }

@@ -19,11 +19,8 @@ ModelInput heap(double width, double pressure) {
     Shape shape;
     shape.outer = {.points = {{0, 0}, {width, 0}, {width, width}, {0, width}}, .boundary = {0, 1, 2, 3}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
-    ModelInput input;
-    input.mesh = triangulate(shape, {.size = 1});
-    input.materials = {{.density = 1, .E = 1, .nu = 0.2}};
-    input.laws = {{.sigma_c = 0.1, .G_c = 1, .gamma = 1}};
-    input.law_of_pair = {{0}};
+    ModelInput input = body_with(triangulate(shape, {.size = 1}), {.density = 1, .E = 1, .nu = 0.2},
+                                 {.sigma_c = 0.1, .G_c = 1, .gamma = 1});
     input.loads = {
         load(Load::Kind::traction, "top", 0.0, -pressure), load(Load::Kind::traction, "bottom", 0.0, pressure),
         load(Load::Kind::traction, "left", pressure, 0.0), load(Load::Kind::traction, "right", -pressure, 0.0)};

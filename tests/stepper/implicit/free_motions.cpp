@@ -16,11 +16,8 @@ namespace {
 
 /// Rock of 1 x 0.2 m, 520 kg/m.
 ModelInput slab(int n = 12) {
-    ModelInput input;
-    input.mesh = bar_mesh(n, 3, 1, 0.2);
-    input.materials = {{.density = 2600, .E = 50e9, .nu = 0.25}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
+    ModelInput input =
+        body_with(bar_mesh(n, 3, 1, 0.2), {.density = 2600, .E = 50e9, .nu = 0.25}, CohesiveLaw::unbreakable());
     return input;
 }
 

@@ -88,12 +88,8 @@ ModelInput pulled_plate(double speed) {
     shape.outer = {.points = {{0, 0}, {0.04, 0}, {0.04, 0.02}, {0, 0.02}}, .boundary = {0, 1, 2, 3}};
     shape.cracks = {{.points = {{0, 0.01}, {0.015, 0.01}}}};
     shape.boundary_names = {"bottom", "right", "top", "left"};
-    ModelInput input;
-    input.mesh = triangulate(shape, {.size = 4e-3});
+    ModelInput input = body_with(triangulate(shape, {.size = 4e-3}), glass, {.sigma_c = 4e6, .G_c = 3, .gamma = 1});
     input.thickness = 1e-3;
-    input.materials = {glass};
-    input.laws = {{.sigma_c = 4e6, .G_c = 3, .gamma = 1}};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::velocity, "top", std::nullopt, speed),
                    load(Load::Kind::velocity, "bottom", std::nullopt, -speed)};
     return input;
@@ -142,12 +138,9 @@ TEST_CASE("E11 friction of 1 and 1000 with all edges implicit") {
     shape.boundary_names = {"bottom", "right", "top", "left"};
     for (const double friction : {1.0, 1000.0}) {
         CAPTURE(friction);
-        ModelInput input;
-        input.mesh = triangulate(shape, {.size = 4e-3});
+        ModelInput input = body_with(triangulate(shape, {.size = 4e-3}), glass,
+                                     {.sigma_c = 4e6, .G_c = 3, .gamma = 1, .friction = friction});
         input.thickness = 1e-3;
-        input.materials = {glass};
-        input.laws = {{.sigma_c = 4e6, .G_c = 3, .gamma = 1, .friction = friction}};
-        input.law_of_pair = {{0}};
         input.loads = {load(Load::Kind::velocity, "left", 8.0, 0.0), load(Load::Kind::velocity, "right", -8.0, 0.0)};
         Run run(input, implicit(0.5)), twin(input);
         const double h = twin.stepper.stable_step();
@@ -180,11 +173,7 @@ TEST_CASE("E12 slivers of half a degree do not disturb what is bound") {
     const Index vertex = 3 * 7 + 3;
     mesh.vertices[vertex] -= Vec2(0.4, 1 - 4e-3) / 6;
     name_sides(mesh, 1, 1);
-    ModelInput whole;
-    whole.mesh = mesh;
-    whole.materials = {glass};
-    whole.laws = {CohesiveLaw::unbreakable()};
-    whole.law_of_pair = {{0}};
+    ModelInput whole = body_with(mesh, glass, CohesiveLaw::unbreakable());
     whole.loads = {load(Load::Kind::traction, "left", 1e6, 3e5), load(Load::Kind::velocity, "right", 0.0, 0.0)};
     ModelInput cohesive = whole;
     cohesive.laws = {{.sigma_c = 5e7, .G_c = 1e4, .gamma = 1, .friction = 0.5}};
@@ -214,12 +203,8 @@ TEST_CASE("E12 slivers of half a degree do not disturb what is bound") {
 
 TEST_CASE("a support that cannot break holds the body in implicit steps") {
     // column of height 1 under its own weight: u(top) = -rho g/(2 E), and the base stays
-    ModelInput input;
+    ModelInput input = body_with(bar_mesh(4, 4, 1, 1), {.density = 1, .E = 1000, .nu = 0}, CohesiveLaw::unbreakable());
     input.plane = PlaneModel::stress;
-    input.mesh = bar_mesh(4, 4, 1, 1);
-    input.materials = {{.density = 1, .E = 1000, .nu = 0}};
-    input.laws = {CohesiveLaw::unbreakable()};
-    input.law_of_pair = {{0}};
     input.supports = {{.on = {.boundary = "bottom", .box = {}}, .law = 0, .glued = true}};
     input.loads = {load(Load::Kind::acceleration, "", 0.0, -10.0)};
     Run run(input, implicit(1));

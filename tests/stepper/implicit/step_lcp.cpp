@@ -24,11 +24,7 @@ const CohesiveLaw glue{.sigma_c = 1, .G_c = 0.5, .gamma = 1, .friction = 0.5};
 
 /// A square of four triangles round a vertex (symmetric_bar_mesh, one cell), all edges cohesive, of size 1.
 ModelInput square(const CohesiveLaw& law, int n_cells = 1) {
-    ModelInput input;
-    input.mesh = symmetric_bar_mesh(n_cells, n_cells, 1);
-    input.materials = {{.density = 1, .E = 10, .nu = 0.25}};
-    input.laws = {law};
-    input.law_of_pair = {{0}};
+    ModelInput input = body_with(symmetric_bar_mesh(n_cells, n_cells, 1), {.density = 1, .E = 10, .nu = 0.25}, law);
     return input;
 }
 
@@ -134,11 +130,7 @@ TEST_CASE("step LCP: two triangles drawn apart or along each other follow the ex
          {Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0}, false}, Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, false},
           Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 2}, true},
           Mode{{.sigma_c = 1, .G_c = 0.5, .gamma = 0.5, .friction = 0.3}, true}}) {
-        ModelInput input;
-        input.mesh = bar_mesh(1, 1, 2, 1);
-        input.materials = {{.density = 3, .E = 0, .nu = 0}};
-        input.laws = {mode.law};
-        input.law_of_pair = {{0}};
+        ModelInput input = body_with(bar_mesh(1, 1, 2, 1), {.density = 3, .E = 0, .nu = 0}, mode.law);
         StepLcpRun run(input);
         const double S = 0.5 * std::sqrt(5.0), m = 1, gamma = mode.law.gamma, reach = mode.shear ? 1 / gamma : 1;
         const double strength = mode.shear ? gamma + mode.law.friction : 1;

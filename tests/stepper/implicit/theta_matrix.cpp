@@ -21,12 +21,10 @@ using namespace knap::tests;
 namespace {
 
 Model plate(Index order = 1) {
-    ModelInput input;
-    input.mesh = order == 1 ? bar_mesh(12, 7, 1, 0.6) : bar_mesh(7, 4, 1, 0.6);
+    ModelInput input =
+        body_with(order == 1 ? bar_mesh(12, 7, 1, 0.6) : bar_mesh(7, 4, 1, 0.6), {.density = 1, .E = 1, .nu = 0.3},
+                  {.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3});
     input.mesh.order = order;
-    input.materials = {{.density = 1, .E = 1, .nu = 0.3}};
-    input.laws = {{.sigma_c = 1e-3, .G_c = 2e-5, .gamma = 1, .friction = 0.3}};
-    input.law_of_pair = {{0}};
     input.loads = {load(Load::Kind::velocity, "left", 0, 0), load(Load::Kind::velocity, "right", 0, std::nullopt)};
     return make_model(std::move(input));
 }
