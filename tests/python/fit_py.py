@@ -304,6 +304,34 @@ class Quick(unittest.TestCase):
             self.assertEqual([(axis.get_xscale(), axis.get_yscale()) for axis in axes if axis.axison], [("log", "linear"), ("log", "log"), ("log", "linear")])
 
     @needs_libraries
+    def test_noise_of_each_point_is_no_contradiction(self):
+        x = np.linspace(0, 1, 40)
+        lines = lambda a, b, seed: Answer(curve={"x": x, "y": a + b * x})  # noqa: E731
+        off = []
+        for noise, seed in ((0.1, 1), (0.1, 2), (0.1, 3), (0.0, 1)):
+            y = 2 + 3 * x + 0.1 * np.random.default_rng(seed).standard_normal(40)
+            fit = study("noisy", {}, lines, curve=(x, y), scatter=0 if noise else 0.1)
+            fit.problem.fitted[0].noise = noise
+            fit = inferred(fit)
+            off.append(fit.p)
+        self.assertGreater(min(off[:3]), 0.01)
+        self.assertLess(off[3], 1e-6)  # the same as scatter of a specimen, along which points err together
+        # the closed form: least squares with independent errors, in units of the bounds
+        fit = study("noisy", {}, lines, curve=(x, y), scatter=0)
+        fit.problem.fitted[0].noise = 0.1
+        fit = inferred(fit, steps=1000)
+        design = np.stack([np.ones(40), x], axis=1)
+        exact = 0.1 * np.sqrt(np.diag(np.linalg.inv(design.T @ design)))
+        np.testing.assert_allclose(np.std(fit.posterior.u, axis=0) * 3, exact, rtol=0.15)
+
+    @needs_libraries
+    def test_as_many_numbers_as_parameters_judge_no_misfit(self):
+        fit = inferred(study("unjudged", {"x": 2, "y": 9}, lambda a, b, seed: Answer(x=a, y=b)))
+        self.assertTrue(np.isnan(fit.p))
+        report.write(fit)
+        self.assertIn("cannot be judged", (directory / "unjudged" / "report.html").read_text())
+
+    @needs_libraries
     def test_data_that_contradict_the_model_say_so(self):
         def model(a, b, seed):
             return Answer(x=a, y=b, z=b)

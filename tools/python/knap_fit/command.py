@@ -56,6 +56,8 @@ def fit(arguments=None):
     """knap-fit"""
     def work(found, runs, log):
         from . import inference, report
+        if not found.fitted:
+            raise knap.KnapError("there is nothing to fit: no [[test.NAME.measured]] has use = \"fit\"")
         if found.options["method"] == "posterior":
             return report.write(inference.Fit(found, runs, log).run())
         return report.write_least_squares(found, runs, *inference.least_squares(found, runs, log))

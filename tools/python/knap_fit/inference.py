@@ -49,7 +49,7 @@ def data_covariance(measured, emulator):
         spread = emulator.seed_covariance()
     else:
         spread = measured.scatter**2 * correlation(x)
-    return spread / measured.n + np.diag(emulator.rest + (_floor * measured.level) ** 2)
+    return (spread + measured.noise**2 * np.eye(len(spread))) / measured.n + np.diag(emulator.rest + (_floor * measured.level) ** 2)
 
 
 class Likelihood:

@@ -91,6 +91,7 @@ class Measured:
     def __init__(self, test, name, use, values, scatter, n=1, x=None, columns=None, factors=(1, 1), unit="", x_unit=""):
         self.test, self.name, self.use, self.values, self.scatter, self.n = test, name, use, values, scatter, n
         self.x, self.columns, self.factors, self.unit, self.x_unit = x, columns, factors, unit, x_unit
+        self.noise = 0.0  # standard deviation of each point by itself
         self.part = 0.0  # scatter of a candidate over its value, which is not known yet
 
     @property
@@ -357,6 +358,11 @@ class _Reader:
                 found.scatter = found.level * scatter / 100 if unit == "%" else scatter * (factor(unit, found.unit) or np.nan)
             if not (found.part if found.scatter is None else found.scatter) >= 0:
                 self.refuse("measured", "scatter", path, given)
+        if table["noise"]:
+            noise, unit = table["noise"]
+            found.noise = found.level * noise / 100 if unit == "%" else noise * (factor(unit, found.unit) or np.nan)
+            if not found.noise >= 0:
+                self.refuse("measured", "noise", path, given)
         if any(other.name == found.name for other in test.measured):
             self.error(path, f"is the second one of {found.name} in this test", "values = [...] of several specimens; another test")
         test.measured.append(found)

@@ -64,7 +64,10 @@ def write(fit):
     notes = [f"{fit.runs.counted()}; {fit.stopped}."]
     if np.isfinite(fit.p):
         notes.append(f"Misfit: probability {fit.p:.2g} if the model were true." + (
-            "" if fit.p >= 0.01 else " THE MODEL CANNOT MEET THESE DATA with any of its parameters."))
+            "" if fit.p >= 0.01 else " THE MODEL CANNOT MEET THESE DATA with any of its parameters, or their scatter and noise are larger than stated."))
+    else:
+        notes.append("There are no more numbers than parameters: whether the model can meet the data cannot be judged, and no model error is found. "
+                     "See the residuals.")
     if posterior.tau.any():
         tau = np.percentile(posterior.tau, [5, 50, 95]) * 100
         notes.append(f"A model error of {tau[1]:.2g} % ({tau[0]:.2g} to {tau[2]:.2g} %) of the largest value of each measurement is part of the "
