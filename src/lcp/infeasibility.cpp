@@ -17,6 +17,7 @@ namespace knap {
 namespace {
 
 constexpr double smallest_ray = 1e-8;   // of q: a smaller distance from the inequalities is rounding
+constexpr double rounding = 1e-10;      // of M'y compared with -q'y
 constexpr int max_ray_unknowns = 1000;  // the pivots take seconds
 
 /// The least change of y, where w = 0, that makes M'y zero where z > 0; y is zero elsewhere.
@@ -43,7 +44,7 @@ bool proves_infeasibility(const LcpProblem& problem, const Eigen::VectorXd& y) {
     const Eigen::VectorXd ray = y.cwiseQuotient(scaling.factor);  // y'M z and y'q do not change but for the unit
     const double gain = -scaled.q.dot(ray);
     return gain > smallest_ray * ray.cwiseAbs().maxCoeff() &&
-           (scaled.M.transpose() * ray).maxCoeff() <= max_residual * gain;
+           (scaled.M.transpose() * ray).maxCoeff() <= rounding * gain;
 }
 
 Eigen::VectorXd find_infeasible_ray(const LcpProblem& problem) {

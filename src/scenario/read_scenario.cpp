@@ -200,18 +200,18 @@ std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
     std::vector<Diagnostic> found;
     const PathsOfParts paths(scenario);
     for (const ShapeFault& fault : error.faults) {
-        const std::string named = paths.of(fault.part);
+        std::string named = paths.of(fault.part);
         std::string path = named.substr(0, named.find(' '));
         for (const Body& body : scenario.bodies)
             for (std::size_t i = 0; i < body.excavations.size(); ++i)
                 if (path == item(body.path + ".region", body.shape.regions.size() - body.excavations.size() + i))
-                    path = item("excavation", body.excavations[i]);
+                    path = named = item("excavation", body.excavations[i]);
         std::string key = path;
         for (const char* outline : {".box", ".radius", ".size", ".points"})
             if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;
-        const std::string what = named.starts_with(path) ? named : path;
-        found.push_back(at(key, {.code = "bad-shape",
-                                 .message = PathsOfParts::quoted(what) + " " + paths.in_text(fault.text, fault.part)}));
+        found.push_back(
+            at(key, {.code = "bad-shape",
+                     .message = PathsOfParts::quoted(named) + " " + paths.in_text(fault.text, fault.part)}));
     }
     std::ranges::stable_sort(found, {}, &Diagnostic::line);
     return found;

@@ -376,7 +376,7 @@ def compare(one, other, within=1e-12):
     keys of resolved.toml and numbers of the summary that differ by more than this part."""
     one, other = (run if isinstance(run, Run) else Run(run) for run in (one, other))
     found = []
-    keys = [_settings(run.directory / "resolved.toml") for run in (one, other)]
+    keys = [settings(run.directory / "resolved.toml") for run in (one, other)]
     for kind, (a, b) in (("key", keys), ("number", (one.summary, other.summary))):
         for name in [*a, *(name for name in b if name not in a)]:
             x, y = a.get(name), b.get(name)
@@ -387,7 +387,7 @@ def compare(one, other, within=1e-12):
     return Table(zip(("kind", "name", "one", "other", "ratio"), zip(*found) if found else [()] * 5))
 
 
-def _settings(file):
+def settings(file):
     """{path of a key: text of its value} of a resolved scenario."""
     found, head, counts = {}, "", {}
     for line in file.read_text(encoding="utf-8").splitlines():

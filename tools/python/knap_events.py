@@ -36,7 +36,7 @@ def join(run, distance=None, within=None):
     breaks = run.table("breaks")
     if "slip" not in breaks:
         raise knap.KnapError(f"{run.directory}/breaks.csv has no column slip: it was written by knap 0.2.0 or older")
-    keys = knap._settings(run.directory / "resolved.toml")
+    keys = knap.settings(run.directory / "resolved.toml")
     E, nu, density = (float(keys[f"material.{run.info['materials'][0]}.{name}"]) for name in ("E", "nu", "density"))
     thickness = float(keys.get("domain.thickness", 1))
     mu, lame = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))

@@ -9,9 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <numeric>
 #include <set>
-#include <utility>
 
 namespace knap {
 
@@ -239,25 +240,36 @@ std::string snap_text(const Scenario& scenario, std::size_t number) {
     return text + "\n";
 }
 
-/// [m] Length inside the body of some cracks of a shape.
-double length_inside(const Shape& shape, const PlacedSet& set) {
-    const PlanarGraph graph = planar_graph(shape, 0);
-    double sum = 0;
-    for (const GraphSegment& segment : graph.segments) {
-        if (segment.crack < static_cast<Index>(set.first) || segment.crack >= static_cast<Index>(set.first) + set.n)
-            continue;
-        const auto [a, b] = graph.line(segment);
-        sum += (b - a).norm();
+/// [m] Of each crack inside the body, as drawn and after snap; of lines that lie on each other one counts.
+struct CrackLengths {
+    explicit CrackLengths(Shape shape) : snaps(shape.snap > 0), after(inside(shape)) {
+        shape.snap = 0;
+        drawn = snaps ? inside(shape) : after;
     }
-    return sum;
-}
+    /// ", 515 m, 476 m after snap"
+    std::string text(const PlacedSet& set) const {
+        const auto sum = [&](const std::vector<double>& lengths) {
+            const auto first = lengths.begin() + static_cast<std::ptrdiff_t>(set.first);
+            return readable(std::accumulate(first, first + set.n, 0.0), "m");
+        };
+        return ", " + sum(drawn) + (snaps ? ", " + sum(after) + " after snap" : "");
+    }
 
-/// ", 515.3 m", and what snap leaves of it: lines that lie on others count once.
-std::string length_text(Shape shape, const PlacedSet& set) {
-    const double after = length_inside(shape, set);
-    const bool snaps = std::exchange(shape.snap, 0) > 0;
-    return ", " + readable(length_inside(shape, set), "m") + (snaps ? ", " + readable(after, "m") + " after snap" : "");
-}
+    bool snaps;
+    std::vector<double> drawn, after;
+
+private:
+    static std::vector<double> inside(const Shape& shape) {
+        std::vector<double> lengths(shape.cracks.size(), 0.0);
+        const PlanarGraph graph = planar_graph(shape, 0);
+        for (const GraphSegment& segment : graph.segments) {
+            if (segment.crack < 0) continue;
+            const auto [a, b] = graph.line(segment);
+            lengths[segment.crack] += (b - a).norm();
+        }
+        return lengths;
+    }
+};
 
 }  // namespace
 
@@ -265,9 +277,13 @@ std::string placed_sets_text(const Scenario& scenario) {
     std::string text;
     for (std::size_t i = 0; i < scenario.bodies.size(); ++i)
         if (scenario.bodies[i].shape.snap > 0) text += snap_text(scenario, i);
+    std::map<std::size_t, CrackLengths> of_body;
+    const auto lengths_of = [&](std::size_t body) -> const CrackLengths& {
+        return of_body.try_emplace(body, scenario.bodies[body].shape).first->second;
+    };
     for (const PlacedSet& set : scenario.placed_sets)
         text += formatted("  %-14s %d placed", set.path.c_str(), set.n) +
-                (set.is_random() ? "" : length_text(scenario.bodies[set.body].shape, set)) +
+                (set.is_random() ? "" : lengths_of(set.body).text(set)) +
                 (set.n_cropped > 0 ? formatted(", %d outside the body left out", set.n_cropped) : "") +
                 (set.fraction > 0 ? formatted(", %.4g %% of the area of the body\n", 100 * set.fraction) : "\n");
     return text;

@@ -28,7 +28,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     const Vec2 normal = turn.middle.turned(at.normal);
     const double u_rate = normal.dot(velocity(at.after) - velocity(at.before)) - turn.convected.x();
     double beta = at.cracked || law.sigma_c == 0 ? 0 : cohesion(model, *step.begin, at.point);
-    if (beta < relative_tolerance) beta = 0;
+    if (beta < relative_tolerance) beta = 0;  // what is left is rounding
     const PointState* known = state_of(model, *step.begin, at.point);
     const double kappa = known ? law.ramp(beta, known->largest_opening) : 0;
     ActivePoint made{

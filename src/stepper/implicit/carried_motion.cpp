@@ -5,8 +5,6 @@
 #include <algorithm>
 
 namespace knap {
-namespace {}  // namespace
-
 void CarriedMotion::find(const State& begin) {
     const Mesh& mesh = model_.mesh;
     const PiecesOfBody pieces = pieces_of_body(model_, begin, bulk_.dashpots());

@@ -8,8 +8,6 @@
 #include <utility>
 
 namespace knap {
-namespace {}  // namespace
-
 StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options,
                  SharedTemperatures end_temperature)
     : model_(model),
