@@ -34,8 +34,8 @@ assert sorted(works) == sorted(cited), works
 # https://github.com/citation-file-format/citation-file-format/blob/1.2.0/schema.json, what this file uses of it
 general = {"cff-version", "message", "type", "title", "abstract", "version", "date-released", "license", "keywords", "authors",
            "preferred-citation", "references"}
-of_work = {"type", "authors", "title", "journal", "volume", "year", "start", "doi", "url", "status", "notes"}
-of_author = ({"name"}, {"family-names", "given-names"})
+of_work = {"type", "authors", "title", "journal", "volume", "year", "start", "doi", "url", "status"}
+of_author = ({"name"}, {"family-names", "given-names"}, {"family-names", "given-names", "orcid"})
 try:
     import yaml
     read = yaml.safe_load(cff)
@@ -45,6 +45,11 @@ try:
     for work in works:
         assert {"type", "authors", "title"} <= set(work) <= of_work and work["type"] == "article", work
         assert work.get("status", "preprint") == "preprint" and isinstance(work.get("year", 2000), int), work
+    for orcid in re.findall(r"orcid: (.*)$", cff, re.MULTILINE):  # ISO 7064, modulus 11-2
+        digits = re.fullmatch(r'"https://orcid.org/(\d{4}-\d{4}-\d{4}-\d{3}[\dX])"', orcid)[1].replace("-", "")
+        total = 0
+        for digit in digits[:-1]: total = 2 * (total + int(digit))
+        assert "0123456789X"[(12 - total % 11) % 11] == digits[-1], orcid
     for author in read["authors"] + [author for work in works for author in work["authors"]]: assert set(author) in of_author, author
 except ImportError as missing:
     print(f"keys of CITATION.cff not read: {missing}")
