@@ -1,5 +1,5 @@
 # `cpack` in a build directory makes two packages: a Debian package that needs nothing but runtime libraries, and a relocatable archive for
-# those without root, which brings its libraries (all but glibc's) and its font. `cpack -G DEB` or `cpack -G TGZ` makes one of them.
+# those without root, which brings its libraries (all but glibc's) and its font. `cpack -G DEB` or `cpack -G TXZ` makes one of them.
 include(GNUInstallDirs)
 set(for_both COMPONENT knap)
 set(for_archive COMPONENT archive EXCLUDE_FROM_ALL)
@@ -52,13 +52,14 @@ endif()
 install(CODE "set(program \"$<TARGET_FILE:knap>\")\nset(fonts \"${KNAP_FONT}\")" ${for_archive})
 install(SCRIPT tools/package/libraries.cmake ${for_archive})
 
-set(CPACK_GENERATOR DEB TGZ)
+set(CPACK_GENERATOR DEB TXZ)
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "2D dynamic fracture with nonsmooth cohesive interfaces")
 set(CPACK_PACKAGE_DESCRIPTION "Meshes a body, lets waves and cracks run through it with a cohesive
  interface on every edge of the mesh, contact, friction and impact included,
  and draws crack patterns and energy curves. One scenario file, one command.")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "fonts-dejavu-core, python3:any")  # the font is found at run time, by name; scripts in share/knap/python
