@@ -31,9 +31,14 @@ def by_zsh(*words):
                    f"words=({' '.join(words)}); CURRENT={len(words)}; source '{tools}/_knap'; true")
 
 
+(folder / "rock.toml").write_text("[material.mica]\nE = 1\n[interface.granite-mica]\nsigma_c = 1\n[interface.granite-mica.scatter]\n")
 shells = [shell for shell in (by_fish, by_zsh) if shutil.which(shell.__name__.removeprefix("by_"))]
 for words, offered in ((("knap", "sw"), ["sweep"]), (("knap", "run", "edge_cracked_block_f"), ["edge_cracked_block_fine"]),
-                       (("knap", "run", "-s", "mesh.siz"), ["mesh.size="]), (("knap", "render", "--show", "stress_y"), ["stress_yy"]),
+                       (("knap", "run", "-s", "mesh.siz"), ["mesh.size="]),
+                       (("knap", "run", "-s", "interface.default.G"), ["interface.default.G_c="]),
+                       (("knap", "run", "rock.toml", "-s", "interface.granite-mica.sig"), ["interface.granite-mica.sigma_c="]),
+                       (("knap", "run", "rock.toml", "-s", "material.mica.de"), ["material.mica.density="]),
+                       (("knap", "render", "--show", "stress_y"), ["stress_yy"]),
                        (("knap", "lcp", "x", "--solver", "lem"), ["lemke"]), (("knap", "run", "-o", "sh"), ["share/"])):
     for shell in [by_bash, *shells]: assert shell(*words) == offered, (shell.__name__, words, shell(*words))
 if not shells:

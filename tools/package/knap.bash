@@ -1,7 +1,7 @@
 # Completion of knap for bash: commands, options, their values, keys and built-in scenarios as the program itself names them.
 # `bash knap.bash offer N WORD...` prints what is offered for the N-th word, a line each; zsh (_knap) and fish (knap.fish) call it.
 _knap() {
-    local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" knap="${COMP_WORDS[0]}" command="${COMP_WORDS[1]}" words="" files="yes" earlier="" help option
+    local word="${COMP_WORDS[COMP_CWORD]}" before="${COMP_WORDS[COMP_CWORD - 1]}" knap="${COMP_WORDS[0]}" command="${COMP_WORDS[1]}" words="" files="yes" earlier="" names="" help option file key name
     if ((COMP_CWORD == 1)); then
         words="--help --version $("$knap" --help 2>/dev/null | sed -n '/^Subcommands:/,$ s/^  \([a-z][a-z]*\) .*/\1/p')"
         files=""
@@ -12,7 +12,17 @@ _knap() {
             words="$(sed -n 's/^  \(-[^ ]*\).*/\1/p' <<<"$help" | tr ',' '\n' | sed 's/[:=].*//')"
             files=""
         elif [[ "$before" == -s || "$before" == --set ]]; then
-            words="$("$knap" schema --markdown 2>/dev/null | sed -n 's/^| `\([a-z][]a-z_.0-9[]*\)`.*/\1=/p' | sed 's/\[\]/[0]/g')"
+            # in place of *: default, the names in the scenario of this line, the one that was typed
+            names="interface.default $(for file in "${COMP_WORDS[@]}"; do
+                [[ "$file" == *.toml && -r "$file" ]] && sed -n 's/^ *\[\([a-z]*\.[^]". ]*\)[].].*/\1/p' "$file"
+            done | sort -u)"
+            if [[ "$word" =~ ^[a-z]+\.[^.=]+\. ]]; then names="$(printf '%s\n' $names "${BASH_REMATCH[0]%.}" | sort -u)"; fi
+            while read -r key; do
+                if [[ "$key" != *'*'* ]]; then words+=" $key"; continue; fi
+                for name in $names; do
+                    if [[ "$name" == "${key%%.*}".* ]]; then words+=" $name${key#*'*'}"; fi
+                done
+            done < <("$knap" schema --markdown 2>/dev/null | sed -n 's/^| `\([a-z][]a-zA-Z_.0-9[*]*\)`.*/\1=/p' | sed 's/\[\]/[0]/g')
             compopt -o nospace
         elif [[ "$before" == -* && "$option" =~ \{([^}]*)\} ]]; then
             words="${BASH_REMATCH[1]//,/ }"
