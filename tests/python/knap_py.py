@@ -126,7 +126,12 @@ class ManyRuns(unittest.TestCase):
         self.assertEqual(list(sweep.statistics["runs"]), [2] * len(sweep.statistics["runs"]))
         page = sweep._repr_html_()
         self.assertIn("sweep of 4 runs", page)
-        self.assertIn("<th>mesh.size [mm]</th>", page)
+        self.assertIn("<th>mesh.size</th>", page)
+        self.assertIn("<td>1 mm</td>", page)
+        self.assertIn("<td>12 mJ</td>", page)
+        numbers = sweep.run(0)._repr_html_().rsplit("<table>", 1)[1]
+        self.assertIn("<td>dissipated</td><td>12 mJ</td>", numbers)
+        self.assertIsNone(re.search(r"[1-9][0-9.]{6}|nan", numbers), numbers)  # digits that nobody reads
 
     def test_study_is_a_table(self):
         out = runs / "study"

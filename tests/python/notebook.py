@@ -20,7 +20,7 @@ notebook.cells.insert(0, nbformat.v4.new_code_cell(f"import sys; sys.path.insert
 nbclient.NotebookClient(notebook, timeout=300, resources={"metadata": {"path": str(runs)}}).execute()
 results = [output for cell in notebook.cells if cell.cell_type == "code" for output in cell.outputs if output.output_type == "execute_result"]
 page = results[0]["data"]["text/html"]
-for words in ("bar_pulled_apart", "done", "data:image/png;base64,", "<td>dissipated</td><td>0.012 J</td>"): assert words in page, words
+for words in ("bar_pulled_apart", "done", "data:image/png;base64,", "<td>dissipated</td><td>12 mJ</td>"): assert words in page, words
 assert results[1]["data"]["text/plain"].startswith("(0.012"), results[1]
 assert float(results[2]["data"]["text/plain"].removeprefix("np.float64(").rstrip(")")) < 1e-12, results[2]
 print(f"{len(results)} cells with results")

@@ -79,7 +79,7 @@ class Run:
 
     def _repr_html_(self):
         """In a notebook: its state, its numbers and its first picture."""
-        rows = [(name, "" if np.isnan(value) else f"{value:.6g} {self.summary.units.get(name, '')}") for name, value in self.summary.items()]
+        rows = [(name, _readable(value, self.summary.units.get(name, ""))) for name, value in self.summary.items()]
         state = f"<b>{html.escape(self.info.get('name', ''))}</b>: {html.escape(self.status)}, {self.info.get('triangles', 0)} triangles, " \
                 f"{self.info.get('steps', 0)} steps, {self.info.get('cpu_s', 0):.3g} s of processor time"
         pictures = sorted((self.directory / "figures").glob("*.png"))[:1]
@@ -133,10 +133,9 @@ class Ensemble:
     def _repr_html_(self):
         """In a notebook: the first lines of its table."""
         most = 20
-        titles = [f"{name} [{self.table.units[name]}]" if self.table.units[name] else name for name in self.table]
-        rows = [[str(column[i]) for column in self.table.values()] for i in range(min(len(self), most))]
+        rows = [[_readable(column[i], self.table.units[name]) for name, column in self.table.items()] for i in range(min(len(self), most))]
         more = f"<p>and {len(self) - most} more</p>" if len(self) > most else ""
-        return f"<p>{self.kind} of {len(self)} runs</p>{_html_table(titles, rows)}{more}"
+        return f"<p>{self.kind} of {len(self)} runs</p>{_html_table(list(self.table), rows)}{more}"
 
     def run(self, line):
         """The run of a line of the table of a sweep."""
@@ -154,6 +153,18 @@ class Ensemble:
     def runs(self):
         """All runs that were started, by name."""
         return {file.parent.name: Run(file.parent) for file in sorted(self.directory.glob("runs/*/run.json"))}
+
+
+def _readable(value, unit):
+    """"375 mJ": four digits with the unit; whole numbers and texts as they are."""
+    if isinstance(value, str) or np.isnan(value):
+        return str(value) if isinstance(value, str) else ""
+    if float(value).is_integer() and not unit:
+        return f"{value:.0f}"
+    thousands = int(np.floor(np.log10(abs(value)) / 3)) if value and unit in ("m", "s", "J", "N", "Pa", "W", "Hz") else 0
+    if not -4 <= thousands <= 4:
+        thousands = 0
+    return f"{value / 1000.0 ** thousands:.4g} {'pnµm kMGT'[thousands + 4].strip()}{unit}".rstrip()
 
 
 def _html_table(titles, rows):
