@@ -45,7 +45,7 @@ document.getElementById("f").onload = () => {{
   const figures = d.querySelector(".figures");
   document.getElementById("out").textContent = "MEASURED " + JSON.stringify({{ width: d.documentElement.scrollWidth,
     columns: figures ? of(figures).gridTemplateColumns.split(" ").length : 0, contrast: Math.min(...texts), dark: paper < 0.5,
-    texts: [...d.images].map(i => i.alt), moved: moved(d.getElementById("frames")) }});
+    texts: [...d.images].map(i => i.alt), cut: [...d.querySelectorAll(".table")].filter(t => t.scrollWidth > t.clientWidth).map(t => t.textContent.slice(0, 60)), moved: moved(d.getElementById("frames")) }});
 }};</script>""")
     found = re.search(r"MEASURED (\{.*?\})<", browse(harness, "--window-size=1400,900", f"--blink-settings=preferredColorScheme={0 if dark else 1}",
                                                     "--virtual-time-budget=20000", "--dump-dom"), re.DOTALL)
@@ -95,6 +95,7 @@ for width, columns in ((375, 1), (768, 2), (1280, 2)):
         print(width, "dark" if dark else "light", {name: page[name] for name in ("width", "columns", "contrast")})
         assert page["width"] <= width, page
         assert page["columns"] == columns, page
+        assert not page["cut"], page["cut"]  # tables of numbers and meanings
         assert page["dark"] == dark, page
         assert page["contrast"] >= 4.5, page  # WCAG 2.1, AA
         assert all(len(text.split()) >= 3 for text in page["texts"]), page["texts"]
@@ -106,7 +107,7 @@ sides = re.search(rb"/MediaBox \[0 0 ([0-9.]+) ([0-9.]+)\]", pdf)
 assert sides and abs(float(sides[1]) - 595.3) < 1.5 and abs(float(sides[2]) - 841.9) < 1.5, sides  # [pt] A4
 print("paper", sides[1].decode(), "x", sides[2].decode(), "pt")
 
-live = subprocess.Popen([knap, "run", "edge_cracked_block", "-s", "mesh.size=0.3 mm", "-s", "figure=[]", "-s", "expect={}", "-o", folder / "live"],
+live = subprocess.Popen([knap, "run", "edge_cracked_block", "-s", "mesh.size=0.3 mm", "-s", "output.checkpoint_every=1 h", "-s", "figure=[]", "-s", "expect={}", "-o", folder / "live"],
                         env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 try:
     page = folder / "live/report.html"
@@ -116,11 +117,12 @@ try:
     page.write_text(text)
     assert 'id="live"' in text and "location.reload()" in text, "no live page"
     assert "This run goes on" in browse(page, "--dump-dom")
+    assert "-s &#39;mesh.size=0.3 mm&#39;" in text, "what changed the scenario"
     assert measured(page, 375, True)["width"] <= 375
 finally:
     live.kill()
 assert "Written at 20" in text  # for who has no scripts
 page.write_text(re.sub(r'data-written="\d+"', f'data-written="{int(time.time()) - 3600}"', text))
 late = browse(page, "--dump-dom")
-assert "This run goes on" not in late.replace("This run goes on: \"", "") and "has ended before its end" in late and "60 min" in late, late[-3000:]
+assert "This run goes on" not in late.replace("This run goes on: \"", "") and "has ended before its end" in late and "60 min" in late and "starts it again" in late, late[-3000:]
 print("live page read, and that of a run that was killed an hour ago")

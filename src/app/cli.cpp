@@ -262,12 +262,11 @@ private:
     void refuse_idle_options() const {
         const CLI::App* const render = app.get_subcommand("render");
         if (figure_.show.empty()) {
-            for (const char* option : {"--at", "--colour", "--over", "--aspect", "--deform", "--range", "--mark",
-                                       "--box", "--every", "--speed", "--curves", "--width", "--font-size"})
-                if (render->count(option) > 0)
+            for (const CLI::Option* option : render->get_options())
+                if (option->count() > 0 && option->get_name() != "run" && option->get_name() != "--output")
                     throw UserError(
                         "no-effect",
-                        std::string("`") + option +
+                        "`" + option->get_name() +
                             "` belongs to one figure, and without a subject those of the scenario are drawn",
                         "add --show SUBJECT");
             return;
@@ -290,9 +289,7 @@ private:
             std::filesystem::path directory = output_;
             if (is_picture(output_)) {
                 if (!figure_.file.empty())
-                    throw UserError("two-names",
-                                    "`--output " + output_.string() + "` and `--file " + figure_.file +
-                                        "` are two names of one picture",
+                    throw UserError("two-names", "`--output` and `--file` are two names of one picture",
                                     "leave --file out, or name a directory");
                 directory = output_.has_parent_path() ? output_.parent_path() : ".";
                 figure_.file = output_.filename();

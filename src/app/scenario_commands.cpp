@@ -446,10 +446,12 @@ ExitCode write_new_scenario(const std::string& name, const std::string& from, bo
     for (const BuiltIn& one : written)
         if (!force) refuse_existing(one.name);
     const std::filesystem::path schema = file.parent_path() / schema_file;
-    if (std::error_code none; std::filesystem::exists(schema, none))  // of another version of this program
-        if (read_given_file(schema, "cannot-read").find("\"title\": \"knap scenario\"") == std::string::npos && !force)
-            refuse_existing(schema);
     written.push_back({schema.string(), json_schema()});
+    if (std::error_code none; std::filesystem::exists(schema, none))
+        if (const std::string present = read_given_file(schema, "cannot-read"); present != written.back().text) {
+            if (present.find("\"title\": \"knap scenario\"") == std::string::npos && !force) refuse_existing(schema);
+            std::printf("renewed %s: it was not that of this version\n", schema.string().c_str());
+        }
     for (const BuiltIn& one : written) write_new_file(one.name, one.text);
     std::printf("wrote %s; next: knap check %s, knap run %s\n", file.string().c_str(), file.string().c_str(),
                 file.string().c_str());

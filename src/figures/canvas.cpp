@@ -266,7 +266,7 @@ Canvas::Canvas(std::filesystem::path file, double height, int pixels, const Page
     : file_(std::move(file)),
       page_(page),
       height_(height),
-      pixels_per_unit_(pixels / page.width),
+      pixels_per_unit_(std::max(pixels / page.width, has_pixels() ? 0 : page.points * 300 / 72)),  // at least 300 dpi
       surface_(make_surface(file_, height, pixels, page, bytes_)),
       cairo_(cairo_create(surface_)) {
     const double scale = has_pixels() ? pixels_per_unit_ : page.points;

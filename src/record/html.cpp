@@ -51,6 +51,11 @@ button { min-height: 2.4em }
   .figures { grid-template-columns: 1fr }
   body { margin: 1em auto }
   th, td { padding-right: .5em; min-width: 3.5em }
+  :is(th, td):last-child { padding-right: 0 }
+  tr:has(> :nth-child(3):last-child) { display: grid; grid-template-columns: 1fr auto }
+  :is(th, td):has(~ :nth-child(3):last-child) { border: 0 }
+  :is(th, td):nth-child(2):has(+ :last-child) { text-align: right }
+  :is(th, td):nth-child(3):last-child { grid-column: 1 / -1 }
 }
 @page { size: A4; margin: 15mm }
 @media print {
@@ -69,7 +74,7 @@ const live = document.getElementById("live"), wait = live.dataset.period,
       age = Date.now() / 1000 - live.dataset.written;
 if (age > 60 + 4 * wait) {
   document.getElementById("now").textContent = "This run has ended before its end, or its steps take long: nothing " +
-    "new for " + Math.round(age / 60) + " min. The same command continues it. Last state: ";
+    "new for " + Math.round(age / 60) + " min. The same command " + live.dataset.again + ". Last state: ";
   live.className = "bad";
 } else document.getElementById("now").textContent = "This run goes on: ";
 setTimeout(() => location.reload(), 1000 * wait);
@@ -255,12 +260,12 @@ std::string html_page(const std::string& title, const std::string& question, con
            "</body>\n</html>\n";
 }
 
-std::string html_live(const std::string& state, double period) {
+std::string html_live(const std::string& state, const std::string& again, double period) {
     const std::string seconds = std::to_string(std::lround(std::max(period, 1.)));
     const std::time_t now = std::time(nullptr);
-    return "<p id=\"live\" data-written=\"" + std::to_string(now) + "\" data-period=\"" + seconds +
-           "\"><span id=\"now\">This run goes on, or was killed since: </span>" + html_text(state) + ". Written at " +
-           time_of_day(now) + ".</p>\n<script>" + reloading +
+    return "<p id=\"live\" data-written=\"" + std::to_string(now) + "\" data-period=\"" + seconds + "\" data-again=\"" +
+           html_text(again) + "\"><span id=\"now\">This run goes on, or was killed since: </span>" + html_text(state) +
+           ". Written at " + time_of_day(now) + ".</p>\n<script>" + reloading +
            "</script>\n<noscript><meta http-equiv=\"refresh\" content=\"" + seconds + "\"></noscript>\n";
 }
 

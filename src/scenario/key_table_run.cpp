@@ -195,8 +195,8 @@ void add_keys_of_run(KeyTable& t) {
         .to(&FigureOptions::measured_by);
     t.integer("width", "width in pixels").at_least(200).at_most(20000).computed("1600, of an animation 800")
         .to(&FigureOptions::width);
-    t.number("paper_width", "m", "width of .svg and .pdf files, as in \"84 mm\"").above(0).computed("198 mm")
-        .to(&FigureOptions::paper_width);
+    t.number("paper_width", "m", "width of .svg and .pdf files, as in \"84 mm\"; the colours of a body are a picture "
+        "of at least 300 dpi in them").above(0).computed("198 mm").to(&FigureOptions::paper_width);
     t.number("font_size", "", "size of labels in points on paper; larger type leaves less room").at_least(4).at_most(40)
         .computed("8 with paper_width").to(&FigureOptions::font_size);
     t.text("title", "title; empty: that of the scenario").otherwise("").to(&FigureOptions::title);

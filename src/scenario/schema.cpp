@@ -120,7 +120,7 @@ Json json_words(const std::vector<std::string>& words) {
 
 /// The name of a kind of values in "$defs": "J/m2" -> "J_m2".
 std::string name_of_kind(std::string_view unit) {
-    std::string name(unit.empty() ? "number" : unit);
+    std::string name(unit.empty() ? "number" : unit == "*" ? "any" : unit);
     std::ranges::replace_if(
         name, [](unsigned char c) { return !std::isalnum(c); }, '_');
     return name;
@@ -130,11 +130,12 @@ std::string name_of_kind(std::string_view unit) {
 Json json_kinds() {
     Json kinds = Json::object();
     const auto add = [&](std::string_view unit) {
-        if (unit != "*" && unit != "=")
-            kinds[name_of_kind(unit)] = {{"type", "string"},
-                                         {"title", unit.empty() ? std::string("a number") : describe_unit(unit)},
-                                         {"pattern", quantity_pattern(unit)}};
+        if (unit == "=" || kinds.contains(name_of_kind(unit))) return;
+        kinds[name_of_kind(unit)] = {
+            {"type", "string"}, {"title", describe_unit(unit)}, {"pattern", quantity_pattern(unit)}};
     };
+    kinds["positive"] = {{"title", "greater than 0"}, {"pattern", "^ *[+]?0*(?:[1-9]|\\.0*[1-9])"}};
+    kinds["not_negative"] = {{"title", "at least 0"}, {"pattern", "^ *[^- ]"}};
     for (const Key& key : keys()) {
         if (key.kind != Kind::number) continue;
         add(key.unit), add(key.second_unit);
@@ -144,9 +145,9 @@ Json json_kinds() {
 }
 
 Json json_value(const Key& key, std::string_view unit) {
+    const Range& range = key.range;
     const auto ranged = [&](const char* type) {
         Json json{{"type", type}};
-        const Range& range = key.range;
         if (std::isfinite(range.low)) json[range.low_included ? "minimum" : "exclusiveMinimum"] = range.low;
         if (std::isfinite(range.high)) json[range.high_included ? "maximum" : "exclusiveMaximum"] = range.high;
         return json;
@@ -154,10 +155,15 @@ Json json_value(const Key& key, std::string_view unit) {
     if (key.kind == Kind::boolean) return {{"type", "boolean"}};
     if (key.kind == Kind::integer) return ranged("integer");
     if (key.kind == Kind::text) return key.words.empty() ? Json{{"type", "string"}} : json_words(key.words);
+    const char* const sign = range.low < 0 ? "" : range.low > 0 || !range.low_included ? "positive" : "not_negative";
     Json any = Json::array({ranged("number")});
-    if (unit == "*") any.push_back({{"type", "string"}, {"pattern", "^ *[-+]?[0-9.]"}});
-    else any.push_back({{"$ref", "#/$defs/" + name_of_kind(unit)}});
-    for (const std::string& multiple : key.multiples) any.push_back({{"$ref", "#/$defs/" + name_of_kind(multiple)}});
+    const auto add = [&](std::string_view unit_of_text) {
+        Json all = Json::array({{{"$ref", "#/$defs/" + name_of_kind(unit_of_text)}}});
+        if (*sign) all.push_back({{"$ref", std::string("#/$defs/") + sign}});
+        any.push_back({{"allOf", all}});
+    };
+    add(unit);
+    for (const std::string& multiple : key.multiples) add(multiple);
     if (!key.words.empty()) any.push_back(json_words(key.words));
     return {{"anyOf", any}};
 }

@@ -169,6 +169,54 @@ std::optional<double> shifted(std::string_view decimal, int power) {
     return error == std::errc() ? std::optional(value) : std::nullopt;
 }
 
+/// A regular expression of the symbols of each dimension.
+std::vector<std::pair<Dimension, std::string>> symbol_patterns() {
+    std::string letters, others;  // others: of two bytes
+    for (const auto& [prefix, exponent] : prefixes) (prefix.size() == 1 ? letters : others += "|") += prefix;
+    std::vector<std::pair<Dimension, std::string>> patterns;
+    for (const Unit& unit : units) {
+        auto found = std::ranges::find(patterns, unit.dimension, &std::pair<Dimension, std::string>::first);
+        if (found == patterns.end()) found = patterns.insert(found, {unit.dimension, ""});
+        found->second += (found->second.empty() ? "" : "|") +
+                         (unit.prefixes.empty() ? "" : "(?:[" + letters + "]" + others + ")?") +
+                         std::string(unit.symbol);
+    }
+    return patterns;
+}
+
+/// a^i b
+Dimension product(const Dimension& a, int i, const Dimension& b) {
+    Dimension found;
+    for (const auto& [name, member] : base_units) found.*member = i * (a.*member) + b.*member;
+    return found;
+}
+
+/// A regular expression of the ways to write `wanted` by `n` factors behind those of `before`, each way behind a "|";
+/// "" where there is none. Their exponents have at most this `sum`; of three none takes back another, as in m s/s.
+std::string products(const Dimension& wanted, int n, int sum, const std::vector<Dimension>& before = {}) {
+    static const auto symbols = symbol_patterns();
+    const bool is_first = before.empty();
+    std::string ways;
+    for (const auto& [dimension, pattern] : symbols)
+        for (int exponent = n - 1 - sum; exponent <= sum - n + 1; ++exponent) {
+            const Dimension rest = product(dimension, -exponent, wanted);
+            const int sign = exponent > 0 ? 1 : -1;
+            if (exponent == 0 || (dimension == Dimension{} && (!is_first || n > 2 || exponent != 1)) ||
+                (n + before.size() > 2 && std::ranges::count(before, product(dimension, -sign, {})) > 0))
+                continue;
+            std::vector<Dimension> taken = before;
+            taken.push_back(product(dimension, sign, {}));
+            const std::string others = n > 1 ? products(rest, n - 1, sum - std::abs(exponent), taken) : "";
+            if (n > 1 ? others.empty() : rest != Dimension{}) continue;
+            const auto power = [&](int written) {
+                return "(?:" + pattern + ")" + (written == 1 ? "(?:\\^?1)?" : "\\^?" + std::to_string(written));
+            };
+            ways += (is_first ? "|(?:" : "|(?:(?: *[*.] *| +)") + power(exponent) + (is_first ? "|1?/ *" : "| */ *") +
+                    power(-exponent) + ")" + (n > 1 ? "(?:" + others.substr(1) + ")" : "");
+        }
+    return ways;
+}
+
 }  // namespace
 
 Quantity parse_quantity(std::string_view text) {
@@ -245,45 +293,11 @@ std::string units_markdown() {
 }
 
 std::string quantity_pattern(std::string_view unit) {
-    constexpr int max_exponent = 4;
-    struct Group {  // of symbols with one dimension
-        Dimension dimension;
-        std::string symbols;
-    };
-    std::vector<Group> groups;
-    std::string any_prefix;
-    for (const auto& [prefix, exponent] : prefixes)
-        any_prefix += (any_prefix.empty() ? "(?:" : "|") + std::string(prefix);
-    any_prefix += ")?";
-    for (const Unit& each : units) {
-        auto group = std::ranges::find(groups, each.dimension, &Group::dimension);
-        if (group == groups.end()) group = groups.insert(group, {each.dimension, ""});
-        group->symbols +=
-            (group->symbols.empty() ? "" : "|") + (each.prefixes.empty() ? "" : any_prefix) + std::string(each.symbol);
-    }
-    const auto power = [](const Group& group, int exponent) {
-        const std::string written = std::to_string(exponent);
-        return "(?:" + group.symbols + ")" + (exponent == 1 ? "(?:\\^?1)?" : "\\^?" + written);
-    };
-    const auto product = [](const Group& a, int i, const Group& b, int j) {
-        Dimension found;
-        for (const auto& [name, member] : base_units)
-            found.*member = i * (a.dimension.*member) + j * (b.dimension.*member);
-        return found;
-    };
+    const std::string number = "^ *[-+]?(?:[0-9]+\\.?[0-9]*|\\.[0-9]+)(?:[eE][-+]?[0-9]+)?";
+    if (unit == "*") return number;
     const Dimension wanted = dimension_of(unit);
-    std::string forms = "(?:1?/ *)?[^ */.,0-9][^ */.,]*(?:[ */.]+[^ */.,]+){2,}";
-    for (const Group& a : groups)
-        for (int i = -max_exponent; i <= max_exponent; ++i) {
-            if (i == 0) continue;
-            if (product(a, i, a, 0) == wanted) forms += "|" + power(a, i) + "|1?/ *" + power(a, -i);
-            for (const Group& b : groups)
-                for (int j = -max_exponent; j <= max_exponent; ++j)
-                    if (j != 0 && product(a, i, b, j) == wanted)
-                        forms += "|" + power(a, i) + "(?: *[*.] *| +)" + power(b, j) + "|" + power(a, i) + " */ *" +
-                                 power(b, -j);
-        }
-    return "^ *[-+]{0,2}(?:[0-9]+\\.?[0-9]*|\\.[0-9]+)(?:[eE][-+]?[0-9]+)? *(?:" + forms + ")? *$";
+    const std::string forms = products(wanted, 1, 3) + products(wanted, 2, 6) + products(wanted, 3, 5);
+    return number + " *(?:" + forms.substr(1) + ")" + (wanted == Dimension{} ? "?" : "") + " *$";
 }
 
 Dimension dimension_of(std::string_view unit) { return scale_of(unit).value_or(Scale{}).dimension; }

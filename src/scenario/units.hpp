@@ -35,8 +35,8 @@ std::string kind_name(const Dimension& dimension);
 /// first.
 std::string unit_suggestion(std::string_view unknown, std::string_view expected);
 
-/// A regular expression (ECMAScript) of texts with a number and a unit of the kind of `unit`. Units of one or two
-/// factors are checked, as J/m2; of those with more, which are rare, only the form is.
+/// A regular expression (ECMAScript) of texts with a number and a unit of the kind of `unit`, of one to three factors,
+/// as J/m2 or W/m2/K; "*": with any unit.
 std::string quantity_pattern(std::string_view unit);
 
 /// A Markdown table of all units.

@@ -91,6 +91,10 @@ TEST_CASE("new --from copies a built-in scenario with its comments and the mesh 
     std::ofstream(folder.path / "knap.schema.json") << "{}";  // of someone else
     CHECK(command("new " + folder.in_shell("plate")).has("file-exists"));
     CHECK_FALSE(fs::exists(folder.path / "plate.toml"));
+    std::ofstream(folder.path / "knap.schema.json") << "{\n  \"title\": \"knap scenario\"\n}\n";  // of another version
+    CHECK(command("new " + folder.in_shell("plate")).has("renewed "));
+    CHECK(text_of(folder.path / "knap.schema.json") == command("schema --json").text);
+    CHECK_FALSE(command("new " + folder.in_shell("again")).has("renewed "));
     fs::remove(folder.path / "knap.schema.json");
     CHECK(command("new --from bar_pulled_apart " + folder.in_shell("my_disc.toml")).has("file-exists"));
     CHECK(command("new --from bar_puled_apart " + folder.in_shell("bar")).has("did you mean `bar_pulled_apart`"));

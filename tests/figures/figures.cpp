@@ -90,6 +90,17 @@ TEST_CASE("figures: on paper a vector file has its width and its type and its te
         CHECK(svg.find("glyph") == svg.npos);
         CHECK(svg.ends_with("</svg>\n"));
     }
+    for (const double width : {84e-3, 180e-3}) {  // colours of triangles are pixels
+        const FigureOptions options{.file = "dpi.svg", .show = "stress_yy", .paper_width = width};
+        const std::string svg =
+            read_whole_file(draw_figure(options, plate(), synthetic::histories(), context, pictures()).file);
+        const std::string before = "transform=\"matrix(";
+        const std::size_t at = svg.find(before, svg.find("<use xlink:href=\"#image"));
+        REQUIRE(at != svg.npos);
+        const double points_per_pixel = std::stod(svg.substr(at + before.size()));
+        CAPTURE(width);
+        CHECK(72 / points_per_pixel >= 299.9);  // dpi
+    }
     FigureOptions narrow{.file = "n.svg", .show = "energy", .paper_width = 30e-3, .font_size = 12};
     CHECK_THROWS_WITH_AS(check_figure(narrow, synthetic::histories()), doctest::Contains("at most 4.6 pt"), UserError);
     narrow.font_size = 4;

@@ -25,10 +25,11 @@ TEST_CASE("the captions of a slider are read back as they were") {
 }
 
 TEST_CASE("a live page loads itself again and a question is found below a line for editors") {
-    const std::string page = html_page("t", "", html_live("half <way>", 4));
+    const std::string page = html_page("t", "", html_live("half <way>", "starts it again", 4));
     CHECK(page.find("half &lt;way&gt;") != std::string::npos);
     CHECK(page.find("location.reload()") != std::string::npos);
     CHECK(page.find("data-period=\"4\"") != std::string::npos);
+    CHECK(page.find("data-again=\"starts it again\"") != std::string::npos);
     CHECK(html_page("t", "", "").find("reload") == std::string::npos);
     CHECK(question_of("#:schema knap.schema.json\n# Does it\n# run?\n") == "Does it run?");
 }

@@ -54,31 +54,63 @@ TEST_CASE("schema: JSON Schema is JSON and has every key") {
     }
 }
 
-TEST_CASE("schema: an editor marks units of another kind") {
-    const Json root = Json::parse(json_schema());
-    const auto takes = [&](const char* kind, const std::string& text) {
-        return std::regex_match(text, std::regex(root.at("$defs").at(kind).at("pattern").get<std::string>()));
-    };
+TEST_CASE("schema: an editor takes of each kind of unit what the program takes and marks the rest") {
+    const Json kinds = Json::parse(json_schema()).at("$defs");
+    std::map<std::string_view, std::regex> patterns;
+    for (const Key& key : keys())
+        for (const std::string_view unit : {key.unit, key.second_unit})
+            if (key.kind == Kind::number && unit != "*" && unit != "=" && !patterns.contains(unit)) {
+                std::string name(unit.empty() ? "number" : unit);
+                std::ranges::replace_if(
+                    name, [](unsigned char c) { return !std::isalnum(c); }, '_');
+                patterns.emplace(unit, std::regex(kinds.at(name).at("pattern").get<std::string>()));
+            }
+    CHECK(patterns.size() > 15);
+    std::map<std::string_view, int> n_good;
     for (const char* text :
-         {"3 J/m2", "3J/m^2", " 3.0e0 N/m ", "3e-3 kJ/m2", "1 MPa*mm", "2 J m-2", "3", "4 kg/s2", "1 J /m2"})
-        CHECK_MESSAGE(takes("J_m2", text), text);
-    for (const char* text : {"3 J", "3 Jm", "3 J/m", "3 MPa", "three", "3 J/m2 x y", "3,0 J/m2", "", "J/m2"})
-        CHECK_MESSAGE(takes("J_m2", text) == (std::string(text) == "3 J/m2 x y"), text);  // three factors: form alone
-    CHECK(takes("m", "84 mm"));
-    CHECK(takes("m", "84 m^1"));
-    CHECK_FALSE(takes("m", "84 ms"));
-    CHECK(takes("s", "80 us"));
-    CHECK(takes("s", "3 day"));
-    CHECK_FALSE(takes("s", "80 um"));
-    CHECK(takes("Hz", "3 1/s"));
-    CHECK(takes("Hz", "3 /s"));
-    CHECK(takes("Hz", "2 s-1"));
-    CHECK(takes("number", "7 %"));
-    CHECK(takes("number", "1 mm/m"));
-    CHECK_FALSE(takes("number", "7 mm"));
-    CHECK(takes("kg_m3", "2.45 g/cm3"));
-    CHECK(takes("m_s", "1 mm/ms"));
-    CHECK(takes("W_m2_K", "50 W/m2/K"));
+         {"3",       " +3.0e0 ",  "-.5",         "7 %",        "1 mm/m",       "MPa",        "three",      "",
+          "3,0 m",   "+-3 m",     "--3 m",       "84 mm",      "-84 mm",       "84 m^1",     "84 ms",      "84 Mmm",
+          "2 m2",    "2 cm^2",    "2 m*mm",      "2 m m",      "3 kg",         "3 t",        "80 us",      "80 \u00b5s",
+          "3 day",   "3 1/s",     "3 /s",        "2 s-1",      "5 kHz",        "1 %/s",      "1 %/day",    "90 deg",
+          "1 rad",   "90 deg/s",  "1 mm/ms",     "1 m s-1",    "2 km/h",       "9.81 m/s2",  "9.81 m/s/s", "9.81 N/kg",
+          "3 N",     "3 kg m/s2", "3 kg*m*s^-2", "3 J/m",      "32 GPa",       "32 N/mm2",   "32 kg/m/s2", "1 bar",
+          "3 J",     "3 N m",     "3 kg m2/s2",  "3 J/m2",     "3J/m^2",       "3 N/m",      "3e-3 kJ/m2", "1 MPa*mm",
+          "2 J m-2", "4 kg/s2",   "1 J /m2",     "3 W s/m2",   "3 J/m/m",      "3 Jm",       "3 J/m2 x",   "3 J/m2 x y",
+          "J/m2",    "25 kN/m3",  "2.45 g/cm3",  "2450 kg/m3", "2450 kg/m2",   "-10 C",      "263 K",      "1e-5 1/K",
+          "1e-5 /K", "2 W/m/K",   "2 W/m K",     "2 W/m2/K",   "50 W m-2 K-1", "800 J/kg/K", "334 kJ/kg",  "100 W/m2",
+          "3 W/m3",  "0.4 cR",    "20 CFL",      "20 cfl"}) {
+        const Quantity read = parse_quantity(text);
+        CAPTURE(text);
+        for (const auto& [unit, pattern] : patterns) {
+            CAPTURE(unit);
+            const bool is_good = read.problem.empty() && read.dimension == dimension_of(unit);
+            CHECK(std::regex_match(text, pattern) == is_good);
+            n_good[unit] += is_good;
+        }
+    }
+    for (const auto& [unit, n] : n_good) CHECK_MESSAGE(n > 0, unit);
+}
+
+TEST_CASE("schema: an editor marks numbers with a unit and the wrong sign") {
+    const Json root = Json::parse(json_schema());
+    const auto takes = [&](const Json& member, const std::string& text) {
+        for (const Json& one : member.at("anyOf")) {
+            if (one.contains("allOf") && std::ranges::all_of(one.at("allOf"), [&](const Json& part) {
+                    const Json& kind = root.at("$defs").at(part.at("$ref").get<std::string>().substr(8));
+                    return std::regex_search(text, std::regex(kind.at("pattern").get<std::string>()));
+                }))
+                return true;
+        }
+        return false;
+    };
+    const Json& law = object(root.at("properties").at("interface")).at("properties");
+    for (const char* text : {"3 J/m2", "+3 J/m2", "0.03 J/m2", ".5 J/m2", "00.10e-3 kJ/m2"})
+        CHECK(takes(law.at("G_c"), text));
+    for (const char* text : {"-3 J/m2", "0 J/m2", "0.0e5 J/m2", "3", "3 J"}) CHECK_FALSE(takes(law.at("G_c"), text));
+    CHECK(takes(law.at("friction"), "0 %"));
+    CHECK_FALSE(takes(law.at("friction"), "-1 %"));
+    const Json& heat = object(root.at("properties").at("heat")).at("properties");
+    CHECK(takes(heat.at("reference"), "-10 C"));
 }
 
 TEST_CASE("schema: every quantity of the built-in scenarios has the pattern of its unit") {

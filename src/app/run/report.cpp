@@ -1,5 +1,6 @@
 #include "app/run/report.hpp"
 
+#include "app/run/checkpoint.hpp"
 #include "app/run/run_text.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
@@ -176,8 +177,10 @@ std::string frames(const RunRecord& record, const Recorder& recorder, const fs::
 
 std::string title_of(const Scenario& scenario) { return scenario.title.empty() ? scenario.name : scenario.title; }
 
-std::string scenario_text(const std::string& toml) {
-    return "<details><summary>Scenario</summary><pre>" + html_text(toml) + "</pre></details>\n";
+/// The file as it is: what `-s` changed is in the command.
+std::string scenario_text(const std::string& toml, const RunRecord& record) {
+    return "<details><summary>Scenario</summary><p>Run by: " + html_text(command_line(record.command)) + "</p>\n<pre>" +
+           html_text(toml) + "</pre></details>\n";
 }
 
 }  // namespace
@@ -211,7 +214,7 @@ void write_report(const Scenario& scenario, const RunRecord& record, const Recor
         html_section("Figures", figures) + html_section("What was computed", computed(scenario, record)) +
         html_section("Expected results", expectations(record)) + html_section("Results", number_rows(record)) +
         html_section("Is the run valid?", gates(record)) + html_section("How to repeat it", origin(record)) +
-        scenario_text(text);
+        scenario_text(text, record);
     write_whole_file(directory / "report.html", html_page(title_of(scenario), question_of(text), body));
 }
 
@@ -231,13 +234,14 @@ void LiveReport::write(const std::string& state, const Model& model, const State
     } catch (const UserError&) {
         // what only the end of a run has
     }
-    const std::string text = read_whole_file(directory_ / "scenario.toml");
+    const std::string text = read_whole_file(directory_ / "scenario.toml"),
+                      again = Checkpoints::exist_in(directory_) ? "continues it" : "starts it again";
     try {
         write_whole_file(
             directory_ / "report.html",
             html_page(title_of(scenario_), question_of(text),
-                      html_live(state, period_) + picture +
-                          html_section("Warnings", html_list(record.warnings, "warn")) + scenario_text(text)));
+                      html_live(state, again, period_) + picture +
+                          html_section("Warnings", html_list(record.warnings, "warn")) + scenario_text(text, record)));
     } catch (const OutputError&) {
         // a full disk ends the run where its results are written, not here
     }
