@@ -44,6 +44,18 @@ class Table(dict):
     def __missing__(self, name):
         raise KeyError(f"{name!r}; there are: {', '.join(self)}")
 
+    @property
+    def titles(self):
+        """Names with units, as "time [s]"."""
+        return [f"{name} [{self.units[name]}]" if self.units.get(name) else name for name in self]
+
+    def __str__(self):
+        """Its columns, aligned; of single values a line each."""
+        shapes = {np.shape(column) for column in self.values()}
+        if shapes == {()}:
+            return aligned(("name", "value", "unit"), [(name, value, self.units.get(name, "")) for name, value in self.items()])
+        return aligned(self.titles, zip(*self.values())) if len(shapes) == 1 and len(next(iter(shapes))) == 1 else dict.__repr__(self)
+
 
 class Grid(Table):
     """A .vtu file: arrays by name, a row per point or cell; `points` [m]; `cells`: numbers of the points of each cell."""
@@ -85,7 +97,7 @@ class Run:
         pictures = sorted((self.directory / "figures").glob("*.png"))[:1]
         shown = [f'<img style="max-width: 100%" alt="{html.escape(file.name)}" src="data:image/png;base64,'
                  f'{base64.b64encode(file.read_bytes()).decode()}">' for file in pictures]
-        return f"<p>{state}</p>{''.join(shown)}<details><summary>numbers</summary>{_html_table(('number', 'value'), rows)}</details>"
+        return f"<p>{state}</p>{''.join(shown)}<details><summary>numbers</summary>{html_table(('number', 'value', 'unit'), rows)}</details>"
 
     @property
     def tables(self):
@@ -135,7 +147,7 @@ class Ensemble:
         most = 20
         rows = [[_readable(column[i], self.table.units[name]) for name, column in self.table.items()] for i in range(min(len(self), most))]
         more = f"<p>and {len(self) - most} more</p>" if len(self) > most else ""
-        return f"<p>{self.kind} of {len(self)} runs</p>{_html_table(list(self.table), rows)}{more}"
+        return f"<p>{self.kind} of {len(self)} runs</p>{html_table(list(self.table), rows)}{more}"
 
     def run(self, line):
         """The run of a line of the table of a sweep."""
@@ -167,10 +179,31 @@ def _readable(value, unit):
     return f"{value / 1000.0 ** thousands:.4g} {'pnµm kMGT'[thousands + 4].strip()}{unit}".rstrip()
 
 
-def _html_table(titles, rows):
+def shown(value, digits=6):
+    """Text of a cell of a table; of a number that is nan none."""
+    if isinstance(value, (float, np.floating)):
+        return "" if np.isnan(value) else f"{value:.{digits}g}"
+    return "" if value is None else str(value)
+
+
+def html_table(titles, rows, digits=4):
     def line(cells, kind):
-        return "<tr>" + "".join(f"<{kind}>{html.escape(cell)}</{kind}>" for cell in cells) + "</tr>"
+        return "<tr>" + "".join(f"<{kind}>{html.escape(shown(cell, digits))}</{kind}>" for cell in cells) + "</tr>"
     return f"<table>{line(titles, 'th')}{''.join(line(row, 'td') for row in rows)}</table>"
+
+
+def _sides(head, rows):
+    """Of each column whether it has numbers alone, which stand at its right side."""
+    return [all(isinstance(value, (int, float, np.number)) for value in column) and len(column) > 0 for column in list(zip(*rows)) or [()] * len(head)]
+
+
+def aligned(head, rows, digits=6):
+    """A table as text: names, rows of numbers and texts."""
+    rows = list(rows)
+    cells = [[shown(value, digits) for value in row] for row in [head, *rows]]
+    columns = [[cell.rjust(width) if right else cell.ljust(width) for cell in column] for column, right in zip(zip(*cells), _sides(head, rows))
+               for width in [max(map(len, column))]]
+    return "\n".join("  ".join(line).rstrip() for line in zip(*columns))
 
 
 def exceedance(values, total=None):
@@ -383,8 +416,8 @@ def _lz4(block, size):
 
 
 def compare(one, other, within=1e-12):
-    """A Table of what differs between two runs (a Run or its directory each): name, one, other, `ratio` of numbers. Rows are
-    keys of resolved.toml and numbers of the summary that differ by more than this part."""
+    """A Table of what differs between two runs (a Run or its directory each): kind, name, one, other, unit, `ratio` of numbers.
+    Rows are keys of resolved.toml and numbers of the summary that differ by more than this part; print shows it aligned."""
     one, other = (run if isinstance(run, Run) else Run(run) for run in (one, other))
     found = []
     keys = [settings(run.directory / "resolved.toml") for run in (one, other)]
@@ -394,8 +427,9 @@ def compare(one, other, within=1e-12):
             numbers = all(isinstance(value, (int, float)) for value in (x, y))
             same = x == y or (numbers and (abs(x - y) <= within * max(abs(x), abs(y)) or (np.isnan(x) and np.isnan(y))))
             if not same:
-                found.append((kind, name, x, y, y / x if numbers and x else np.nan))
-    return Table(zip(("kind", "name", "one", "other", "ratio"), zip(*found) if found else [()] * 5))
+                unit = (one.summary.units.get(name) or other.summary.units.get(name, "")) if kind == "number" else ""  # a key has its unit in its text
+                found.append((kind, name, x, y, unit, y / x if numbers and x else np.nan))
+    return Table(zip(("kind", "name", "one", "other", "unit", "ratio"), zip(*found) if found else [()] * 6))
 
 
 def settings(file):
@@ -427,14 +461,19 @@ def plot_over(runs, x, y, labels=None, axis=None):
     return axis
 
 
+_special = {**{c: "\\" + c for c in "&%$#_{}"}, "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
+
+
 def latex(head, rows, caption="", digits=4):
     """A table for LaTeX (package booktabs): names, rows of numbers and texts."""
     def cell(value):
-        if isinstance(value, (int, float, np.number)) and not isinstance(value, bool):
-            text = f"{value:.{digits}g}"
-            return re.sub(r"(.*)e([-+])0*(\d+)", lambda m: f"${m[1]}\\times10^{{{m[2].strip('+')}{m[3]}}}$", text) if "e" in text else f"${text}$"
-        return re.sub(r"([&%$#_{}])", r"\\\1", str(value))
+        text = shown(value, digits)
+        if not isinstance(value, (int, float, np.number)) or not text:
+            return "".join(_special.get(c, c) for c in text)
+        return re.sub(r"(.*)e([-+])0*(\d+)", lambda m: f"${m[1]}\\times10^{{{m[2].strip('+')}{m[3]}}}$", text) if "e" in text else f"${text}$"
+    rows = [list(row) for row in rows]
     lines = [" & ".join(map(cell, row)) + r" \\" for row in [head, *rows]]
+    sides = "".join("r" if right else "l" for right in _sides(head, rows))
     return "\n".join([r"\begin{table}", *([rf"\caption{{{cell(caption)}}}"] if caption else []),
-                      rf"\begin{{tabular}}{{{'l' * len(head)}}}", r"\toprule", lines[0], r"\midrule", *lines[1:], r"\bottomrule",
+                      rf"\begin{{tabular}}{{{sides}}}", r"\toprule", lines[0], r"\midrule", *lines[1:], r"\bottomrule",
                       r"\end{tabular}", r"\end{table}", ""])

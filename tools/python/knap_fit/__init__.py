@@ -9,3 +9,13 @@
     command    the command lines
 
 All parameters are places in the unit cube, u = 0 and 1 at their bounds, linear or in the logarithm. Measured values are SI."""
+import sys
+
+
+def need(module, package, what):
+    """A library that only a part needs; without it the program names the Debian package and ends with exit code 2."""
+    try:
+        return __import__(module, fromlist=["*"])
+    except ImportError:
+        print(f"error: {what} needs {module}: apt install {package}", file=sys.stderr)
+        raise SystemExit(2) from None

@@ -1,5 +1,6 @@
 """The command lines knap-fit and knap-sensitivity."""
 import argparse
+import contextlib
 import os
 import pathlib
 import signal
@@ -7,10 +8,13 @@ import sys
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: sums of several threads have other last bits
 
+from . import need  # noqa: E402
+
+need("numpy", "python3-numpy", "knap-fit")
 import knap  # noqa: E402
 
 from . import problem as files  # noqa: E402
-from .runs import Runs, Stop  # noqa: E402
+from .runs import Commands, Runs, Stop  # noqa: E402
 
 
 def _main(program, folder, description, work, arguments):
@@ -23,30 +27,34 @@ def _main(program, folder, description, work, arguments):
     parser.add_argument("-j", "--jobs", type=int, default=1, help="runs at the same time, with one thread each")
     parser.add_argument("--force", action="store_true", help="begin anew where other runs are")
     parser.add_argument("--print-commands", action="store_true",
-                        help="run nothing, print a command line for each run that comes next; after them the same command again goes on")
+                        help="run nothing, print on stdout nothing but a command line for each run that comes next; after them the same "
+                             "command again goes on; none: there is no further run")
     parser.add_argument("-q", "--quiet", action="store_true", help="no line for every round")
     parser.add_argument("--keys", action="version", version=files.markdown().rstrip(), help="print all keys of FILE")
     options = parser.parse_args(arguments)
 
     def log(text):
         if not options.quiet:
-            print(text, flush=True, file=sys.stderr if options.print_commands else None)
+            print(text, flush=True)
 
     for one in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(one, signal.default_int_handler)
+    commands = sys.stdout
     try:
-        found = files.read(options.file)
-        runs = Runs(found, options.output or pathlib.Path(folder) / found.name, max(options.jobs, 1), options.print_commands, options.force,
-                    own_seeds=folder == "fits" and found.options["method"] == "posterior")
-        code = 0 if work(found, runs, log) else 4
+        with contextlib.redirect_stdout(sys.stderr if options.print_commands else sys.stdout):  # a shell reads the command lines
+            is_fit = program == "knap-fit"
+            found = files.read(options.file, fit=is_fit)
+            runs = Runs(found, options.output or pathlib.Path(folder) / found.name, max(options.jobs, 1), options.print_commands, options.force,
+                        own_seeds=is_fit and found.options["method"] == "posterior")
+            code = 0 if work(found, runs, log) else 4
+    except Commands as lines:
+        code = print(lines, file=commands) or 0
     except files.Mistakes as mistakes:
         code = print(mistakes, file=sys.stderr) or 2
     except OSError as error:
         code = print(f"error: {error}", file=sys.stderr) or 2
     except (Stop, knap.KnapError) as stop:
-        commands = isinstance(stop, Stop) and options.print_commands
-        print(stop.args[0], file=None if commands else sys.stderr)
-        code = 0 if commands else 3
+        code = print(f"error: {stop}", file=sys.stderr) or 3
     except KeyboardInterrupt:
         code = print("interrupted: the same command goes on", file=sys.stderr) or 130
     sys.exit(code)
@@ -56,8 +64,6 @@ def fit(arguments=None):
     """knap-fit"""
     def work(found, runs, log):
         from . import inference, report
-        if not found.fitted:
-            raise knap.KnapError("there is nothing to fit: no [[test.NAME.measured]] has use = \"fit\"")
         if found.options["method"] == "posterior":
             return report.write(inference.Fit(found, runs, log).run())
         return report.write_least_squares(found, runs, *inference.least_squares(found, runs, log))

@@ -3,13 +3,7 @@ import warnings
 
 import numpy as np
 
-
-def need(module, package, what):
-    """A library that only a part needs; without it the message names the Debian package."""
-    try:
-        return __import__(module, fromlist=["*"])
-    except ImportError:
-        raise SystemExit(f"knap-fit: {what} needs {module}: apt install {package}") from None
+from . import need
 
 
 class Emulator:
@@ -50,10 +44,6 @@ class Emulator:
             process = self.processes[-1]
             noise = process.kernel_.k2.noise_level
             self.noise[j] = noise * self.scale[j] ** 2 if noise > 1.01e-6 else 0  # at its bound: the seeds change nothing
-        self.neighbours = None
-        if not self.works.all():
-            neighbours = need("sklearn.neighbors", "python3-sklearn", "the emulator")
-            self.neighbours = neighbours.KNeighborsClassifier(min(5, len(self.works)), weights="distance").fit(u, self.works)
 
     def __call__(self, u):
         """Mean (places of u, places of the curve) and the variances of its components (places of u, components)."""
@@ -67,9 +57,25 @@ class Emulator:
         """Of the values of single runs that differ in their seed."""
         return (self.v * self.noise) @ self.v.T * self.n_seeds
 
-    def log_success(self, u):
-        """Logarithm of the probability that a run has a value there, by its nearest points: failed runs tell where the
-        parameters cannot be."""
-        if self.neighbours is None:
-            return np.zeros(len(u))
-        return np.log(np.clip(self.neighbours.predict_proba(u)[:, list(self.neighbours.classes_).index(True)], 1e-3, 1))
+    def covariances(self, u):
+        """Of each component between all places of u."""
+        return [s**2 * (process.predict(u, return_cov=True)[1] - process.kernel_.k2.noise_level * np.eye(len(u)))
+                for s, process in zip(self.scale, self.processes)]
+
+
+class Success:
+    """Where runs have a value, by a Gaussian process of the points that have one (`works`) and those that have none (scikit-learn):
+    failed runs tell where the parameters cannot be, and where no further run is worth its time."""
+
+    def __init__(self, u, works):
+        self.process = None
+        if not works.all():
+            gp = need("sklearn.gaussian_process", "python3-sklearn", "the emulator")
+            kernel = gp.kernels.ConstantKernel(4.0, (0.5, 100)) * gp.kernels.Matern([1.0] * u.shape[1], (0.1, 10), nu=2.5)
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # a length at its bound: failure does not depend on that parameter
+                self.process = gp.GaussianProcessClassifier(kernel, random_state=1).fit(u, works)
+
+    def log(self, u):
+        """Logarithm of the probability of a value at each place of u, at least 0.001."""
+        return np.zeros(len(u)) if self.process is None else np.log(np.maximum(self.process.predict_proba(u)[:, 1], 1e-3))

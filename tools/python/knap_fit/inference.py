@@ -3,7 +3,8 @@ import numpy as np
 
 import knap
 
-from .emulator import Emulator, need
+from . import need
+from .emulator import Emulator, Success
 from .problem import unit_of
 from .runs import Stop, table
 
@@ -53,10 +54,12 @@ def data_covariance(measured, emulator):
 
 
 class Likelihood:
-    def __init__(self, problem, emulators, with_error):
+    def __init__(self, problem, emulators, points, with_error):
         self.problem, self.with_error = problem, with_error
         self.parts = [(m, emulators[m.title], data_covariance(m, emulators[m.title]), m.level**2 * correlation(m.x))
                       for m in problem.fitted]
+        patterns = {emulator.works.tobytes(): emulator.works for _, emulator, _, _ in self.parts}  # of one run that fails, once
+        self.success = [Success(points, works) for works in patterns.values()]
 
     def __call__(self, u):
         """Logarithm of prior times likelihood, up to a constant; u has log10 of tau in a further column with an error term,
@@ -69,8 +72,12 @@ class Likelihood:
             found = np.where((tau < 1e-3) | (tau > 1), -np.inf, found)
         inside = np.isfinite(found)
         if inside.any():
-            found[inside] += sum(log_p for _, log_p in self.terms(u[inside, :k], tau[inside]))
+            found[inside] += sum(log_p for _, log_p in self.terms(u[inside, :k], tau[inside])) + self.log_success(u[inside, :k])
         return found
+
+    def log_success(self, u):
+        """Logarithm of the probability that runs at the places u have all that was measured."""
+        return sum(success.log(u) for success in self.success)
 
     def terms(self, u, tau):
         """Of each measurement: residuals in standard deviations, and the logarithm of their probability; a row for each u."""
@@ -78,7 +85,7 @@ class Likelihood:
             mean, variance = emulator(u)
             factor = np.linalg.cholesky(covariance + (emulator.v * variance[:, None, :]) @ emulator.v.T + tau[:, None, None] ** 2 * error)
             z = np.linalg.solve(factor, (measured.values - mean)[:, :, None])[:, :, 0]
-            yield z, -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1) + emulator.log_success(u)
+            yield z, -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
 
 
 def sample(problem, likelihood, steps, rng, points):
@@ -132,7 +139,9 @@ class Fit:
         most = max(options["budget"] // self.runs.per_point, 1)
         first = min(options["first"] or 6 * len(self.problem.parameters), most)
         batch = options["batch"] or -(-most // 12)
-        self.runs.add(self.design(first)[len(self.runs.values):])
+        for n in (1, first):  # one alone, which shows forgotten signs
+            self.runs.add(self.design(n)[len(self.runs.values):])
+            self.problem.check_signs(self.runs)
         while not self.stopped:
             self.emulate()
             self.infer(steps=150)
@@ -174,13 +183,13 @@ class Fit:
     def infer(self, steps):
         """The posterior from the emulators. An error term of the model is added where the data need one."""
         rng, stats = np.random.default_rng(self.problem.options["seed"]), need("scipy.stats", "python3-scipy", "the test of the misfit")
-        self.likelihood = Likelihood(self.problem, self.emulators, self.with_error)
+        self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, self.with_error)
         drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         z = np.hstack([z[0] for z, _ in self.likelihood.terms(drawn[0][[np.argmax(drawn[2])]], np.zeros(1))])
         freedom = len(z) - len(self.problem.parameters)
         self.p = float(stats.chi2.sf(z @ z, freedom)) if freedom > 0 else np.nan
         if self.problem.options["model_error"] == "auto" and self.p < 0.01:
-            self.likelihood = Likelihood(self.problem, self.emulators, True)
+            self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, True)
             drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         self.posterior = Posterior(self.problem, *drawn)
 
@@ -193,17 +202,21 @@ class Fit:
         return np.mean(found, axis=0)
 
     def next_points(self, n):
-        """Draws of the posterior where the emulators know least in standard deviations of the data (Sinsbeck and Nowak 2017),
-        apart from each other; a tenth of the candidates lies anywhere."""
-        u = np.vstack([self.posterior.u[:400], self.design(40, seed=len(self.runs.values))])
-        weight = self.variances(u)
-        weight[400:] *= 0.1
-        inverse = np.linalg.inv(np.cov(self.posterior.u.T).reshape(u.shape[1], -1) + 1e-8 * np.eye(u.shape[1]))
-        chosen = []
+        """Of draws of the posterior, and of a few places anywhere, those whose runs would take most off the variance that the
+        emulators have over all draws, in variances of the data (active learning of Cohn, J. Artif. Intell. Res. 4 (1996) 129).
+        A run counts by its probability to have a value."""
+        draws, parts, chosen = self.posterior.u[:300], [], []
+        u = np.vstack([draws, self.design(60, seed=len(self.runs.values))])
+        for _, emulator, covariance, error in self.likelihood.parts:
+            weight = (emulator.v * np.linalg.solve(covariance + self.posterior.best_tau**2 * error, emulator.v)).sum(axis=0)
+            parts += zip(weight, emulator.covariances(u), emulator.noise + 1e-9 * emulator.scale**2)
+        success = np.exp(self.likelihood.log_success(u))
         for _ in range(n):
-            chosen.append(u[np.argmax(weight)])
-            d = u - chosen[-1]
-            weight *= 1 - np.exp(-0.5 * np.einsum("ij,jk,ik->i", d, inverse, d))
+            gain = sum(weight * (c[: len(draws)] ** 2).mean(axis=0) / (np.diag(c) + noise) for weight, c, noise in parts)
+            best = np.argmax(success * gain)
+            chosen.append(u[best])
+            for _, c, noise in parts:
+                c -= success[best] * np.outer(c[:, best], c[best]) / (c[best, best] + noise)  # after this run
         return np.array(chosen)
 
     # ---- what the data say
@@ -240,17 +253,16 @@ class Fit:
         return texts
 
     def further_tests(self):
-        """(parameter, what would be measured, part by which its deviation would shrink): of candidates and left-out
-        measurements by their emulators, of other numbers of the same tests by a linear fit over the points; the largest
-        three for each parameter that is not determined. Measured once, with the scatter of seeds or at least 3 %."""
-        u, found = self.posterior.u, []
-        columns = []
+        """(what would be measured, part by which the interval of each parameter would shrink): of all candidates and left-out
+        measurements by their emulators; of other numbers of the same tests by a linear fit over the points, the three that tell
+        most of each parameter that is not determined. Measured once, with the scatter of seeds or at least 3 %."""
+        u, asked, others = self.posterior.u, [], []
         for m in self.problem.measured:
             if m.use != "fit" and m.title in self.emulators:
                 emulator = self.emulators[m.title]
                 mean = emulator(u)[0]
                 scatter = m.scatter or max((m.part or 0.03) * np.abs(mean).max(), np.sqrt(np.diag(emulator.seed_covariance()).max()))
-                columns.append((m.title, mean, scatter))
+                asked.append((m.title, self.narrowed(mean, scatter)))
         known = [self.runs.numbers(m.test, m.name) for m in self.problem.measured if m.x is None]
         design = np.hstack([np.ones((len(self.runs.points), 1)), self.runs.points])
         for test in self.problem.tests:
@@ -265,17 +277,18 @@ class Fit:
                 slope = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
                 rest = (y[keep] - design[keep] @ slope).std()
                 if rest < 0.5 * y[keep].std():
-                    columns.append((f"{test.name}: {name}", (u @ slope[1:] + slope[0])[:, None], max(rest, 0.03 * np.abs(y[keep]).mean())))
-        for i, (parameter, state) in enumerate(zip(self.problem.parameters, self.determined())):
-            if state == "yes":
-                continue
-            shrink = []
-            for title, f, scatter in columns:
-                f, x = f - f.mean(axis=0), u[:, i] - u[:, i].mean()
-                gain = (x @ f / len(f)) @ np.linalg.solve(f.T @ f / len(f) + scatter**2 * np.eye(f.shape[1]), x @ f / len(f))
-                shrink.append((parameter.name, title, 1 - np.sqrt(max(1 - gain / x.var(), 0))))
-            found += [row for row in sorted(shrink, key=lambda row: -row[2])[:3] if row[2] > 0.1]
-        return found
+                    narrowed = self.narrowed((u @ slope[1:] + slope[0])[:, None], max(rest, 0.03 * np.abs(y[keep]).mean()))
+                    others.append((f"{test.name}: {name}", narrowed))
+        told = np.array([narrowed for _, narrowed in others]).reshape(-1, u.shape[1])
+        most = (told > 0.1) & (told >= np.sort(told, axis=0)[-3:][:1]) & (np.array(self.determined()) != "yes")
+        return asked + [(title, narrowed) for (title, narrowed), shown in zip(others, most) if shown.any()]
+
+    def narrowed(self, f, scatter):
+        """Part by which the deviation of each parameter would shrink if f, a row for each draw, were measured: linear regression."""
+        x, f = self.posterior.u - self.posterior.u.mean(axis=0), f - f.mean(axis=0)
+        both = f.T @ x / len(f)
+        gain = (both * np.linalg.solve(f.T @ f / len(f) + scatter**2 * np.eye(f.shape[1]), both)).sum(axis=0)
+        return 1 - np.sqrt(np.clip(1 - gain / x.var(axis=0), 0, 1))
 
     def predictions(self):
         """(measured, low, middle, high) of one mean of specimens as those that were measured."""
@@ -299,6 +312,9 @@ def least_squares(problem, runs, log=lambda text: None):
     def residuals(u):
         if problem.rounded(u) not in runs.values and runs.n_runs + runs.per_point > problem.options["budget"]:
             raise Stop(f"the budget of {problem.options['budget']} runs is used up")
+        if not runs.values:
+            runs.add([u])
+            problem.check_signs(runs)
         k, found, where = runs.at([u])[0], [], ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
         for m in problem.fitted:
             values = runs.of(m)[k]

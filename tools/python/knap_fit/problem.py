@@ -9,7 +9,7 @@ import numpy as np
 
 import knap
 
-from .emulator import need
+from . import need
 
 tomllib = need("tomllib", "python3 (3.11 or later)", "a FILE")
 keys = tomllib.loads((pathlib.Path(__file__).parent / "keys.toml").read_text(encoding="utf-8"))
@@ -18,11 +18,10 @@ _prefixes = {"": 1, "G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-
 
 
 class Mistakes(Exception):
-    """What is wrong in FILE, a text for each."""
+    """What is wrong in FILE, a text for each, and what was run."""
 
-    def __str__(self):
-        number = len(self.args[0])
-        return "\n".join(self.args[0]) + f"\n{number} error{'s' * (number > 1)}, nothing was run."
+    def __init__(self, texts, ran="nothing was run"):
+        super().__init__("\n".join(texts) + f"\n{len(texts)} error{'s' * (len(texts) > 1)}, {ran}.")
 
 
 def factor(unit, of):
@@ -91,12 +90,14 @@ class Measured:
     def __init__(self, test, name, use, values, scatter, n=1, x=None, columns=None, factors=(1, 1), unit="", x_unit=""):
         self.test, self.name, self.use, self.values, self.scatter, self.n = test, name, use, values, scatter, n
         self.x, self.columns, self.factors, self.unit, self.x_unit = x, columns, factors, unit, x_unit
+        self.shown, self.x_shown = unit, x_unit  # units of FILE, which tables and pictures have
         self.noise = 0.0  # standard deviation of each point by itself
         self.part = 0.0  # scatter of a candidate over its value, which is not known yet
+        self.where = test and test.name  # file and line
 
     @property
     def title(self):
-        return f"{self.test.name}: {self.name}"
+        return f"{self.test.name}: {self.name}" + {"fit": "", "predict": " (left out)", "candidate": " (not measured)"}[self.use]
 
     @property
     def size(self):
@@ -107,12 +108,24 @@ class Measured:
         """The size of its values, to which parts refer."""
         return float(np.abs(self.values).max()) if self.values is not None and self.size else 1.0
 
+    def in_file(self, values):
+        """Values in the unit of FILE."""
+        return values / factor(self.shown, self.unit)
+
+    @property
+    def x_in_file(self):
+        return self.x / factor(self.x_shown, self.x_unit)
+
     @functools.cache
     def of(self, run):
-        """Its values in a run; nan where the run has none. A curve takes, of every x, the first time that it is reached."""
+        """Its values in a run; nan where the run has none."""
         if self.x is None:
             value = run.summary[self.name] if self.name in run.summary else np.nan
             return np.array([np.nan if value is None else float(value)])
+        return _first(*self.course(run), self.x)
+
+    def course(self, run):
+        """x and y of the curve that a run has."""
         (table, x), (other, y) = self.columns
         table, other = run.table(table), run.table(other)
         try:
@@ -122,11 +135,26 @@ class Measured:
         if len(x) != len(y):
             x = np.interp(other["time"], table["time"], x)
         keep = np.isfinite(x) & np.isfinite(y)
-        x, y = x[keep], y[keep]
-        if not len(x):
-            return np.full(self.size, np.nan)
-        first = np.concatenate([[True], x[1:] > np.maximum.accumulate(x)[:-1]])
-        return np.interp(self.x, x[first], y[first], left=np.nan, right=np.nan)
+        return x[keep], y[keep]
+
+    def wrong_signs(self, run):
+        """The `factors` with which the curve of a run would meet this one; None: those of FILE may do so. A run lies on the other
+        side of zero where a sign was forgotten."""
+        x, y = self.course(run)
+        signs = [1, 1]
+        meets = [np.clip(sign * x, *self.x[[0, -1]]).ptp() > 0 if len(x) else True for sign in (1, -1)]
+        signs[0] = 1 if meets[0] or not meets[1] else -1
+        product = _first(signs[0] * x, y, self.x) * self.values
+        signs[1] = -1 if (product < 0).any() and not (product > 0).any() else 1
+        return None if signs == [1, 1] else [float(sign * old) for sign, old in zip(signs, self.factors)]
+
+
+def _first(x, y, places):
+    """y at places of x, of every x the first time that it is reached; nan outside."""
+    if not len(x):
+        return np.full(len(places), np.nan)
+    first = np.concatenate([[True], x[1:] > np.maximum.accumulate(x)[:-1]])
+    return np.interp(places, x[first], y[first], left=np.nan, right=np.nan)
 
 
 class Test:
@@ -152,6 +180,16 @@ class Problem:
     @property
     def fitted(self):
         return [measured for measured in self.measured if measured.use == "fit"]
+
+    def check_signs(self, runs):
+        """A sign that was forgotten in FILE is a mistake that the first run shows."""
+        texts = []
+        for m in (m for m in self.measured if m.x is not None):
+            signs = [signs for run in runs.answers(m.test) if run and (signs := m.wrong_signs(run))]
+            if signs:
+                texts.append(f"error: {m.title}: the first run has a curve on the other side of zero\n  --> {m.where}\n   = allowed: factors = {signs[0]}")
+        if texts:
+            raise Mistakes(texts, "the first run was done")
 
     def values(self, u):
         return np.array([parameter.value(x) for parameter, x in zip(self.parameters, np.transpose(u))]).T
@@ -210,7 +248,10 @@ def markdown():
     heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]", "measured": "[[test.NAME.measured]]",
              "expect": "[expect.PARAMETER]"}
     lines = ["# Keys of a fit", "", "Written by `knap-fit --keys`. What a fit does, and a first FILE: [guide](README.md#parameters-from-measurements). Numbers "
-             "have the units of scenarios, in SI where none is written."]
+             "have the units of scenarios, in SI where none is written.", "", "Exit codes of knap-fit and knap-sensitivity: 0 success, also where command lines were "
+             "printed; 2 a mistake in FILE, found before the runs or by the first one, or a library that is missing; 3 the runs or the data give no answer; "
+             "4 a value of `[expect]` is missed; 130 interrupted (the same command goes on). With `--print-commands` stdout has command lines alone, or "
+             "nothing where no run is left; messages are on stderr."]
     for kind, rows in keys.items():
         lines += ["", f"## {heads.get(kind, f'[{kind}]')}", "", "| key | value | default | meaning |", "|---|---|---|---|"]
         for name, key in rows.items():
@@ -251,6 +292,7 @@ def _checked(key, given):
 class _Reader:
     def __init__(self, file):
         self.file, self.found = pathlib.Path(file), []
+        self.owners = {}  # the parameter that sets a key of a test
         text = self.file.read_text(encoding="utf-8")
         try:
             self.root = tomllib.loads(text)
@@ -267,11 +309,14 @@ class _Reader:
             elif match := re.match(r'\s*"?([\w.\-\[\]]+)"?\s*=', line):
                 self.lines.setdefault(f"{head}.{match[1]}".lstrip("."), (number, line))
 
+    def line(self, path):
+        """Number and text of the line of a key, or of the table that would have it."""
+        while path and path not in self.lines:
+            path = path.rpartition(".")[0]
+        return self.lines.get(path, (1, ""))
+
     def error(self, path, text, remedy=""):
-        place = path
-        while place and place not in self.lines:
-            place = place.rpartition(".")[0]
-        number, line = self.lines.get(place, (1, ""))
+        number, line = self.line(path)
         self.found.append(f"error: `{path}` {text}\n  --> {self.file}:{number}\n   | {line.strip()}"
                           + (f"\n   = allowed: {remedy}" if remedy else ""))
 
@@ -310,8 +355,15 @@ class _Reader:
         path = f"parameter.{name}"
         table = self.table(given, "parameter", path)
         found = Parameter(name, table["key"] or [], (0.0, 1.0), "", table["scale"] == "log")
-        for of in {key.rpartition(":")[0] for key in found.keys} - {"", *tests}:
-            self.error(f"{path}.key", f"names the test {of!r}, which does not exist", ", ".join(tests))
+        for key in found.keys:
+            of, _, plain = key.rpartition(":")
+            if of and of not in tests:
+                self.error(f"{path}.key", f"names the test {of!r}, which does not exist", ", ".join(tests))
+            for test in [of] if of else tests:
+                other = self.owners.setdefault((test, plain), name)
+                if other != name:
+                    self.error(f"{path}.key", f"has {key!r}, which the parameter {other} has, too", "a key of one parameter alone")
+                    break
         if table["bounds"] is None:
             return found
         (low, high), unit = table["bounds"]
@@ -335,6 +387,9 @@ class _Reader:
             self.refuse("test", "scenario", path, given)
         values = {key: value if isinstance(value, str) else knap._toml(value) for key, value in table["set"].items()}
         test = Test(name, scenario, values, table["seeds"] or seeds, table["seed"])
+        for key in table["set"]:
+            if owner := self.owners.get((name, key)):
+                self.error(f"{path}.set", f"has {key!r}, which the parameter {owner} sets", "other keys of the scenario")
         for i, entry in enumerate(table["measured"]):
             self.measured(test, entry, f"{path}.measured[{i}]")
         return test
@@ -350,21 +405,20 @@ class _Reader:
         if found is None:
             return
         found.n = table["n"] or found.n
-        if table["scatter"]:
-            scatter, unit = table["scatter"]
-            if found.values is None and unit == "%":
-                found.part = scatter / 100
-            else:
-                found.scatter = found.level * scatter / 100 if unit == "%" else scatter * (factor(unit, found.unit) or np.nan)
-            if not (found.part if found.scatter is None else found.scatter) >= 0:
-                self.refuse("measured", "scatter", path, given)
-        if table["noise"]:
-            noise, unit = table["noise"]
-            found.noise = found.level * noise / 100 if unit == "%" else noise * (factor(unit, found.unit) or np.nan)
-            if not found.noise >= 0:
-                self.refuse("measured", "noise", path, given)
-        if any(other.name == found.name for other in test.measured):
-            self.error(path, f"is the second one of {found.name} in this test", "values = [...] of several specimens; another test")
+        for key in ("scatter", "noise"):
+            value, unit = table[key] or (None, "")
+            if value is not None and unit == "%" and found.values is None:
+                found.part = value = float(np.hypot(found.part, value / 100)) * np.sign(value)
+            elif value is not None:
+                value *= found.level / 100 if unit == "%" else factor(unit, found.unit) or np.nan
+                setattr(found, key, value)
+            if value is not None and not value >= 0:
+                self.refuse("measured", key, path, given)
+            elif value is not None and found.values is None and unit != "%":
+                found.shown = unit or found.shown
+        if any((other.name, other.use) == (found.name, found.use) for other in test.measured):
+            self.error(path, f"is the second one of {found.name} in this test", "values = [...] of several specimens; another test; another `use`")
+        found.where = f"{self.file}:{self.line(path)[0]}"
         test.measured.append(found)
 
     def one_number(self, test, table, path, given):
@@ -379,7 +433,7 @@ class _Reader:
             if scale is None:
                 self.error(f"{path}.values", f"are in {own}", f"a unit of {found.name}: {unit or 'none'}")
                 return None
-            found.values, found.n = np.array([values.mean() * scale]), len(values)
+            found.values, found.n, found.shown = np.array([values.mean() * scale]), len(values), own or unit
             if len(values) > 2:  # of the specimens themselves
                 found.scatter = float(values.std(ddof=1)) * scale
         return found
@@ -410,7 +464,9 @@ class _Reader:
         if None in scales or None in units:
             return None
         x, y = (points * scales).T
-        return Measured(test, columns[1][1], table["use"], y, None, x=x, columns=columns, factors=table["factors"], unit=units[1], x_unit=units[0])
+        found = Measured(test, columns[1][1], table["use"], y, None, x=x, columns=columns, factors=table["factors"], unit=units[1], x_unit=units[0])
+        found.x_shown, found.shown = (unit or of for unit, of in zip(own, units))
+        return found
 
     def expect(self, name, given, parameters):
         """Value of the mean of the posterior, and how far from it the mean may lie."""
@@ -425,8 +481,9 @@ class _Reader:
         return value, within * value / 100 if of == "%" != unit else within
 
 
-def read(file, check_scenarios=True):
-    """The Problem of a file; raises Mistakes."""
+def read(file, check_scenarios=True, fit=True):
+    """The Problem of a file; raises Mistakes. For a `fit` each test has something measured; knap-sensitivity can do with the names
+    of numbers."""
     reader = _Reader(file)
     top = reader.table(reader.root, "top", "")
     options = {**reader.table(top["fit"], "fit", "fit"), **reader.table(top["sensitivity"], "sensitivity", "sensitivity")}
@@ -436,8 +493,11 @@ def read(file, check_scenarios=True):
     for name in options["numbers"]:
         reader.number(name, "sensitivity.numbers")
     problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options)
-    if not (problem.fitted or options["numbers"] or reader.found):
-        reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]]; [sensitivity] numbers for knap-sensitivity")
+    for name, table in top["test"].items():
+        if not (isinstance(table, dict) and table.get("measured")) and (fit or not options["numbers"]):
+            reader.error(f"test.{name}", "has nothing measured", f"[[test.{name}.measured]]" + "; [sensitivity] numbers" * (not fit))
+    if fit and not problem.fitted and not reader.found:
+        reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]] with use = \"fit\"")
     if check_scenarios:
         _check_scenarios(reader, problem)
     if reader.found:

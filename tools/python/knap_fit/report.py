@@ -27,40 +27,60 @@ def surpluses(runs):
 
 def write(fit):
     """All files of a fit, and what a terminal shows; whether the values of [expect] are met."""
-    problem, posterior, out = fit.problem, fit.posterior, fit.runs.directory
-    low, high = posterior.interval()
-    best, values = problem.values(posterior.best), problem.values(posterior.u)
-    states, part = fit.determined(), posterior.u.std(axis=0) / fit.prior_deviation()
-    level = f"{100 * problem.options['interval']:g} %"
+    problem, posterior, out, level = fit.problem, fit.posterior, fit.runs.directory, f"{100 * fit.problem.options['interval']:g} %"
+    names, values = [p.name for p in problem.parameters], problem.values(posterior.u)
+    numbers = [problem.values(posterior.best), *posterior.interval(), values.mean(axis=0), values.std(axis=0), posterior.u.std(axis=0) / fit.prior_deviation()]
     head = ["parameter", "unit", "best", f"low {level}", f"high {level}", "mean", "deviation", "deviation over that before", "determined"]
-    rows = [[p.name, p.unit, float(best[i]), float(low[i]), float(high[i]), float(values[:, i].mean()), float(values[:, i].std()), float(part[i]),
-             states[i]] for i, p in enumerate(problem.parameters)]
-    table(out / "parameters.csv", head, rows)
+    rows = [[p.name, p.unit, *map(float, row), state] for p, row, state in zip(problem.parameters, np.transpose(numbers), fit.determined())]
+    correlations = [[name, *map(float, row)] for name, row in zip(names, np.atleast_2d(np.corrcoef(posterior.u.T)))]
+    keys = {key.rpartition(":")[2]: i for i, p in enumerate(problem.parameters) for key in p.keys}
+    table(out / "posterior.csv", [label(key, problem.parameters[i].unit) for key, i in keys.items()], values[:, list(keys.values())].tolist())
+    curves, further = fit.predictions(), fit.further_tests()
+    residuals, predictions = against_data(fit, curves)
+    columns = ["measured", "x", "unit of x", "value", "model", f"low {level}", f"high {level}", "unit"]
+    tables = [("Parameters", "parameters.csv", head, rows),
+              ("Correlations", "correlations.csv", ["parameter", *names], correlations),
+              ("Further tests: by how much they would narrow the intervals", "further_tests.csv", ["measured once", *(f"{name} [%]" for name in names)],
+               [[title, *(100 * narrowed).tolist()] for title, narrowed in further]),
+              ("Residuals", "residuals.csv", [*columns, "residual", "in deviations"], residuals),
+              ("Predictions of what was left out", "predictions.csv", [*columns, "inside"], predictions)]
+    for _, file, titles, lines in tables:
+        table(out / file, titles, lines)
     (out / "parameters.tex").write_text(knap.latex(head[:5], [row[:5] for row in rows], "Parameters of " + problem.name), encoding="utf-8")
-    titles = ["parameter", *(p.name for p in problem.parameters)]
-    correlations = [[p.name, *map(float, row)] for p, row in zip(problem.parameters, np.atleast_2d(np.corrcoef(posterior.u.T)))]
-    table(out / "correlations.csv", titles, correlations)
-    keys = [(key.rpartition(":")[2], i) for i, p in enumerate(problem.parameters) for key in p.keys]
-    keys = list(dict(keys).items())
-    units = [problem.parameters[i].unit for _, i in keys]
-    table(out / "posterior.csv", [label(key, unit) for (key, _), unit in zip(keys, units)],
-           [[float(row[i]) for _, i in keys] for row in values])
-    residuals, predictions, curves = [], [], fit.predictions()
-    for m, lower, middle, upper in curves:
+    notes = said(fit, further, predictions)
+    for row in rows:
+        print(f"{row[0]} = {row[2]:.5g} {row[1]}  ({level}: {row[3]:.5g} to {row[4]:.5g}; determined: {row[-1]})")
+    print("\n".join(notes))
+    _page(out / "report.html", problem.name, notes, [(title, *rest) for title, _, *rest in tables], draw(fit, curves))
+    print(f"fit:     {out}")
+    missed = False
+    for name, (value, within) in problem.options.get("expect", {}).items():
+        mean = float(values[:, names.index(name)].mean())
+        missed |= abs(mean - value) > within
+        print(f"expect {name} {mean:.5g}, {value:g} within {within:.3g}: {'FAILED' if abs(mean - value) > within else 'ok'}")
+    return not missed
+
+
+def against_data(fit, curves):
+    """Rows of the residuals of what was fitted, and of the predictions of what was left out, in the units of FILE."""
+    residuals, predictions = [], []
+    deviations = 2 * NormalDist().inv_cdf(0.5 + fit.problem.options["interval"] / 2)  # of the interval: 3.29 at 90 %
+    for m, *of_model in curves:
         if m.values is None:
             continue
-        r = m.values - middle
-        deviations = 2 * NormalDist().inv_cdf(0.5 + problem.options["interval"] / 2)  # of the interval: 3.29 at 90 %
-        z = r / np.maximum((upper - lower) / deviations, 1e-300)
-        for j in range(m.size):
-            row = [m.title, float(m.x[j]) if m.x is not None else "", m.unit, float(m.values[j]), float(middle[j]), float(lower[j]), float(upper[j])]
+        places = [""] if m.x is None else m.x_in_file.tolist()
+        for x, value, low, middle, high in zip(places, *(m.in_file(values).tolist() for values in (m.values, *of_model))):
+            row = [m.title, x, m.x_shown, value, middle, low, high, m.shown]
             if m.use == "fit":
-                residuals.append([*row, float(r[j]), float(z[j])])
+                residuals.append([*row, value - middle, (value - middle) * deviations / max(high - low, 1e-300)])
             else:
-                predictions.append([*row, "yes" if lower[j] <= m.values[j] <= upper[j] else "no"])
-    columns = ["measured", "x", "unit", "value", "model", f"low {level}", f"high {level}"]
-    table(out / "residuals.csv", [*columns, "residual", "in deviations"], residuals)
-    table(out / "predictions.csv", [*columns, "inside"], predictions)
+                predictions.append([*row, "yes" if low <= value <= high else "no"])
+    return residuals, predictions
+
+
+def said(fit, further, predictions):
+    """Sentences: what the data say, and what they do not."""
+    parameters, states = fit.problem.parameters, fit.determined()
     notes = [f"{fit.runs.counted()}; {fit.stopped}."]
     if np.isfinite(fit.p):
         notes.append(f"Misfit: probability {fit.p:.2g} if the model were true." + (
@@ -68,36 +88,26 @@ def write(fit):
     else:
         notes.append("There are no more numbers than parameters: whether the model can meet the data cannot be judged, and no model error is found. "
                      "See the residuals.")
-    if posterior.tau.any():
-        tau = np.percentile(posterior.tau, [5, 50, 95]) * 100
+    if fit.posterior.tau.any():
+        tau = np.percentile(fit.posterior.tau, [5, 50, 95]) * 100
         notes.append(f"A model error of {tau[1]:.2g} % ({tau[0]:.2g} to {tau[2]:.2g} %) of the largest value of each measurement is part of the "
                      "intervals.")
-    notes += [f"{p.name} is {'only partly' if s == 'partly' else 'not'} determined by these data." for p, s in zip(problem.parameters, states) if s != "yes"]
+    notes += [f"{p.name} is {'only partly' if s == 'partly' else 'not'} determined by these data." for p, s in zip(parameters, states) if s != "yes"]
     notes += [text[0].upper() + text[1:] + "." for text in fit.combinations()]
-    notes += [f"{title} would take {100 * gain:.0f} % off the deviation of {name}." for name, title, gain in fit.further_tests()]
-    for u, p in zip(posterior.u.T, problem.parameters):
+    for title, narrowed in further:
+        most = ", ".join(f"{p.name} by {100 * part:.0f} %" for p, part in zip(parameters, narrowed) if part >= 0.01)
+        notes.append(f"{title} would narrow the intervals: {most}." if most else f"{title} would narrow no interval.")
+    notes += [f"{m.title}: too few runs have a value to say what it would tell." for m in fit.problem.measured if m.title not in fit.emulators]
+    for u, p in zip(fit.posterior.u.T, parameters):
         if np.mean(u < 0.03) > 0.15 or np.mean(u > 0.97) > 0.15:
             notes.append(f"{p.name} leans on a bound, {p.low:g} to {p.high:g} {p.unit}: widen it if the bound is no knowledge.")
     if predictions:
         notes.append(f"Left out: {sum(row[-1] == 'yes' for row in predictions)} of {len(predictions)} values lie in their intervals.")
-    for m, *_ in curves:
-        known = fit.emulators[m.title].works
-        if known.mean() < 0.95:
-            notes.append(f"{m.title}: no value at {(~known).sum()} of {len(known)} points, where a run failed or ended too early (time.end); "
+    for title, emulator in fit.emulators.items():
+        if emulator.works.mean() < 0.95:
+            notes.append(f"{title}: no value at {(~emulator.works).sum()} of {len(emulator.works)} points, where a run failed or ended too early (time.end); "
                          "the fit takes parameters there for impossible, and the interval is that of the others.")
-    notes += [text[0].upper() + text[1:] + "." for text in surpluses(fit.runs)]
-    for row in rows:
-        print(f"{row[0]} = {row[2]:.5g} {row[1]}  ({level}: {row[3]:.5g} to {row[4]:.5g}; determined: {row[-1]})")
-    print("\n".join(notes))
-    pictures = draw(fit, curves)
-    _page(out / "report.html", problem.name, notes, [("Parameters", head, rows), ("Correlations", titles, correlations), ("Residuals", [*columns, "residual", "in deviations"], residuals),
-                                                   ("Predictions of what was left out", [*columns, "inside"], predictions)], pictures)
-    print(f"fit:     {out}")
-    expected = [(p.name, float(values[:, i].mean()), *problem.options["expect"][p.name])
-                for i, p in enumerate(problem.parameters) if p.name in problem.options.get("expect", {})]
-    for name, mean, value, within in expected:
-        print(f"expect {name} {mean:.5g}, {value:g} within {within:.3g}: {'ok' if abs(mean - value) <= within else 'FAILED'}")
-    return all(abs(mean - value) <= within for _, mean, value, within in expected)
+    return notes + [text[0].upper() + text[1:] + "." for text in surpluses(fit.runs)]
 
 
 def write_least_squares(problem, runs, u, residuals):
@@ -110,11 +120,10 @@ def write_least_squares(problem, runs, u, residuals):
 
 
 def _page(file, name, notes, tables, pictures):
-    body = "".join(f"<p>{html.escape(note)}</p>\n" for note in notes)
-    body += "".join(f"<h2>{title}</h2>\n<img src=\"{picture}\" alt=\"{html.escape(title)}\">\n" for title, picture in pictures)
-    for title, head, rows in tables:
-        cells = [[f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row] for row in rows]
-        body += f"<h2>{title}</h2>\n{knap._html_table(head, cells)}\n" if rows else ""
+    """The notes, the first table, the pictures, the other tables."""
+    blocks = [f"<h2>{html.escape(title)}</h2>\n{knap.html_table(head, rows)}\n" for title, head, rows in tables if rows]
+    blocks[1:1] = [f"<h2>{title}</h2>\n<img src=\"{picture}\" alt=\"{html.escape(title)}\">\n" for title, picture in pictures]
+    body = "".join(f"<p>{html.escape(note)}</p>\n" for note in notes) + "".join(blocks)
     page = (pathlib.Path(__file__).parent / "page.html").read_text(encoding="utf-8")
     file.write_text(page.replace("NAME", html.escape(name)).replace("BODY", body), encoding="utf-8")
 
@@ -175,15 +184,16 @@ def draw(fit, curves):
     pictures = [save(corner(figure, fit), out, "Posterior", "corner.png")]
     figure = figure_of(7, 3.2 * len(curves))
     axes = figure.subplots(len(curves), squeeze=False)
-    for axis, (m, low, middle, high) in zip(axes[:, 0], curves):
-        x, number = (np.arange(2), 2) if m.x is None else (m.x, 1)  # a number is a line from 0 to 1
-        axis.plot(x, np.tile(fit.runs.of(m).reshape(-1, m.size), number).T, color="#cccccc", lw=0.5)
-        axis.fill_between(x, np.tile(low, number), np.tile(high, number), color="#4477aa", alpha=0.4, label=f"model, {level:g} %")
-        axis.plot(x, np.tile(middle, number), color="#4477aa")
+    for axis, (m, *of_model) in zip(axes[:, 0], curves):
+        x, number = (np.arange(2), 2) if m.x is None else (m.x_in_file, 1)  # a number is a line from 0 to 1
+        low, middle, high = (np.tile(m.in_file(values), number) for values in of_model)
+        axis.plot(x, np.tile(m.in_file(fit.runs.of(m)).reshape(-1, m.size), number).T, color="#cccccc", lw=0.5)
+        axis.fill_between(x, low, high, color="#4477aa", alpha=0.4, label=f"model, {level:g} %")
+        axis.plot(x, middle, color="#4477aa")
         if m.values is not None:
-            axis.plot(x, np.tile(m.values, number), "o-" if number == 1 else "-", color="#cc3311", label="measured")
-        axis.set(ylabel=label(m.name, m.unit), xlabel=label(m.columns[0][1], m.x_unit) if number == 1 else "", **({"xticks": []} if number == 2 else {}))
-        axis.set_title(m.title + {"fit": "", "predict": " (left out)", "candidate": " (not measured)"}[m.use], fontsize="medium")
+            axis.plot(x, np.tile(m.in_file(m.values), number), "o-" if number == 1 else "-", color="#cc3311", label="measured")
+        axis.set(ylabel=label(m.name, m.shown), xlabel=label(m.columns[0][1], m.x_shown) if number == 1 else "", **({"xticks": []} if number == 2 else {}))
+        axis.set_title(m.title, fontsize="medium")
         axis.legend(fontsize="small")
     pictures.append(save(figure, out, "Measured and model", "curves.png"))
     figure, (runs, _, widths) = figure_of(7, 3.2), zip(*fit.history)

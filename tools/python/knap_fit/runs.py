@@ -23,6 +23,10 @@ class Stop(Exception):
     """No run is started: the text says why."""
 
 
+class Commands(Exception):
+    """The command lines of the runs that come next, which others are to start."""
+
+
 def table(file, head, rows):
     """Writes a csv file; a reader, or a process that was ended, finds the old one or the new one."""
     new = file.with_suffix(".new")
@@ -145,7 +149,7 @@ class Runs:
             elif job not in self.why:
                 jobs.append(job)
         if jobs and self.print_commands:
-            raise Stop("\n".join(" ".join(map(shlex.quote, self.command(*job))) for job in jobs))
+            raise Commands("\n".join(" ".join(map(shlex.quote, self.command(*job))) for job in jobs))
         pool = concurrent.futures.ThreadPoolExecutor(self.jobs)
         try:
             for job, (code, text) in zip(jobs, pool.map(self._run, jobs)):
