@@ -227,6 +227,25 @@ class Quick(unittest.TestCase):
         found = {file.stem: files.read(file) for file in sorted(fits.glob("fit_*.toml"))}
         self.assertEqual([name for name, problem in found.items() if name == problem.name], ["fit_concrete_panel", "fit_granite"])
 
+    def test_posterior_of_each_test_has_its_keys(self):
+        found = files.read(fits / "fit_granite.toml", check_scenarios=False)
+        keys = {test.name: set(found.keys_of(test)) for test in found.tests}
+        self.assertEqual(keys["beam"] - keys["shear"], {f"interface.left-right.{name}" for name in ("sigma_c", "G_c", "gamma")} | {"material.left.E", "material.right.E"})
+        self.assertEqual(set(found.keys_of(*found.tests)), set.union(*keys.values()))
+        self.assertEqual(found.keys_of(found.tests[0])["material.sandstone.E"], 4)
+
+    def test_two_measurements_have_parts_of_one_curve(self):
+        text = (fits / "fit_concrete_panel.toml").read_text()
+        head, tail = files.read(fits / "fit_concrete_panel.toml", check_scenarios=False).measured
+        np.testing.assert_allclose([head.x_in_file[[0, -1]], tail.x_in_file[[0, -1]]], [[0.0498, 0.3996], [0.4992, 1.0]])
+        self.assertEqual((head.title, tail.title), ("panel: jack_force_y", "panel: jack_force_y (left out)"))
+        shutil.copy(fits / "winkler.csv", directory)
+        for old, new, words in (('"0.45 mm", "1 mm"', '"0.7 mm", "1 mm"', "two or more points"), ('"0.45 mm", "1 mm"', '"1 N", "2 N"', "in its unit"),
+                                ('use     = "predict"', "", "is the second one of jack_force_y")):
+            (directory / "parts.toml").write_text(text.replace(old, new))
+            with self.assertRaisesRegex(files.Mistakes, words):
+                files.read(directory / "parts.toml", check_scenarios=False)
+
     def test_units_are_those_of_the_program(self):
         for unit, of, value in (("MPa", "Pa", 1e6), ("kJ/m2", "J/m2", 1e3), ("mm", "m", 1e-3), ("mm2", "m2", 1e-6), ("mm/us", "m/s", 1e3), ("%", "", 0.01)):
             self.assertAlmostEqual(files.factor(unit, of) / value, 1, delta=1e-12)

@@ -51,10 +51,8 @@ def _main(program, folder, description, work, arguments):
         code = print(lines, file=commands) or 0
     except files.Mistakes as mistakes:
         code = print(mistakes, file=sys.stderr) or 2
-    except OSError as error:
-        code = print(f"error: {error}", file=sys.stderr) or 2
-    except (Stop, knap.KnapError) as stop:
-        code = print(f"error: {stop}", file=sys.stderr) or 3
+    except (OSError, Stop, knap.KnapError) as error:
+        code = print(f"error: {error}", file=sys.stderr) or (2 if isinstance(error, OSError) else 3)
     except KeyboardInterrupt:
         code = print("interrupted: the same command goes on", file=sys.stderr) or 130
     sys.exit(code)
@@ -70,7 +68,8 @@ def fit(arguments=None):
 
     _main("knap-fit", "fits", """Finds parameters of scenarios from measurements, with intervals. FILE names scenarios, free keys with
 bounds, and what was measured. The directory gets points.csv, parameters.csv, posterior.csv (which [sweep.random] file draws
-from), residuals.csv, predictions.csv, convergence.csv, parameters.tex and report.html.""", work, arguments)
+from; posterior_TEST.csv where tests have keys of their own), residuals.csv, predictions.csv, further_tests.csv, convergence.csv,
+parameters.tex and report.html.""", work, arguments)
 
 
 def sensitivity(arguments=None):

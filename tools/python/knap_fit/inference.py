@@ -261,8 +261,10 @@ class Fit:
             if m.use != "fit" and m.title in self.emulators:
                 emulator = self.emulators[m.title]
                 mean = emulator(u)[0]
-                scatter = m.scatter or max((m.part or 0.03) * np.abs(mean).max(), np.sqrt(np.diag(emulator.seed_covariance()).max()))
-                asked.append((m.title, self.narrowed(mean, scatter)))
+                level = np.abs(mean).max()
+                scatter = m.scatter or max((m.part or 0.03) * level, np.sqrt(np.diag(emulator.seed_covariance()).max()))
+                together = (scatter**2 + (np.median(self.posterior.tau) * level) ** 2) * correlation(m.x)  # with the model error
+                asked.append((m.title, self.narrowed(mean, together + m.noise**2 * np.eye(m.size))))
         known = [self.runs.numbers(m.test, m.name) for m in self.problem.measured if m.x is None]
         design = np.hstack([np.ones((len(self.runs.points), 1)), self.runs.points])
         for test in self.problem.tests:
@@ -277,17 +279,18 @@ class Fit:
                 slope = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
                 rest = (y[keep] - design[keep] @ slope).std()
                 if rest < 0.5 * y[keep].std():
-                    narrowed = self.narrowed((u @ slope[1:] + slope[0])[:, None], max(rest, 0.03 * np.abs(y[keep]).mean()))
+                    narrowed = self.narrowed((u @ slope[1:] + slope[0])[:, None], np.array([[max(rest, 0.03 * np.abs(y[keep]).mean()) ** 2]]))
                     others.append((f"{test.name}: {name}", narrowed))
         told = np.array([narrowed for _, narrowed in others]).reshape(-1, u.shape[1])
         most = (told > 0.1) & (told >= np.sort(told, axis=0)[-3:][:1]) & (np.array(self.determined()) != "yes")
         return asked + [(title, narrowed) for (title, narrowed), shown in zip(others, most) if shown.any()]
 
-    def narrowed(self, f, scatter):
-        """Part by which the deviation of each parameter would shrink if f, a row for each draw, were measured: linear regression."""
+    def narrowed(self, f, covariance):
+        """Part by which the deviation of each parameter would shrink if f, a row for each draw, were measured with errors of this
+        covariance: linear regression."""
         x, f = self.posterior.u - self.posterior.u.mean(axis=0), f - f.mean(axis=0)
         both = f.T @ x / len(f)
-        gain = (both * np.linalg.solve(f.T @ f / len(f) + scatter**2 * np.eye(f.shape[1]), both)).sum(axis=0)
+        gain = (both * np.linalg.solve(f.T @ f / len(f) + covariance, both)).sum(axis=0)
         return 1 - np.sqrt(np.clip(1 - gain / x.var(axis=0), 0, 1))
 
     def predictions(self):
@@ -322,7 +325,7 @@ def least_squares(problem, runs, log=lambda text: None):
             if not len(values):
                 raise Stop(f"{m.title}: no value at {where}")
             found.append((values.mean(axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
-        log(f"{where}: " + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}" for m in problem.fitted if m.x is None))
+        log(f"{where}: " + ", ".join(f"{m.title} {m.in_file(runs.of(m)[k].mean()):.6g} {m.shown}" for m in problem.fitted if m.x is None))
         return np.concatenate(found)
 
     start = np.array([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters])

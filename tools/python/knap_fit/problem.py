@@ -4,6 +4,7 @@ import functools
 import pathlib
 import re
 import subprocess
+import tempfile
 
 import numpy as np
 
@@ -198,15 +199,14 @@ class Problem:
         """The values that a run gets, a tuple."""
         return tuple(float(f"{value:.6g}") for value in self.values(u))
 
+    def keys_of(self, *tests):
+        """{key of the scenarios of these tests: number of the parameter that sets it}."""
+        keys = [(key.rpartition(":"), i) for i, parameter in enumerate(self.parameters) for key in parameter.keys]
+        return {plain: i for (of, _, plain), i in keys if of in ("", *(test.name for test in tests))}
+
     def set_of(self, test, u):
         """KEY=VALUE of a run of a test."""
-        found = dict(test.set)
-        for parameter, x in zip(self.parameters, u):
-            for key in parameter.keys:
-                of, _, plain = key.rpartition(":")
-                if of in ("", test.name):
-                    found[plain] = parameter.text(x)
-        return found
+        return {**test.set, **{key: self.parameters[i].text(u[i]) for key, i in self.keys_of(test).items()}}
 
 
 @functools.cache
@@ -464,6 +464,13 @@ class _Reader:
         if None in scales or None in units:
             return None
         x, y = (points * scales).T
+        if table["between"]:
+            (low, high), unit = table["between"]
+            keep = (x >= low * (factor(unit, units[0]) or np.nan)) & (x <= high * (factor(unit, units[0]) or np.nan))
+            if keep.sum() < 2:
+                self.refuse("measured", "between", path, given)
+                return None
+            x, y = x[keep], y[keep]
         found = Measured(test, columns[1][1], table["use"], y, None, x=x, columns=columns, factors=table["factors"], unit=units[1], x_unit=units[0])
         found.x_shown, found.shown = (unit or of for unit, of in zip(own, units))
         return found
@@ -507,12 +514,11 @@ def read(file, check_scenarios=True, fit=True):
 
 def _check_scenarios(reader, problem):
     """What the program says of every scenario with its parameters at both bounds."""
-    for test in problem.tests:
-        for u in (0.0, 1.0) if test.scenario else ():
-            command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "--force", "-o", "/nonexistent/knap_fit"]
+    for test, u in ((test, u) for test in problem.tests for u in (0.0, 1.0) if test.scenario):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "-o", folder]
             for key, value in problem.set_of(test, [u] * len(problem.parameters)).items():
                 command += ["-s", f"{key}={value}"]
             done = subprocess.run(command, capture_output=True, text=True)
-            if done.returncode:
-                reader.error(f"test.{test.name}", f"with all parameters at their {'upper' if u else 'lower'} bounds:\n{done.stderr.strip()}")
-                break
+        if done.returncode:
+            reader.error(f"test.{test.name}", f"with all parameters at their {'upper' if u else 'lower'} bounds:\n{done.stderr.strip()}")

@@ -33,8 +33,10 @@ def write(fit):
     head = ["parameter", "unit", "best", f"low {level}", f"high {level}", "mean", "deviation", "deviation over that before", "determined"]
     rows = [[p.name, p.unit, *map(float, row), state] for p, row, state in zip(problem.parameters, np.transpose(numbers), fit.determined())]
     correlations = [[name, *map(float, row)] for name, row in zip(names, np.atleast_2d(np.corrcoef(posterior.u.T)))]
-    keys = {key.rpartition(":")[2]: i for i, p in enumerate(problem.parameters) for key in p.keys}
-    table(out / "posterior.csv", [label(key, problem.parameters[i].unit) for key, i in keys.items()], values[:, list(keys.values())].tolist())
+    drawn = {"posterior.csv": problem.keys_of(*problem.tests)}  # a sweep takes the keys of its scenario alone
+    drawn.update({f"posterior_{test.name}.csv": keys for test in problem.tests if (keys := problem.keys_of(test)) != drawn["posterior.csv"]})
+    for file, keys in drawn.items():
+        table(out / file, [label(key, problem.parameters[i].unit) for key, i in keys.items()], values[:, list(keys.values())].tolist())
     curves, further = fit.predictions(), fit.further_tests()
     residuals, predictions = against_data(fit, curves)
     columns = ["measured", "x", "unit of x", "value", "model", f"low {level}", f"high {level}", "unit"]

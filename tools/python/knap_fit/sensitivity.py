@@ -6,6 +6,7 @@ import knap
 from . import report
 from .emulator import Emulator
 from .inference import sobol
+from .problem import unit_of
 
 
 def trajectories(k, n, seed, levels=4):
@@ -55,20 +56,20 @@ def write(problem, runs):
     for test, name in sorted(names, key=lambda pair: (pair[0].name, pair[1])):
         y = runs.numbers(test, name)
         if np.isfinite(y).sum() < k + 2 or not np.nanstd(y) > 1e-12 * np.nanmax(np.abs(y)):
-            rows += [[test.name, name, p.name, *["" if np.isfinite(y).any() else "no value"] * 2, "", "", "", ""] for p in problem.parameters]
+            rows += [[test.name, name, p.name, *["" if np.isfinite(y).any() else "no value"] * 2, "", "", "", "", ""] for p in problem.parameters]
             continue
         emulator = Emulator(runs.points, y[:, None, None], float(np.nanmax(np.abs(y))))
         part = float(emulator.noise[0] / np.nanvar(y))
         indices = sobol_indices(lambda u: emulator(u)[0][:, 0], k)
         for p, (mu, sigma), (first, total) in zip(problem.parameters, morris(y[place], points), indices):
-            rows.append([test.name, name, p.name, float(mu), float(sigma), float(mu / max(np.nanmean(np.abs(y)), 1e-300)), first, total, part])
-    head = ["test", "number", "parameter", "mean effect", "deviation of effects", "effect over the mean", "Sobol first order", "Sobol total",
+            rows.append([test.name, name, p.name, float(mu), float(sigma), unit_of("summary", name) or "", float(mu / max(np.nanmean(np.abs(y)), 1e-300)), first, total, part])
+    head = ["test", "number", "parameter", "mean effect", "deviation of effects", "unit", "effect over the mean", "Sobol first order", "Sobol total",
             "part of the seeds"]
     report.table(out / "sensitivity.csv", head, rows)
     (out / "sensitivity.tex").write_text(knap.latex(head, rows, "Sensitivity of " + problem.name, digits=3), encoding="utf-8")
     for row in rows:
-        print(f"{row[0]}: {row[1]} on {row[2]}: " + (f"{row[5]:.2g} of its mean over the bounds, {max(row[7], 0):.2f} of its variance"
-                                                    if isinstance(row[5], float) else "it is the same in all runs or has no value"))
+        print(f"{row[0]}: {row[1]} on {row[2]}: " + (f"{row[6]:.2g} of its mean over the bounds, {max(row[8], 0):.2f} of its variance"
+                                                    if isinstance(row[6], float) else "it is the same in all runs or has no value"))
     notes = [f"{runs.counted()}. Effects: over the whole range of a parameter, from trajectories (Morris). Sobol: parts of the "
              "variance of the mean over seeds, from an emulator; total minus first order is interaction."]
     report._page(out / "report.html", problem.name, notes, [("Sensitivity", head, rows)], _draw(rows, out))
@@ -77,7 +78,7 @@ def write(problem, runs):
 
 
 def _draw(rows, out):
-    numbers = list(dict.fromkeys((row[0], row[1]) for row in rows if isinstance(row[7], float)))
+    numbers = list(dict.fromkeys((row[0], row[1]) for row in rows if isinstance(row[8], float)))
     figure = report.figure_of(7, 1 + 1.8 * len(numbers))
     if figure is None or not numbers:
         return []
@@ -85,8 +86,8 @@ def _draw(rows, out):
     for axis, number in zip(axes[:, 0], numbers):
         mine = [row for row in rows if (row[0], row[1]) == number]
         place = np.arange(len(mine))
-        axis.barh(place + 0.2, [row[7] for row in mine], 0.4, label="total", color="#bbccee")
-        axis.barh(place - 0.2, [row[6] for row in mine], 0.4, label="first order", color="#4477aa")
+        axis.barh(place + 0.2, [row[8] for row in mine], 0.4, label="total", color="#bbccee")
+        axis.barh(place - 0.2, [row[7] for row in mine], 0.4, label="first order", color="#4477aa")
         axis.set_yticks(place, [row[2] for row in mine])
         axis.set_title(f"{number[0]}: {number[1]}", fontsize="medium")
     axes[-1, 0].set_xlabel("part of the variance")
