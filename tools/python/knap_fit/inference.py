@@ -139,9 +139,9 @@ class Fit:
         most = max(options["budget"] // self.runs.per_point, 1)
         first = min(options["first"] or 6 * len(self.problem.parameters), most)
         batch = options["batch"] or -(-most // 12)
-        for n in (1, first):  # one alone, which shows forgotten signs
+        for n in (1, first):  # one alone, which shows mistakes
             self.runs.add(self.design(n)[len(self.runs.values):])
-            self.problem.check_signs(self.runs)
+            self.problem.check_first(self.runs)
         while not self.stopped:
             self.emulate()
             self.infer(steps=150)
@@ -317,7 +317,7 @@ def least_squares(problem, runs, log=lambda text: None):
             raise Stop(f"the budget of {problem.options['budget']} runs is used up")
         if not runs.values:
             runs.add([u])
-            problem.check_signs(runs)
+            problem.check_first(runs)
         k, found, where = runs.at([u])[0], [], ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
         for m in problem.fitted:
             values = runs.of(m)[k]

@@ -132,7 +132,7 @@ class Measured:
         try:
             x, y = self.factors[0] * table[x], self.factors[1] * other[y]
         except KeyError as missing:
-            raise knap.KnapError(f"{run.directory} has no column {missing.args[0]}") from None
+            raise knap.KnapError(f"a run has no column {missing.args[0]}") from None
         if len(x) != len(y):
             x = np.interp(other["time"], table["time"], x)
         keep = np.isfinite(x) & np.isfinite(y)
@@ -146,7 +146,7 @@ class Measured:
         meets = [np.clip(sign * x, *self.x[[0, -1]]).ptp() > 0 if len(x) else True for sign in (1, -1)]
         signs[0] = 1 if meets[0] or not meets[1] else -1
         product = _first(signs[0] * x, y, self.x) * self.values
-        signs[1] = -1 if (product < 0).any() and not (product > 0).any() else 1
+        signs[1] = -1 if (product < 0).sum() > 1 and not (product > 0).any() else 1
         return None if signs == [1, 1] else [float(sign * old) for sign, old in zip(signs, self.factors)]
 
 
@@ -182,13 +182,16 @@ class Problem:
     def fitted(self):
         return [measured for measured in self.measured if measured.use == "fit"]
 
-    def check_signs(self, runs):
-        """A sign that was forgotten in FILE is a mistake that the first run shows."""
+    def check_first(self, runs):
+        """Mistakes of FILE that the first runs show: columns that they do not have, and signs that were forgotten."""
         texts = []
-        for m in (m for m in self.measured if m.x is not None):
-            signs = [signs for run in runs.answers(m.test) if run and (signs := m.wrong_signs(run))]
-            if signs:
-                texts.append(f"error: {m.title}: the first run has a curve on the other side of zero\n  --> {m.where}\n   = allowed: factors = {signs[0]}")
+        for m, run in ((m, run) for m in self.measured if m.x is not None for run in runs.answers(m.test)[:1] if run):
+            try:
+                signs = m.wrong_signs(run)
+                text = signs and f"the first run has its curve on the other side of zero\n  --> {m.where}\n   = allowed: factors = {signs}"
+            except knap.KnapError as error:
+                text = f"{error}\n  --> {m.where}"
+            texts += [f"error: {m.title}: {text}"] if text else []
         if texts:
             raise Mistakes(texts, "the first run was done")
 
