@@ -318,10 +318,11 @@ class Quick(unittest.TestCase):
                 command = [sys.executable, tools / program, file, "-o", out, "-q", "-j", "2"]
                 for number, stop in enumerate(stops if name == "stopped" else ()):
                     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-                    children = []
-                    while process.poll() is None and (len(list(out.glob("runs/*/run.json"))) < 3 + 4 * number or not children):
+                    children = states = []
+                    while process.poll() is None and (len(states) < 3 + 4 * number or "running" not in states or not children):
                         children = re.findall(r"\d+", subprocess.run(["ps", "-o", "pid=", "--ppid", str(process.pid)], capture_output=True, text=True).stdout)
                         time.sleep(0.02)
+                        states = re.findall(r'"status": "(\w+)"', "".join(info.read_text() for info in out.glob("runs/*/run.json")))
                     process.send_signal(stop)
                     text = process.communicate()[1]
                     self.assertEqual((process.returncode, text), (130, "interrupted: the same command goes on\n"))

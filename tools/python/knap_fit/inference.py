@@ -8,7 +8,8 @@ from .emulator import Emulator, Success
 from .problem import unit_of
 from .runs import Stop, table
 
-_unmeasurable = ("law_", "interface_", "measured_", "scheme_", "unresolved_", "overlap_", "largest_penetration", "crossing_")  # in no test
+_unmeasurable = ("law_", "interface_", "measured_", "scheme_", "unresolved_", "overlap_", "largest_penetration", "crossing_",
+                 "cohesive_")  # in no test
 _floor = 1e-3  # of the level of a measurement: smaller differences count as none
 
 

@@ -517,11 +517,13 @@ def read(file, check_scenarios=True, fit=True):
 
 def _check_scenarios(reader, problem):
     """What the program says of every scenario with its parameters at both bounds."""
-    for test, u in ((test, u) for test in problem.tests for u in (0.0, 1.0) if test.scenario):
-        with tempfile.TemporaryDirectory() as folder:
-            command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "-o", folder]
-            for key, value in problem.set_of(test, [u] * len(problem.parameters)).items():
-                command += ["-s", f"{key}={value}"]
-            done = subprocess.run(command, capture_output=True, text=True)
-        if done.returncode:
-            reader.error(f"test.{test.name}", f"with all parameters at their {'upper' if u else 'lower'} bounds:\n{done.stderr.strip()}")
+    for test in problem.tests:
+        for u in (0.0, 1.0) if test.scenario else ():
+            with tempfile.TemporaryDirectory() as folder:
+                command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "-o", folder]
+                for key, value in problem.set_of(test, [u] * len(problem.parameters)).items():
+                    command += ["-s", f"{key}={value}"]
+                done = subprocess.run(command, capture_output=True, text=True)
+            if done.returncode:
+                reader.error(f"test.{test.name}", f"with all parameters at their {'upper' if u else 'lower'} bounds:\n{done.stderr.strip()}")
+                break

@@ -105,10 +105,11 @@ def said(fit, further, predictions):
             notes.append(f"{p.name} leans on a bound, {p.low:g} to {p.high:g} {p.unit}: widen it if the bound is no knowledge.")
     if predictions:
         notes.append(f"Left out: {sum(row[-1] == 'yes' for row in predictions)} of {len(predictions)} values lie in their intervals.")
-    for title, emulator in fit.emulators.items():
-        if emulator.works.mean() < 0.95:
-            notes.append(f"{title}: no value at {(~emulator.works).sum()} of {len(emulator.works)} points, where a run failed or ended too early (time.end); "
-                         "the fit takes parameters there for impossible, and the interval is that of the others.")
+    for m in (m for m in fit.problem.measured if m.title in fit.emulators):
+        works = fit.emulators[m.title].works
+        if works.mean() < 0.95:
+            notes.append(f"{m.title}: no value at {(~works).sum()} of {len(works)} points, where a run failed or ended too early (time.end); "
+                         + "the fit takes parameters there for impossible, and " * (m.use == "fit") + "its interval is that of the others.")
     return notes + [text[0].upper() + text[1:] + "." for text in surpluses(fit.runs)]
 
 
