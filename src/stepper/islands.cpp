@@ -310,12 +310,19 @@ void Islands::update_pieces(double h, State& end, StepReport& report) {
         changed = changed || part_.triangles[pieces.first[t]] != piece.first_triangle;
     }
     for (std::size_t t = 0; t < last.size(); ++t) struck_[t] = last[pieces.first[t]];
-    for (std::size_t t = 0; t < last.size() && !changed; ++t) {
-        const FrozenBody::Piece& piece = body.pieces[body.piece_of_triangle[part_.triangles[t]]];
-        changed = end_time >= struck_[t] + hold(piece.area, piece.first_triangle);
+    if (!changed) {
+        const std::vector<double> vibration = find_means(end);
+        for (std::size_t t = 0; t < last.size() && !changed; ++t) {
+            const Index p = body.piece_of_triangle[part_.triangles[t]];
+            changed = is_quiet(body.pieces[p], struck_[t], vibration[p], end_time);
+        }
     }
-    if (changed) return rebuild_pieces(end_time, end, report);
-    find_means(end);
+    if (changed) rebuild_pieces(end_time, end, report);
+}
+
+/// Whether it may become rigid.
+bool Islands::is_quiet(const FrozenBody::Piece& piece, double struck, double vibration, double now) const {
+    return now >= struck + hold(piece.area, piece.first_triangle) && unrest(piece, vibration, rigid_options_) <= 1;
 }
 
 /// The rest keeps its bits.
@@ -335,7 +342,7 @@ void Islands::rebuild_pieces(double end_time, State& end, StepReport& report) co
         motion.last_step = 0, motion.slow_since = end_time;
         motion.struck = struck_[part_.triangle_of_part[piece.first_triangle]];
         const bool stays =
-            can_break(piece, rigid_options_) && end_time < motion.struck + hold(piece.area, piece.first_triangle);
+            can_break(piece, rigid_options_) && !is_quiet(piece, motion.struck, frozen.vibration[q], end_time);
         motion.state = stays ? PieceState::deformable : PieceState::rigid;
         if (!stays) report.vibration_booked -= frozen.vibration[q], report.kinetic -= frozen.vibration[q];
     }
@@ -349,8 +356,8 @@ void Islands::rebuild_pieces(double end_time, State& end, StepReport& report) co
     end.frozen = std::move(body), end.rigid_pieces = std::move(frozen.pieces);
 }
 
-/// The mean motions of the deformable pieces.
-void Islands::find_means(State& end) const {
+/// The mean motions of the deformable pieces. Returns the energy [J] of what moves beside them, per piece.
+std::vector<double> Islands::find_means(State& end) const {
     const FrozenBody& body = *end.frozen;
     const State& start = rigid_.start();
     std::vector<Vec2> near;
@@ -362,12 +369,15 @@ void Islands::find_means(State& end) const {
                   Vec2(model_.mesh.corner(corner) + end.displacement[node]), end.velocity[node]);
         }
     });
-    std::vector<double> cross_arms(near.size(), 0), dot_arms(near.size(), 0);
+    std::vector<double> cross_arms(near.size(), 0), dot_arms(near.size(), 0), vibration(near.size(), 0);
     for (Index c = 0; c < part_.model.mesh.n_corners(); ++c) {  // the turn since the start of the step
         const Index corner = part_.in_whole(c), p = body.piece_of_triangle[corner / 3];
         const Vec2 &X = model_.mesh.corner(corner),
                    before = X + start.displacement_of(corner) - start.rigid_pieces[p].centre,
                    after = X + end.displacement_of(corner) - mean.centre[p];
+        const Vec2 rigid = mean.velocity[p] + mean.spin[p] * turned_left(after);
+        vibration[p] +=
+            0.5 * model_.corner_mass[corner] * (end.velocity[end.node_of_corner[corner]] - rigid).squaredNorm();
         cross_arms[p] += model_.corner_mass[corner] * cross(before, after);
         dot_arms[p] += model_.corner_mass[corner] * before.dot(after);
     }
@@ -378,6 +388,7 @@ void Islands::find_means(State& end) const {
         piece.angle += std::atan2(cross_arms[p], dot_arms[p]);
         piece.last_step = 0, piece.struck = struck_[part_.triangle_of_part[body.pieces[p].first_triangle]];
     }
+    return vibration;
 }
 
 }  // namespace knap

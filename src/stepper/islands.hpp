@@ -10,7 +10,8 @@
 //     ring      a piece of the rest in which the island now lies deep is deformable, too, and the step is repeated; so
 //               are all that it touches where these contacts gave energy, or its steps had no solution
 //     end       the leapfrog of the island is closed (scheme_change.hpp): its velocities are those of t + H. Pieces
-//               that have been quiet for `hold` passages of a wave become rigid
+//               that have been quiet for `hold` passages of a wave, and vibrate no faster than a blow that they bear,
+//               become rigid
 //
 // A piece that becomes deformable has its rigid motion and the second half of the kick of its last step first, without
 // elastic forces; its strain works from then on. Between two steps the state has all of it, so islands need no memory.
@@ -55,8 +56,9 @@ private:
     void take_contacts(double h, double closing, State& end) const;
     void update_pieces(double h, State& end, StepReport& report);
     void rebuild_pieces(double end_time, State& end, StepReport& report) const;
-    void find_means(State& end) const;
+    std::vector<double> find_means(State& end) const;
     double hold(double area, Index triangle) const;  // [s]
+    bool is_quiet(const FrozenBody::Piece& piece, double struck, double vibration, double now) const;
 
     const Model& model_;
     SchemeOptions options_;

@@ -32,7 +32,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"cohesive_work", "a large implicit step misses the work of cohesion"},
     {"jammed", "contacts are driven against each other, and no motion was found that obeys their laws"},
     {"impact", "a hard impact moves faces by more than the critical opening"},
-    {"blow", "a piece is hit so hard that it may break; the body is deformable now"},
+    {"blow", "a piece is hit, or vibrates, so hard that it may break; the body is deformable now"},
 }};
 
 /// [s] Rounding of a time that is a sum of steps.

@@ -20,7 +20,7 @@
 //     rigid pieces ([rigid])      steps have a size of their own, in which faces that meet move by at most a twentieth
 //                                 of an edge. After a blow the body is deformable until nothing has lost cohesion for
 //                                 `hold` passages of a wave; then a step of rigid pieces is tried, which counts if it
-//                                 is no blow
+//                                 is no blow and no piece vibrates as fast as one
 //     near the end                the rest, or two halves of it: the last step ends there and is no sliver
 //
 // It depends on the reports alone, so a run takes the same steps whenever it is interrupted.

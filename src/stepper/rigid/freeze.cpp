@@ -12,6 +12,8 @@
 namespace knap {
 namespace {
 
+constexpr double few_edges = 10;  // [-] D/L up to which sigma_c/(rho c) breaks a piece
+
 /// [m/s] The particle velocity of a wave whose stress breaks a point now, and that stress [Pa]; infinite where nothing
 /// can.
 struct Weakness {
@@ -34,6 +36,15 @@ Weakness weakness_of(const Model& model, const State& state, Index fan, std::siz
 }
 
 }  // namespace
+
+double least_blow(const FrozenBody::Piece& piece, const RigidOptions& options) {
+    if (!can_break(piece, options)) return infinity;
+    return options.thaw * piece.weakest * std::min(1.0, std::sqrt(few_edges * piece.edge() / std::sqrt(piece.area)));
+}
+
+double unrest(const FrozenBody::Piece& piece, double vibration, const RigidOptions& options) {
+    return std::sqrt(2 * vibration / piece.mass) / least_blow(piece, options);
+}
 
 FrozenPieces freeze(const Model& model, State& state) {
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f)

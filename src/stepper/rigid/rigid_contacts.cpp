@@ -16,7 +16,6 @@ namespace {
 constexpr int more_rounds = 10, sweeps_of_round = 40;  // of clusters whose works are positive beyond the next two
 constexpr double allowed_injection = 2e-4;             // [-] of the losses
 constexpr double at_rest = 1e-8;                       // [-] of the impulses times the speeds
-constexpr double few_edges = 10;                       // [-] D/L up to which sigma_c/(rho c) breaks a piece
 constexpr double lasting_load = 0.5;  // [-] of sigma_c, over an edge, that a piece bears without a blow
 constexpr double deepens = 1e-4;      // [-] of an edge: by less an overlap does not grow
 
@@ -374,9 +373,8 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
         for (int k = 0; k < row.n_terms; ++k) {
             if (!can_break(row.terms[k].body) || bodies[row.terms[k].body].asleep) continue;
             const FrozenBody::Piece& piece = begin_->frozen->pieces[row.terms[k].body];
-            const double least = options_.thaw * piece.weakest *
-                                 std::min(1.0, std::sqrt(few_edges * piece.edge() / std::sqrt(piece.area)));
-            const double value = std::max(blow / least, load / (lasting_load * piece.strength));
+            const double value =
+                std::max(blow / least_blow(piece, options_), load / (lasting_load * piece.strength));
             if (value > hardest.value) hardest = {value, row.place};
             of_row = std::max(of_row, value);
         }

@@ -32,7 +32,8 @@ class RigidScheme : public StepScheme {
 public:
     RigidScheme(const Model& model, const SchemeOptions& options);
 
-    /// `begin` may be a deformable state, whose pieces become rigid with this step.
+    /// `begin` may be a deformable state, whose pieces become rigid with this step; as after a blow it stays
+    /// deformable while one of them vibrates as fast as that.
     StepReport step(const State& begin, double h, State& end) override;
     /// The contacts of a step; nothing moves. `deformable` [0/1] per piece, or empty: none is.
     StepReport try_step(const State& begin, double h, std::span<const std::uint8_t> deformable);

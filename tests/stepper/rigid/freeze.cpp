@@ -96,4 +96,41 @@ TEST_CASE("a rigid piece that turns keeps the distances of its nodes and deforma
     CHECK(after[1].second == before[1].second);
 }
 
+TEST_CASE("parts that turn about the last whole point between them are no rigid piece") {
+    ModelInput input = turning_body(bar_mesh(2, 1, 2, 1), {.density = 2000, .E = 1e9, .nu = 0.2},
+                                    {.sigma_c = 1e6, .G_c = 10, .friction = 0.3});
+    const Model model = make_model(std::move(input));
+    State state = initial_state(model);
+    const Vec2 hinge(1, 0);
+    const auto is_right = [&](Index corner) {
+        const Index first = 3 * model.mesh.triangle_of(corner);
+        double x = 0;
+        for (Index k = 0; k < 3; ++k) x += model.mesh.corner(first + k).x() / 3;
+        return x > 1;
+    };
+    for (Index f = 0; f < std::ssize(model.fans); ++f)  // the upper point of the edge between the halves
+        if (model.mesh.vertices[model.fans[f].vertex] == Vec2(1, 1)) {
+            split(model, f, state);
+            const auto points = model.points(model.fans[f]);
+            for (std::size_t j = 0; j < points.size(); ++j)
+                if (is_right(points[j].before) != is_right(points[j].after))
+                    state.points[state.first_point[state.split_rank[f]] + static_cast<Index>(j)].cohesion = 0;
+        }
+    const RigidOptions options{.step = 1e-3};
+    const auto unrest_of = [&](double spin_left, double spin_right) {
+        for (Index c = 0; c < model.mesh.n_corners(); ++c)
+            state.velocity[state.node_of_corner[c]] =
+                (is_right(c) ? spin_right : spin_left) * turned_left(Vec2(model.mesh.corner(c) - hinge));
+        const FrozenPieces frozen = freeze(model, state);
+        REQUIRE(frozen.pieces.size() == 1);
+        CHECK(frozen.strain == 0);
+        return unrest(frozen.body->pieces[0], frozen.vibration[0], options);
+    };
+    CHECK(unrest_of(3, 3) < 1e-14);
+    const double opens = unrest_of(-1, 1);
+    CHECK(opens > 1);
+    CHECK(unrest_of(2, 4) == doctest::Approx(opens));  // the turn of the whole is no part of it
+    CHECK(unrest_of(-0.1, 0.1) == doctest::Approx(0.1 * opens));
+}
+
 }  // namespace rigid_freeze_test
