@@ -16,8 +16,9 @@ namespace {
 constexpr int more_rounds = 10, sweeps_of_round = 40;  // of clusters whose works are positive beyond the next two
 constexpr double allowed_injection = 2e-4;             // [-] of the losses
 constexpr double at_rest = 1e-8;                       // [-] of the impulses times the speeds
-constexpr double lasting_load = 0.5;  // [-] of sigma_c, over an edge, that a piece bears without a blow
-constexpr double deepens = 1e-4;      // [-] of an edge: by less an overlap does not grow
+constexpr double lasting_load = 0.5;   // [-] of sigma_c, over an edge, that a piece bears without a blow
+constexpr double deepens = 1e-4;       // [-] of an edge: by less an overlap does not grow
+constexpr double allowed_bend = 0.01;  // [-] of an edge: how far a corner that turns leaves its straight way in a step
 
 }  // namespace
 
@@ -346,6 +347,12 @@ RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<Mo
             const double speed = of_faces ? row.before.norm() : -row.before.x();
             fastest.at_least({step.drift_time * speed / row.length, row.place});
         }
+        for (int k = 0; k < row.n_terms; ++k) {
+            const MovingBody& body = bodies[row.terms[k].body];
+            const double turn = step.drift_time * body.end.z();
+            const double bend = 0.5 * turn * turn * (row.place - body.centre).norm() / row.length;
+            if (!body.deformable) fastest.at_least({largest_motion * std::sqrt(bend / allowed_bend), row.place});
+        }
     }
     if (const auto& refusal = faces_.refusal();
         refusal && refusal->reason == ContactRefusal::Reason::speed && meets_faces())
@@ -373,8 +380,7 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
         for (int k = 0; k < row.n_terms; ++k) {
             if (!can_break(row.terms[k].body) || bodies[row.terms[k].body].asleep) continue;
             const FrozenBody::Piece& piece = begin_->frozen->pieces[row.terms[k].body];
-            const double value =
-                std::max(blow / least_blow(piece, options_), load / (lasting_load * piece.strength));
+            const double value = std::max(blow / least_blow(piece, options_), load / (lasting_load * piece.strength));
             if (value > hardest.value) hardest = {value, row.place};
             of_row = std::max(of_row, value);
         }

@@ -29,7 +29,8 @@ public:
     void renew(const State& begin);
     /// Finds the contacts; wakes bodies that are hit, and those that lie on them. `bodies`: pieces, then obstacles.
     void find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies);
-    /// [-] The largest motion in a step, of faces that meet over their edge, and its place.
+    /// [-] The largest motion in a step, of faces that meet over their edge, and its place. A gap is linear in the turn
+    /// of a piece, so what turns far counts, too.
     struct Motion {
         double value = 0;
         Vec2 place = Vec2::Zero();
