@@ -69,6 +69,13 @@ std::array<double, 2> TimeFunction::range(double begin, double end) const {
     return {low, high};
 }
 
+double TimeFunction::integral(double t) const {
+    if (time.empty()) return t;
+    double sum = 0;
+    for_each_piece(0, t, [&](double from, double to, double a, double b) { sum += 0.5 * (to - from) * (a + b); });
+    return sum;
+}
+
 double TimeFunction::over_step(double begin, double end, double theta) const {
     const double at_ends = theta * (*this)(end) + (1 - theta) * (*this)(begin), beyond = beyond_trapezoid(begin, end);
     if (beyond == 0) return at_ends;

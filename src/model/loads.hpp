@@ -1,5 +1,6 @@
 #pragma once
 // Loads, supports and initial velocities as a scenario gives them, before they are applied to a mesh.
+#include "base/expression.hpp"
 #include "material/thermal.hpp"
 #include "mesh/polygon.hpp"
 
@@ -16,6 +17,7 @@ struct TimeFunction {
     std::vector<double> value;  // same length
     double operator()(double t) const;
     double slope_before(double t) const;  // [1/s] derivative from the left
+    double integral(double t) const;      // [s] from 0 to t
 
     /// The mean over [begin, end] minus that of the values at both ends: what a step that knows its ends alone misses.
     /// 0 below a thousandth of the values around: such a step resolves the table, and keeps the bits of one without
@@ -90,13 +92,23 @@ struct Load {
 };
 
 /// A fluid in cracks: it presses on both faces of all broken interfaces that broken interfaces connect to its source,
-/// and on those of the joints that it fills, broken or not.
+/// and on those of the joints that it fills, broken or not. Its pressure is given, or it follows from the volume Q that
+/// has entered and the volume V of the cracks that it fills: storage p = Q - V, or 0 where that is negative.
 struct CrackPressure {
+    std::string name = {};                   // empty: "fluid" and its number, from 0
     double pressure = 0;                     // [Pa]
     TemperatureTable over_temperature = {};  // [Pa] in its place: that of ice, at the temperature of the point
-    std::optional<Selection> from;           // the source: cracks that begin on this boundary or in this box
-    Index joint_law = -1;                    // the source: all joints with this law; neither: all cracks
-    TimeFunction history;                    // multiplies the pressure
+    std::optional<Expression> formula = {};  // [Pa] in its place: over x, y and t
+    double rate = 0;                         // [m2/s] volume per thickness that enters in a time; with a storage
+    double storage = 0;            // [m2/Pa] compressibility times volume of the fluid per thickness; 0: p is given
+    double gradient = 0;           // [Pa/m] what is added for each metre below `level`; the sum then is at least 0
+    double level = 0;              // [m] y
+    bool in_process_zone = false;  // it also fills what has begun to open and still holds in part
+    std::optional<Selection> from = {};  // the source: cracks that begin on this boundary or in this box
+    Index joint_law = -1;                // the source: all joints with this law; neither: all cracks
+    TimeFunction history = {};           // multiplies the pressure, or the rate
+
+    bool is_injected() const { return storage > 0; }
 };
 
 /// A rigid, fixed support of a boundary, glued by a cohesive law or in contact only.

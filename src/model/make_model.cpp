@@ -142,9 +142,7 @@ private:
 /// Vertices where a fluid enters cracks, and the points of the joints that it fills.
 CrackFluid fluid_of(const CrackPressure& given, const ModelInput& input, std::size_t number, const Model& model) {
     const Mesh& mesh = model.mesh;
-    CrackFluid fluid{.pressure = given.pressure,
-                     .over_temperature = given.over_temperature,
-                     .history = static_cast<Index>(model.histories.size())};
+    CrackFluid fluid{.given = given, .history = static_cast<Index>(model.histories.size())};
     fluid.is_source.assign(mesh.vertices.size(), !given.from && given.joint_law < 0);
     if (given.from) {
         const std::vector<char> selected = selected_corners(mesh, *given.from);
@@ -319,8 +317,9 @@ Model make_model(ModelInput input) {
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
     for (std::size_t i = 0; i < input.crack_pressures.size(); ++i) {
         model.crack_fluids.push_back(fluid_of(input.crack_pressures[i], input, i, model));
-        model.histories.push_back(input.crack_pressures[i].history);
-        model.load_names.push_back("pressure" + std::to_string(i));
+        const CrackPressure& given = input.crack_pressures[i];
+        model.histories.push_back(given.is_injected() ? TimeFunction() : given.history);
+        model.load_names.push_back(given.name.empty() ? "fluid" + std::to_string(i) : given.name);
     }
     set_initial_velocities(input.initial_velocities, model);
     start_as_driven(model);

@@ -18,6 +18,7 @@
 #include "model/loads.hpp"
 #include "model/obstacle.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <span>
 #include <vector>
@@ -85,11 +86,11 @@ using StateForce = std::function<Vec2(const State& state)>;
 
 /// A fluid in cracks on the mesh (CrackPressure).
 struct CrackFluid {
-    double pressure;                      // [Pa]
-    TemperatureTable over_temperature;    // [Pa] in its place, if it is not empty
-    Index history;                        // into Model::histories
-    std::vector<std::uint8_t> is_source;  // [0/1] per mesh vertex
-    std::vector<Index> joint_points;      // it presses on them, broken or not
+    CrackPressure given;
+    Index history;                         // into Model::histories; 1 everywhere where the fluid is injected
+    std::vector<std::uint8_t> is_source;   // [0/1] per mesh vertex
+    std::vector<Index> joint_points;       // it presses on them, broken or not
+    std::optional<double> only_time = {};  // [s] for ever: in equilibrium
 };
 
 /// Prescribed motion of a corner in x, y or both. All corners of a bonded fan have the same.
@@ -174,6 +175,9 @@ struct Model {
     }
     /// Free faces that are no neighbours meet, [contact].
     bool faces_meet() const { return !contact_of_pair.empty(); }
+    bool has_injected_fluids() const {
+        return std::ranges::any_of(crack_fluids, [](const CrackFluid& fluid) { return fluid.given.is_injected(); });
+    }
     bool may_become_finer() const { return !too_coarse.empty(); }
     bool has_vanished(Index triangle) const { return !vanished.empty() && vanished[triangle]; }
     /// One of its triangles was excavated, so it has no points any more.

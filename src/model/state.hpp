@@ -118,7 +118,8 @@ struct State {
     std::vector<Retirement> retired;              // per point; empty where Model::contact_of_pair is
     std::vector<FaceContactState> face_contacts;  // of the last step, in the order of (vertex, edge)
     std::vector<ObstacleContactState> obstacle_contacts;
-    std::vector<Impact> impacts;  // in any order
+    std::vector<Impact> impacts;         // in any order
+    std::vector<double> fluid_pressure;  // [Pa] of injected fluids in the last step, 0 of others; empty: none injected
 
     std::vector<Incubation> incubation;    // per fan; empty where no law has an incubation time
     std::vector<PieceMotion> free_pieces;  // in the order of their triangles; empty: damping acts on no vibration alone
@@ -161,7 +162,7 @@ struct State {
     void serialize(Archive& archive) {
         archive(time, last_step, n_steps, displacement, velocity, rate, node_of_corner, split_fans, first_point, points,
                 split_rank, reaction, obstacles, elastic_energy, elastic_work, viscous_stress, retired, face_contacts,
-                obstacle_contacts, impacts, incubation, free_pieces, motion, rigid_pieces);
+                obstacle_contacts, impacts, incubation, free_pieces, motion, rigid_pieces, fluid_pressure);
         FrozenBody body = frozen ? *frozen : FrozenBody{};
         archive(body);
         if constexpr (Archive::is_loading::value)

@@ -45,6 +45,7 @@ State all_bonded(const State& state, const Model& to) {
     next.node_of_corner = to.fan_of_corner;
     next.split_rank.assign(to.fans.size(), -1);
     next.reaction.assign(to.prescribed.size(), Vec2::Zero());
+    next.fluid_pressure = state.fluid_pressure;
     return next;
 }
 

@@ -25,8 +25,8 @@ struct History {
 
 /// All tables of a run, by the names of their files. A table that a run does not have is empty.
 struct Histories {
-    History energy, cracks, reactions, probes, breaks, stress_strain, fragments, fragment_history, fragment_paths,
-        passages, trajectories;
+    History energy, cracks, reactions, fluids, probes, breaks, stress_strain, fragments, fragment_history,
+        fragment_paths, passages, trajectories;
 
     void serialize(auto& archive);
 };
@@ -40,6 +40,7 @@ struct HistoryFile {
 inline constexpr HistoryFile history_files[]{{"energy.csv", &Histories::energy, true},
                                              {"cracks.csv", &Histories::cracks, true},
                                              {"reactions.csv", &Histories::reactions, true},
+                                             {"fluids.csv", &Histories::fluids, true, false},
                                              {"probes.csv", &Histories::probes, true},
                                              {"breaks.csv", &Histories::breaks},
                                              {"stress_strain.csv", &Histories::stress_strain, true},

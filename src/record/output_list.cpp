@@ -1,5 +1,6 @@
 // The list of all outputs.
 #include "analysis/collectors.hpp"
+#include "analysis/fluids.hpp"
 #include "analysis/fragments.hpp"
 #include "output/vtk_series.hpp"
 #include "record/outputs.hpp"
@@ -50,6 +51,10 @@ std::vector<OutputTable> all_tables() {
          "forces and motions of all that drives the body, at the same times; each column starts with the name of a "
          "load (load0, load1, ... where it has none) or of an obstacle",
          rows_after_names(driver_columns(), obstacle_columns())},
+        {"fluids.csv",
+         "fluids in cracks, at the same times; each column starts with the name of a [[pressure]] (fluid0, fluid1, ... "
+         "where it has none)",
+         rows_after_names(fluid_columns())},
         {"probes.csv",
          "probed places, interfaces and stresses, at the same times; each column starts with the name of a probe",
          rows_after_names(place_columns(), interface_columns(), stress_columns(), tip_columns())},

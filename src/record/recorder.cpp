@@ -27,6 +27,7 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
       cracks_(interface_graph(model), options_.cracks),
       statuses_(model),
       reactions_(model),
+      fluids_(model),
       probes_(model, options_.probes),
       collectors_(model, start, options_.collectors),
       tables_(options_.directory, options_.context.celsius),
@@ -43,6 +44,8 @@ Recorder::Recorder(const Model& model, const State& start, RecorderOptions optio
     if (!reactions_.empty())
         tables_.add(&Histories::reactions, reactions_.columns(),
                     [this](const State& now) { return reactions_.line(now); });
+    if (!fluids_.empty())
+        tables_.add(&Histories::fluids, fluids_.columns(), [this](const State& now) { return fluids_.line(now); });
     if (!probes_.empty())
         tables_.add(&Histories::probes, probes_.columns(), [this](const State& now) { return probes_.line(now); });
     if (options_.specimen) {
@@ -95,6 +98,7 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     gates_.judge(ledger_, deformation_);
     const bool changed = follow_cracks(now);
     reactions_.after_step(now);
+    fluids_.after_step(now);
     if (!options_.collectors.empty())
         for (std::vector<double>& line : collectors_.after_step(now, report.largest_speed, changed))
             tables_.add_line(&Histories::passages, std::move(line));
@@ -119,6 +123,7 @@ void Recorder::model_changed() {
 void Recorder::renew_observers() {
     statuses_.renew();
     reactions_.renew();
+    if (!fluids_.empty()) fluids_.renew();
     if (specimen_) specimen_->renew(model_);
     deformation_.renew();
     ledger_.renew(model_, weakest_point(model_));

@@ -6,6 +6,7 @@
 #include "analysis/crack_history.hpp"
 #include "analysis/deformation_watch.hpp"
 #include "analysis/energy_ledger.hpp"
+#include "analysis/fluids.hpp"
 #include "analysis/gates.hpp"
 #include "analysis/interface_graph.hpp"
 #include "analysis/probes.hpp"
@@ -98,6 +99,7 @@ public:
     const DeformationWatch& deformation() const { return deformation_; }
     const CrackHistory& cracks() const { return cracks_; }
     const Reactions& reactions() const { return reactions_; }
+    const Fluids& fluids() const { return fluids_; }
     const Probes& probes() const { return probes_; }
     Index n_breaks() const { return breaks_ ? breaks_->n_tensile() + breaks_->n_shear() : 0; }  // if recorded
     /// Numbers of the stress-strain curve of the specimen, which there is.
@@ -119,7 +121,7 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(deformation_, look_, search_, obstacle_look_, turned_, gates_, tables_, lines_, fragments_, last_line_,
-                figures_, frames_, time_, reactions_, probes_, collectors_);
+                figures_, frames_, time_, reactions_, fluids_, probes_, collectors_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);
@@ -151,6 +153,7 @@ private:
     CrackHistory cracks_;
     StatusWatch statuses_;
     Reactions reactions_;
+    Fluids fluids_;
     Probes probes_;
     Collectors collectors_;
     std::optional<Breaks> breaks_;

@@ -347,6 +347,7 @@ std::vector<Output> summary_outputs() {
     std::vector<Output> outputs;
     for (const SummaryRow& row : rows) outputs.push_back({row.name, row.unit, row.doc});
     for (const auto& row : driver_rows) outputs.push_back({row.name, row.unit, row.doc});
+    outputs.insert(outputs.end(), fluid_numbers().begin(), fluid_numbers().end());
     outputs.insert(outputs.end(), collector_numbers().begin(), collector_numbers().end());
     return outputs;
 }
@@ -361,6 +362,11 @@ Summary summarise(const Model& model, const State& end, const Recorder& recorder
         for (const auto& row : driver_rows)
             summary.values.emplace_back(names[i] + std::string(row.name.substr(1)),
                                         row.of({i, facts.reactions[i], recorder.reactions().largest_forces()[i]}));
+    const std::vector<std::string> fluids = recorder.fluids().names();
+    const std::vector<FluidOfRun> of_fluids = recorder.fluids().at(end);
+    for (std::size_t f = 0; f < fluids.size(); ++f)
+        for (const auto& row : fluid_numbers())
+            summary.values.emplace_back(fluids[f] + std::string(row.name.substr(1)), row.of(of_fluids[f]));
     for (std::size_t k = 0; k < recorder.options().collectors.size(); ++k) {
         const Passages passages = passages_of(recorder.histories().passages, k);
         for (const auto& row : collector_numbers())

@@ -55,6 +55,12 @@ std::span<const Exclusion> exclusions() {
         {"[[excavation]]", "[specimen]", "its gauges and its stress are those of the whole body"},
         {"[rigid]", "[heat]", "temperatures go on straining a piece, and a rigid one has no strains of its own"},
         {"[rigid]", "[[pressure]]", "a fluid opens cracks without any contact, and a rigid piece has no stresses"},
+        {"[[pressure]] rate", "[contact]",
+         "faces that part from each other would let a volume of the fluid escape that nobody "
+         "knows"},
+        {"[[pressure]] rate", "[[excavation]]", "the fluid would flow out of the cracks that the excavation cuts"},
+        {"[[pressure]] rate", "start = \"run:DIR@TIME\"",
+         "time counts from 0 again, and so does the volume that has entered"},
         {"[rigid]", "[[excavation]]", "the forces that fade stress what stays, and a rigid piece has no stresses"},
         {"[rigid]", "[[absorb]]", "waves that leave the body are those of a deformable one"},
         {"[rigid]", "[specimen]", "its gauges and its stress are those of a body under load, which is not rigid"},

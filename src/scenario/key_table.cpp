@@ -403,8 +403,23 @@ void add_keys_of_loads(KeyTable& t) {
 
     t.list("pressure[]", "the pressure of a fluid (water, gas, ice) in cracks: it acts on both faces of every broken "
         "interface that others connect to the source, and follows a crack that grows; without from and joints in all "
-        "cracks. Its factor over time by at most one of ramp, table, csv, otherwise constant");
-    t.number("pressure", "Pa", "either pressure or pressure_table; negative: a warning").to(&CrackPressure::pressure);
+        "cracks. One of pressure, formula, pressure_table, rate; its factor over time by at most one of ramp, table, "
+        "csv, otherwise constant");
+    t.text("name", "name of the fluid in fluids.csv, in the summary and in [expect]; letters, digits, blanks, _ and -")
+        .a_name().computed("fluid0, fluid1, ...").to(&CrackPressure::name);
+    t.number("pressure", "Pa", "pressure; negative: a warning").to(&CrackPressure::pressure);
+    t.text("formula", "pressure in Pa as a formula of x, y [m] and t [s] with the functions of heat.temperature");
+    t.number("rate", "m2/s", "volume per thickness of the body that enters in a time, and compresses with it; the "
+        "pressure follows from the volume of the cracks that the fluid fills, and is never negative; the factor over "
+        "time multiplies the rate").at_least(0).to(&CrackPressure::rate);
+    t.number("storage", "m2/Pa", "volume per thickness that a pressure stores: compressibility times volume of the "
+        "fluid in well, pump and crack; the less, the smaller the steps of the explicit bulk; required with rate")
+        .above(0).to(&CrackPressure::storage);
+    t.number("gradient", "Pa/m", "growth of the pressure with the depth below `level` (water: 9810 Pa/m), added to "
+        "pressure, formula, pressure_table or rate, or alone: a water table; the sum is at least 0")
+        .to(&CrackPressure::gradient);
+    t.number("level", "m", "y where the gradient begins: the water table, or the place at which the other pressure is "
+        "given").otherwise("0").to(&CrackPressure::level);
     t.number("pressure_table", "K", "pressure over temperature as pairs [temperature, pressure in Pa], with [heat]: "
         "linear between them and constant outside, at the mean temperature of the two faces; of ice in a closed joint "
         "at most 1.12 MPa per K below 0 C (Clapeyron), until it is squeezed out").points().second("Pa");
@@ -420,6 +435,9 @@ void add_keys_of_loads(KeyTable& t) {
     t.word("shape", {"half plane", "disc", "polygon", "polyline"}, "outline; a polygon is convex, a polyline an open "
         "terrain, fixed or driven, with the ground on its left").required();
     t.number("at", "m", "point on the surface").pair().required().only_with("shape", {"half plane"});
+    t.flag("process_zone", "true: the fluid also enters interfaces that have begun to open and still hold in part, up "
+        "to the tip, as linear elastic theories of hydraulic fracture assume; false: only broken ones")
+        .otherwise("false").to(&CrackPressure::in_process_zone);
     t.number("normal", "", "outward normal of the surface, towards the body")
         .pair().required().only_with("shape", {"half plane"});
     t.number("centre", "m", "centre").pair().required().only_with("shape", {"disc"});

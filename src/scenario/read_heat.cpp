@@ -190,12 +190,7 @@ void read_field(const Table& table, TemperatureField& field) {
         field.grid = read_grid(table);
         return;
     }
-    try {
-        field.value = Expression(text);
-    } catch (const UserError& error) {
-        table.error("bad-formula", "temperature", "is no formula: " + error.diagnostics.front().message,
-                    error.diagnostics.front().note);
-    }
+    if (const auto formula = table.formula("temperature")) field.value = *formula;
 }
 
 /// Example of a table over temperature.

@@ -284,12 +284,38 @@ void read_supports(Reading& reading) {
     }
 }
 
+namespace {
+
+/// How the pressure of a fluid follows.
+void read_pressure(const Table& table, CrackPressure& pressure) {
+    Reading& reading = table.reading();
+    if (table.given("name")) table.check_column_name(pressure.name);
+    const bool has_gradient = table.given("gradient");
+    const auto form = table.one_of({"pressure", "formula", "pressure_table", "rate"}, !has_gradient);
+    if (!has_gradient && !table.given("level")) table.leave_out("level");
+    else if (!has_gradient) table.error("missing-key", "level", "belongs to a gradient", "gradient = \"9810 Pa/m\"");
+    if ((form == "rate") != table.given("storage"))
+        table.error("missing-key", form == "rate" ? "rate" : "storage", "belong together: rate and storage",
+                    "storage = \"4.5e-12 m2/Pa\": compressibility times volume of the fluid, per thickness");
+    if (form == "formula" && table.has("formula")) pressure.formula = table.formula("formula");
+    if (form != "rate") return;
+    const char* cure = "pressure in the place of rate";
+    const auto exclude = [&](bool is_there, const char* other) {
+        if (is_there) table.exclude("rate", "[[pressure]] rate", other, cure);
+    };
+    exclude(reading.table("contact").given(), "[contact]");
+    exclude(!reading.list("excavation").empty(), "[[excavation]]");
+    exclude(reading.table("time").text("start").starts_with("run:"), "start = \"run:DIR@TIME\"");
+}
+
+}  // namespace
+
 void read_pressures(Reading& reading) {
     for (const Table& table : reading.list("pressure")) {
         Scenario& scenario = reading.scenario;
-        CrackPressure& pressure = scenario.crack_pressures.emplace_back();
+        CrackPressure pressure;
         table.fill(pressure);
-        table.one_of({"pressure", "pressure_table"}, true);
+        read_pressure(table, pressure);
         pressure.over_temperature = read_over_temperature(table, "pressure_table");
         if (table.given("pressure_table") && !reading.table("heat").given())
             table.error("no-heat", "pressure_table", "needs temperatures", "[heat]");
@@ -301,12 +327,14 @@ void read_pressures(Reading& reading) {
                 pressure.joint_law = scenario.law_of_joint[std::ranges::find(known, *name) - known.begin()];
         }
         pressure.history = read_history(table);
+        if (pressure.name.empty()) pressure.name = "fluid" + std::to_string(scenario.crack_pressures.size());
         const auto pulls = [](const std::vector<double>& values) {
             return !values.empty() && std::ranges::min(values) < 0;
         };
         if (pressure.pressure < 0 || pulls(pressure.over_temperature.value) || pulls(pressure.history.value))
             table.warning("implausible", "", "is negative at times: it draws the faces of cracks together",
                           "a fluid presses with a positive value; the value is used as given");
+        scenario.crack_pressures.push_back(pressure);
     }
 }
 

@@ -1,5 +1,6 @@
 #include "scenario/reading.hpp"
 
+#include "analysis/fluids.hpp"
 #include "base/whole_file.hpp"
 #include "record/outputs.hpp"
 #include "scenario/built_in.hpp"
@@ -169,14 +170,19 @@ std::vector<NamedEnd> Reading::drivers() const {
 void Reading::check_summary_number(const std::string& path, const std::string& name) const {
     const Output* row = find_output("summary", name);
     if (!row || !row->name.starts_with('*')) return;
+    const auto has = [&](const auto& numbers) { return std::ranges::count(numbers, row->name, &Output::name) > 0; };
+    const char* what = "load with prescribed motion, or obstacle,";
     std::vector<std::string> known;
-    if (std::ranges::count(collector_numbers(), row->name, &Output::name) > 0) {
+    if (has(collector_numbers())) {
+        what = "collector";
         for (const CollectorOptions& collector : scenario.collectors) known.push_back(collector.name);
-        find(path, "collector", name.substr(0, name.size() + 1 - row->name.size()), known);
-        return;
+    } else if (has(fluid_numbers())) {
+        what = "[[pressure]]";
+        for (const CrackPressure& fluid : scenario.crack_pressures) known.push_back(fluid.name);
+    } else {
+        for (const auto& [driver, end] : drivers()) known.push_back(driver);
     }
-    for (const auto& [driver, end] : drivers()) known.push_back(driver);
-    find(path, "load with prescribed motion, or obstacle,", name.substr(0, name.size() + 1 - row->name.size()), known);
+    find(path, what, name.substr(0, name.size() + 1 - row->name.size()), known);
 }
 
 void Table::compute(std::string_view key, Node value) const {
@@ -248,6 +254,16 @@ std::optional<Index> Table::material(std::string_view key) const {
     return has(key) ? reading_.find(path(key), "material", text(key), scenario().material_names()) : std::nullopt;
 }
 
+std::optional<Expression> Table::formula(std::string_view key) const {
+    try {
+        return Expression(text(key));
+    } catch (const UserError& problem) {
+        error("bad-formula", key, "is no formula: " + problem.diagnostics.front().message,
+              problem.diagnostics.front().note);
+        return std::nullopt;
+    }
+}
+
 std::optional<std::string> Table::bytes_of(std::string_view key) const {
     std::optional<std::string> bytes = reading_.files.bytes_of(text(key));
     if (!bytes)
@@ -260,15 +276,16 @@ void Table::check_column_name(const std::string& name) const {
     const auto is_used = [&](const auto& list) {
         return std::ranges::any_of(list, [&](const auto& other) { return other.name == name; });
     };
-    const std::string other = is_used(scenario().loads)        ? "a load"
-                              : is_used(scenario().obstacles)  ? "an obstacle"
-                              : is_used(scenario().probes)     ? "a probe"
-                              : is_used(scenario().collectors) ? "a collector"
-                                                               : "";
+    const std::string other = is_used(scenario().loads)             ? "a load"
+                              : is_used(scenario().obstacles)       ? "an obstacle"
+                              : is_used(scenario().crack_pressures) ? "a fluid"
+                              : is_used(scenario().probes)          ? "a probe"
+                              : is_used(scenario().collectors)      ? "a collector"
+                                                                    : "";
     if (!other.empty())
         error("duplicate-name", "name", ": `" + name + "` is the name of " + other + " already, and both have columns");
     const std::vector<Output>& numbers = output_table("summary").rows;  // "largest_slip" must have one meaning
-    for (const char* file : {"probes.csv", "reactions.csv", "summary"})
+    for (const char* file : {"probes.csv", "reactions.csv", "fluids.csv", "summary"})
         for (const Output& row : output_table(file).rows) {
             const std::string column = name + std::string(row.name.substr(1));
             if (row.name.starts_with('*') && std::ranges::count(numbers, column, &Output::name) > 0)
@@ -283,9 +300,9 @@ void read_all(Reading& reading) {
     if (top.has("name") && (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)))
         top.error("bad-name", "name", "= \"" + name + "\" cannot name a run directory", "letters, digits, - _ and .");
     for (const auto read :
-         {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads, read_run,
-          check_softening, read_heat, read_contact, read_pressures, read_excavations, read_rigid, read_adapt,
-          read_strength, read_toughness, read_study, read_sweep, warn_of_implausible})
+         {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads, read_pressures,
+          read_run, check_softening, read_heat, read_contact, read_excavations, read_rigid, read_adapt, read_strength,
+          read_toughness, read_study, read_sweep, warn_of_implausible})
         read(reading);
 }
 

@@ -111,6 +111,8 @@ public:
     std::optional<std::string> one_of(const std::vector<std::string>& names, bool needed) const;
     /// Number of the material that a key names; none, and an error, if there is no such material.
     std::optional<Index> material(std::string_view key) const;
+    /// The formula of x, y and t that a key has; none, and an error, if it is no formula.
+    std::optional<Expression> formula(std::string_view key) const;
     /// The bytes of the file that a key names; none, and an error, if it cannot be read.
     std::optional<std::string> bytes_of(std::string_view key) const;
     /// Number of a new joint set; read_laws finds the law that the key `interface` of this table names.

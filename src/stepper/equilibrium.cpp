@@ -40,6 +40,7 @@ Model frozen(const Model& model, double time) {
     const auto freeze = [&](TimeFunction& history) { history = {.time = {0}, .value = {history(time)}}; };
     Model still = model;
     std::ranges::for_each(still.histories, freeze);
+    for (CrackFluid& fluid : still.crack_fluids) fluid.only_time = time;
     for (PrescribedMotion& motion : still.prescribed)
         for (int k = 0; k < 2; ++k)
             if (!motion.is_displacement[k]) motion.value[k] = 0;

@@ -15,8 +15,9 @@ namespace outputs_test {
 using namespace knap;
 
 TEST_CASE("outputs: every row has a name of its own in its table and a known unit and a meaning") {
-    const std::set<std::string_view> units{"",  "s",    "m",  "m2", "m/s",    "rad",  "rad/s", "deg", "N",       "N m",
-                                           "J", "J/m2", "Pa", "kg", "kg m/s", "byte", "1/s",   "K",   "Pa m^0.5"};
+    const std::set<std::string_view> units{"",      "s",      "m",    "m2",  "m3", "m/s",     "rad",
+                                           "rad/s", "deg",    "N",    "N m", "J",  "J/m2",    "Pa",
+                                           "kg",    "kg m/s", "byte", "1/s", "K",  "Pa m^0.5"};
     std::set<std::string> tables;
     for (const OutputTable& table : output_tables()) {
         CAPTURE(table.name);

@@ -577,6 +577,15 @@ pressure = "2 MPa"
 from = { boundary = "top", box = ["0 mm", "40 mm", "10 mm", "42 mm"] }
 ramp = "10 us"
 [[pressure]]
+name = "water"
+gradient = "9810 Pa/m"
+level = "40 mm"
+process_zone = true
+[[pressure]]
+formula = "1e5 - 1e5*x"
+[[pressure]]
+rate = "0.001 m2/s"
+storage = "1e-12 m2/Pa"
 pressure = "3 MPa"
 joints = "weak"
 table = [[0, 0], ["10 us", 1]]
@@ -1123,8 +1132,15 @@ const Case cases[] = {
     {rock, "pressure[0].from.boundary", "\"top\""},
     {rock, "pressure[0].from.box", "[0, 0.04, 0.01, 0.042]"},
     {rock, "pressure[0].ramp", "1e-05"},
-    {rock, "pressure[1].joints", "\"weak\""},
-    {rock, "pressure[1].table", "[[0, 0], [1e-05, 1]]"},
+    {rock, "pressure[0].name", "\"water\""},
+    {rock, "pressure[0].gradient", "9810"},
+    {rock, "pressure[0].level", "0.04"},
+    {rock, "pressure[0].process_zone", "true"},
+    {rock, "pressure[1].formula", "\"1e5 - 1e5*x\""},
+    {rock, "pressure[2].rate", "0.001"},
+    {rock, "pressure[2].storage", "1e-12"},
+    {rock, "pressure[3].joints", "\"weak\""},
+    {rock, "pressure[3].table", "[[0, 0], [1e-05, 1]]"},
     {rock, "joints[1].material", "\"quartz\""},
     {painted, "map[0].file", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/two_halves.png\""},
     {painted, "map[0].box", "[0, 0, 0.1, 0.04]"},

@@ -704,4 +704,25 @@ TEST_CASE("a specimen whose other end moves is warned of where it has no gauge")
     CHECK(samples::read(with(specimen + "[[load]]\non = \"bottom\"\nvelocity = [1, 0]\n")).warnings.empty());
 }
 
+TEST_CASE("mistakes in the pressure of a fluid are told apart") {
+    const auto codes = [](const std::string& keys, const std::string& more = "") {
+        std::string found;
+        for (const Diagnostic& d : samples::mistakes(samples::least + more + "[[pressure]]\n" + keys))
+            found += d.code + " ";
+        return found;
+    };
+    CHECK(codes("rate = 1e-3\nstorage = 1e-12\n") == "");
+    CHECK(codes("gradient = 9810\nlevel = 1\n") == "");
+    CHECK(codes("formula = \"1e5*x\"\nname = \"water\"\n") == "");
+    CHECK(codes("rate = 1e-3\n") == "missing-key ");
+    CHECK(codes("pressure = 1\nstorage = 1e-12\n") == "missing-key ");
+    CHECK(codes("pressure = 1\nlevel = 1\n") == "missing-key ");
+    CHECK(codes("formula = \"1e5*z\"\n") == "bad-formula ");
+    CHECK(codes("rate = \"1 m/s\"\nstorage = 1e-12\n") == "wrong-unit ");
+    CHECK(codes("rate = 1e-3\npressure = 1\nstorage = 1e-12\n").find("exclusive-keys") != std::string::npos);
+    const std::string excavation = "[[excavation]]\nbox = [0.01, 0.01, 0.02, 0.02]\nat = 1e-7\n";
+    CHECK(codes("rate = 1e-3\nstorage = 1e-12\n", excavation) == "exclusive-keys ");
+    CHECK(codes("pressure = 1\n", excavation) == "");
+}
+
 }  // namespace mistakes_test

@@ -16,7 +16,7 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 39> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 40> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
                                                           {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
@@ -31,6 +31,7 @@ inline constexpr std::array<Capability, 39> capabilities{{{"rotation = \"large\"
                                                           {"heat.conduction", "[heat]"},
                                                           {"strength_table", "[heat]"},
                                                           {"[[pressure]]", ""},
+                                                          {"[[pressure]] rate", "[[pressure]]"},
                                                           {"[[excavation]]", ""},
                                                           {"[specimen]", ""},
                                                           {"until = \"rest\"", ""},
@@ -149,7 +150,8 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(has("[rigid]"), "[rigid]\n");
     add(has("[heat]"), "[heat]\ntemperature = \"30*t/1e-4 + 100*x\"\n");
     add(has("heat.conduction"), "conduction = true\n[[heat.exchange]]\non = \"" + prefix + "right\"\nflux = 1e6\n");
-    add(has("[[pressure]]"), "[[pressure]]\npressure = 1e5\n");
+    add(has("[[pressure]] rate"), "[[pressure]]\nrate = 1e-3\nstorage = 1e-13\n");
+    add(has("[[pressure]]") && !has("[[pressure]] rate"), "[[pressure]]\npressure = 1e5\n");
     add(has("[[excavation]]"), "[[excavation]]\nbox = [0.04, 0, 0.08, 0.02]\nat = 1e-5\nramp = 1e-5\n");
     add(has("[[grains]]"), "[[grains]]\nsize = 0.04\n");
     add(has("joints") && !file, "[[joints]]\ndirection = 60\nspacing = 0.03\n");

@@ -156,8 +156,8 @@ std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& 
     std::vector<Diagnostic> found;
     if (model.crack_fluids.empty()) return found;
     const bool has_cracks = std::ranges::any_of(model.interfaces, &Interface::cracked);
-    const std::vector<double> wetted = CrackForces(model).wetted(initial_state(model));
-    for (std::size_t i = 0; i < wetted.size(); ++i) {
+    const std::vector<FluidMoment> start = CrackForces(model).moments(initial_state(model));
+    for (std::size_t i = 0; i < start.size(); ++i) {
         const auto may_open_at_source = [&](std::size_t edge) {
             const bool is_joint = model.mesh.interior_edges[edge].joint >= 0;
             return (is_joint || (!has_cracks && model.laws[model.interfaces[edge].law].breakable())) &&
@@ -165,7 +165,7 @@ std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& 
                                        [&](Index v) { return model.crack_fluids[i].is_source[v] != 0; });
         };
         const auto edges = std::views::iota(std::size_t{0}, model.mesh.interior_edges.size());
-        if (wetted[i] > 0 || std::ranges::any_of(edges, may_open_at_source)) continue;
+        if (start[i].length > 0 || std::ranges::any_of(edges, may_open_at_source)) continue;
         const std::string path = item("pressure", i);
         found.push_back(read.at(
             path, {.severity = Diagnostic::Severity::warning,

@@ -88,6 +88,17 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
             beyond_linear(named)};
 }
 
+std::string pressure_text(const CrackPressure& fluid) {
+    std::string text =
+        fluid.is_injected() ? readable(fluid.rate, "m2/s", 4) + ", storage " + readable(fluid.storage, "m2/Pa", 4)
+        : fluid.formula     ? fluid.formula->text() + " Pa"
+        : fluid.over_temperature.empty() ? readable(fluid.pressure, "Pa", 4)
+                                         : "pressure_table " + text_of(fluid.over_temperature, 1e6, " MPa");
+    if (fluid.gradient != 0)
+        text += ", " + readable(fluid.gradient, "Pa/m", 4) + " below y = " + readable(fluid.level, "m", 4);
+    return text;
+}
+
 }  // namespace
 
 std::string laws_text(const ReadResult& read, const Model& model) {
@@ -106,16 +117,14 @@ std::string laws_text(const ReadResult& read, const Model& model) {
         for (std::size_t k = 0; k < row.size(); ++k) line += row[k] + std::string(width[k] - row[k].size() + 2, ' ');
         text += line.substr(0, line.find_last_not_of(' ') + 1) + '\n';
     }
-    const std::vector<double> wetted = CrackForces(model).wetted(initial_state(model));
+    const std::vector<FluidMoment> start = CrackForces(model).moments(initial_state(model));
     for (std::size_t i = 0; i < scenario.crack_pressures.size(); ++i) {
         const CrackPressure& fluid = scenario.crack_pressures[i];
-        text += "  " + item("pressure", i) + ' ' +
-                (fluid.over_temperature.empty() ? readable(fluid.pressure, "Pa", 4)
-                                                : "pressure_table " + text_of(fluid.over_temperature, 1e6, " MPa")) +
+        text += "  " + item("pressure", i) + ' ' + pressure_text(fluid) +
                 (fluid.joint_law >= 0 ? ", in joints of " + scenario.laws[fluid.joint_law].name
                  : fluid.from         ? ", in cracks from its source"
                                       : ", in all cracks") +
-                "; " + readable(wetted[i], "m", 4) + " of them at t = 0\n";
+                "; " + readable(start[i].length, "m", 4) + " of them at t = 0\n";
     }
     for (std::size_t i = 0; scenario.heat && i < scenario.materials.size(); ++i)
         if (const Thermal& thermal = scenario.heat->materials[i]; thermal.latent_heat > 0)

@@ -10,31 +10,34 @@ CrackForces::CrackForces(const Model& model) : model_(model) {
                           for (std::size_t i = 0; i < model.interfaces.size(); ++i)
                               for (const Index v : model.interfaces[i].vertex) visit(v, static_cast<Index>(i));
                       }};
-    is_broken_.assign(model.n_points(), 0);
     for (const CrackFluid& fluid : model.crack_fluids) {
-        Reached& reached = fluids_.emplace_back(Reached{.vertices = fluid.is_source, .points = fluid.joint_points});
+        Reached& reached = fluids_.emplace_back();
+        reached.vertices = fluid.is_source, reached.points = fluid.joint_points;
         reached.is_point.assign(model.n_points(), 0);
+        reached.is_open = reached.is_point;
         for (const Index p : reached.points) reached.is_point[p] = 1;
     }
+    if (model.has_injected_fluids()) of_corner_.assign(model.mesh.n_corners(), Vec2::Zero());
 }
 
-void CrackForces::take_broken(const State& state) {
+void CrackForces::take_open(const State& state, bool damaged, Reached& reached) {
     new_.clear();
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
         const auto points = model_.points(model_.fans[state.split_fans[s]]);
         for (std::size_t j = 0; j < points.size(); ++j) {
             const Index p = points[j].point;
-            if (is_broken_[p] || points[j].on_support() || state.points[state.first_point[s] + j].cohesion > 0)
-                continue;
-            is_broken_[p] = 1;
+            const double cohesion = state.points[state.first_point[s] + j].cohesion;
+            if (reached.is_open[p] || points[j].on_support() || (damaged ? cohesion >= 1 : cohesion > 0)) continue;
+            reached.is_open[p] = 1;
             new_.push_back(p);
         }
     }
 }
 
-bool CrackForces::is_passable(Index interface) const {
+bool CrackForces::is_passable(Index interface, const Reached& reached) const {
     const Index n = model_.points_per_interface();
-    return std::all_of(&is_broken_[n * interface], &is_broken_[n * interface] + n, [](auto broken) { return broken; });
+    const auto first = reached.is_open.begin() + n * interface;
+    return std::all_of(first, first + n, [](auto open) { return open; });
 }
 
 /// From the vertices of an interface that are reached, and on through others.
@@ -46,11 +49,11 @@ void CrackForces::enter(Index interface, Reached& reached) {
         next.pop_back();
         const auto& [a, b] = model_.interfaces[i].vertex;
         if (!reached.vertices[a] && !reached.vertices[b]) continue;
-        const bool passes = is_passable(i);
+        const bool passes = is_passable(i, reached);
         for (Index k = 0; k < n; ++k) {
             const bool at_reached_vertex =
                 k < 2 ? reached.vertices[k == 0 ? a : b] != 0 : true;  // places: the ends, the middle
-            if (!is_broken_[n * i + k] || !(at_reached_vertex || passes) || reached.is_point[n * i + k]) continue;
+            if (!reached.is_open[n * i + k] || !(at_reached_vertex || passes) || reached.is_point[n * i + k]) continue;
             reached.is_point[n * i + k] = 1;
             reached.points.push_back(n * i + k);
         }
@@ -62,51 +65,142 @@ void CrackForces::enter(Index interface, Reached& reached) {
     }
 }
 
-/// visit(point, pressure for an amplitude of 1, fluid)
-template <class Visit>
-void CrackForces::for_each_pressed(const State& state, const Visit& visit) {
-    if (empty()) return;
-    take_broken(state);
+void CrackForces::follow(const State& state) {
     for (std::size_t f = 0; f < fluids_.size(); ++f) {
         Reached& reached = fluids_[f];
+        take_open(state, model_.crack_fluids[f].given.in_process_zone, reached);
         for (const Index p : new_) enter(model_.interface_of(p), reached);
         if (!new_.empty()) std::ranges::sort(reached.points);
-        const CrackFluid& fluid = model_.crack_fluids[f];
-        for (const Index p : reached.points) {
-            if (state.has_retired(p)) continue;
-            const FanPoint& point = model_.fan_points[model_.fan_point_of[p]];
-            visit(point,
-                  fluid.over_temperature.empty() ? fluid.pressure
-                                                 : fluid.over_temperature(temperature_at(*state.temperature, point)),
-                  fluid);
-        }
     }
 }
 
-const std::vector<CornerLoad>& CrackForces::find(const State& state) {
-    forces_.clear();
-    for_each_pressed(state, [&](const FanPoint& point, double pressure, const CrackFluid& fluid) {
-        const Vec2 force = pressure * point.area * point_frame(model_, state, point).turned(point.normal);
-        forces_.push_back({point.after, fluid.history, force});
-        forces_.push_back({point.before, fluid.history, -force});
+double CrackForces::injected(std::size_t fluid, double time) const {
+    const CrackFluid& of = model_.crack_fluids[fluid];
+    return of.given.rate * model_.thickness * of.given.history.integral(of.only_time.value_or(time));
+}
+
+double CrackForces::volume(std::size_t fluid, const State& state) const {
+    double sum = 0;
+    for_each_point(fluid, state, [&](const FanPoint& point, double) {
+        sum += point.area * state.opening_of(point, point_frame(model_, state, point)).x();
     });
+    return sum;
+}
+
+double CrackForces::volume_rate(std::size_t fluid, const State& of_frames, const std::vector<Vec2>& rate,
+                                const std::vector<Index>& node_of_corner) const {
+    double sum = 0;
+    for_each_point(fluid, of_frames, [&](const FanPoint& point, double) {
+        const Vec2 normal = point_frame(model_, of_frames, point).turned(point.normal);
+        sum += point.area * normal.dot(rate[node_of_corner[point.after]] - rate[node_of_corner[point.before]]);
+    });
+    return sum;
+}
+
+double CrackForces::length(std::size_t fluid, const State& state) const {
+    double sum = 0;
+    for_each_point(fluid, state, [&](const FanPoint& point, double) { sum += point.area / model_.thickness; });
+    return sum;
+}
+
+/// visit(point, pressure for an amplitude of 1) of one fluid; `injected` [Pa]: its pressure, if it is injected.
+template <class Visit>
+void CrackForces::for_each_pressed(std::size_t fluid, const State& state, double time, double injected,
+                                   const Visit& visit) const {
+    const CrackFluid& of = model_.crack_fluids[fluid];
+    const CrackPressure& given = of.given;
+    const auto without_gradient = [&](const FanPoint& point) {
+        if (given.is_injected()) return injected;
+        if (!given.over_temperature.empty()) return given.over_temperature(temperature_at(*state.temperature, point));
+        if (!given.formula) return given.pressure;
+        const Vec2 place = model_.mesh.corner(point.corner());
+        return (*given.formula)(place.x(), place.y(), of.only_time.value_or(time));
+    };
+    for_each_point(fluid, state, [&](const FanPoint& point, double offset) {
+        const double pressure = without_gradient(point);
+        visit(point, given.gradient == 0 ? pressure : std::max(0.0, pressure + offset));
+    });
+}
+
+const std::vector<CornerLoad>& CrackForces::find(const State& state, double time, const std::vector<double>* given) {
+    follow(state);
+    forces_.clear(), pressure_.clear();
+    for (std::size_t f = 0; f < fluids_.size(); ++f) {
+        const CrackFluid& fluid = model_.crack_fluids[f];
+        pressure_.push_back(!fluid.given.is_injected() ? 0 : given ? (*given)[f] : pressure(f, volume(f, state), time));
+        for_each_pressed(f, state, time, pressure_[f], [&](const FanPoint& point, double pressure) {
+            const Vec2 force = pressure * point.area * point_frame(model_, state, point).turned(point.normal);
+            forces_.push_back({point.after, fluid.history, force});
+            forces_.push_back({point.before, fluid.history, -force});
+        });
+    }
     return forces_;
+}
+
+CrackForces::Stiffness CrackForces::stiffness(const State& state) const {
+    Stiffness found;
+    for (std::size_t f = 0; f < fluids_.size(); ++f) {
+        if (!model_.crack_fluids[f].given.is_injected()) continue;
+        const auto visit_parts = [&](const auto& visit) {
+            for_each_point(f, state, [&](const FanPoint& point, double) {
+                const Vec2 part = point.area * point_frame(model_, state, point).turned(point.normal);
+                visit(point.after, part), visit(point.before, Vec2(-part));
+            });
+        };
+        visit_parts([&](Index corner, const Vec2& part) { of_corner_[corner] += part; });
+        double sum = 0, most = -1;  // [m4/kg]
+        Index at = 0;
+        visit_parts([&](Index corner, const Vec2&) {
+            const double mobility = of_corner_[corner].squaredNorm() / model_.corner_mass[corner];
+            of_corner_[corner].setZero();
+            sum += mobility;
+            if (mobility > most) most = mobility, at = corner;
+        });
+        if (const double stiffness = sum / storage(f); stiffness > found.value)
+            found = {stiffness, model_.mesh.corner(at)};
+    }
+    return found;
+}
+
+/// [Pa] Of an injected fluid over the last step; at the start that of the state.
+double CrackForces::shown_pressure(std::size_t fluid, const State& state) const {
+    if (!model_.crack_fluids[fluid].given.is_injected()) return 0;
+    return state.fluid_pressure.empty() ? pressure(fluid, volume(fluid, state), state.time)
+                                        : state.fluid_pressure[fluid];
 }
 
 std::vector<double> CrackForces::pressures(const State& state) {
     std::vector<double> found(model_.n_points(), 0.0);
-    for_each_pressed(state, [&](const FanPoint& point, double pressure, const CrackFluid& fluid) {
-        found[point.point] += model_.histories[fluid.history](state.time) * pressure;
-    });
+    follow(state);
+    for (std::size_t f = 0; f < fluids_.size(); ++f) {
+        const double amplitude = model_.histories[model_.crack_fluids[f].history](state.time);
+        for_each_pressed(f, state, state.time, shown_pressure(f, state),
+                         [&](const FanPoint& point, double pressure) { found[point.point] += amplitude * pressure; });
+    }
     return found;
 }
 
-std::vector<double> CrackForces::wetted(const State& state) {
-    std::vector<double> length(fluids_.size(), 0.0);
-    for_each_pressed(state, [&](const FanPoint& point, double, const CrackFluid& fluid) {
-        length[&fluid - model_.crack_fluids.data()] += point.area / model_.thickness;
-    });
-    return length;
+std::vector<FluidMoment> CrackForces::moments(const State& state) {
+    std::vector<FluidMoment> found(fluids_.size());
+    follow(state);
+    for (std::size_t f = 0; f < fluids_.size(); ++f) {
+        const CrackFluid& fluid = model_.crack_fluids[f];
+        FluidMoment& moment = found[f];
+        const double amplitude = model_.histories[fluid.history](state.time);
+        for_each_pressed(f, state, state.time, shown_pressure(f, state), [&](const FanPoint& point, double pressure) {
+            const double length = point.area / model_.thickness,
+                         opening = state.opening_of(point, point_frame(model_, state, point)).x();
+            moment.pressure += amplitude * pressure * length;
+            moment.length += length;
+            moment.volume += point.area * opening;
+            moment.aperture = std::max(moment.aperture, opening);
+        });
+        if (moment.length > 0) moment.pressure /= moment.length;
+        if (!fluid.given.is_injected()) continue;
+        moment.injected = injected(f, state.time);
+        moment.pressure = shown_pressure(f, state);
+    }
+    return found;
 }
 
 }  // namespace knap

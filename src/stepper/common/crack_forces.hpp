@@ -4,7 +4,16 @@
 //
 //     f_after = p S N,     f_before = -p S N,     N in its present direction.
 //
-// p is constant, or a table of the temperature at the point at the start of the step (ice).
+// With a process zone damaged interfaces and points count as broken ones. p is constant, a formula of place and time,
+// or a table of the temperature at the point at the start of the step (ice); a gradient adds to it with the depth. An
+// injected fluid has one unknown p, with the volume Q that has entered until t,
+//
+//     0 <= p  perp  C p + V(u) - Q(t) >= 0,     V = sum of S u_N over the points that it presses on.
+//
+// Its forces are p dV/du, so that their work on the body is the integral of p dV. Explicit steps take p of the state at
+// their start: its stiffness is that of a spring of 1/C along a = dV/du, and central differences with the steps h are
+// stable for h^2 (omega^2 + a' M^-1 a/C) <= 4 (stiffness()). For implicit ones p of the step is an unknown
+// (ImplicitScheme::solve_injected).
 //
 // Cohesion is never restored, so the reached points only grow and follow from the present State alone.
 #include "base/grouped.hpp"
@@ -12,38 +21,87 @@
 
 namespace knap {
 
+/// What is known of a fluid at a moment.
+struct FluidMoment {
+    double pressure = 0;  // [Pa] mean over the length that it has reached; of an injected one without the gradient
+    double volume = 0;    // [m3] of the cracks that it has reached
+    double injected = 0;  // [m3] that has entered since the start; 0 where the pressure is given
+    double length = 0;    // [m] of the cracks and joints on which it presses, of one face
+    double aperture = 0;  // [m] largest opening there
+};
+
 class CrackForces {
 public:
     explicit CrackForces(const Model& model);
 
     bool empty() const { return fluids_.empty(); }
     /// [N] In this state and for amplitudes 1, in the order of the points. A point whose sides are free faces (retired)
-    /// has none: the fluid escapes.
-    const std::vector<CornerLoad>& find(const State& state);
+    /// has none: the fluid escapes. `time` [s]: of formulas; injected fluids have the pressure of the state, or that
+    /// of `given` [Pa], which has one for each fluid.
+    const std::vector<CornerLoad>& find(const State& state, double time, const std::vector<double>* given = nullptr);
+    const std::vector<CornerLoad>& find(const State& state) { return find(state, state.time); }
     const std::vector<CornerLoad>& found() const { return forces_; }
+    /// [Pa] With which they were found: of injected fluids; 0 for others.
+    const std::vector<double>& injected_pressures() const { return pressure_; }
+    struct Stiffness {
+        double value = 0;           // [1/s2] a' M^-1 a/C, the largest of the injected fluids
+        Vec2 place = Vec2::Zero();  // [m] of its largest term
+    };
+    Stiffness stiffness(const State& state) const;
     /// [Pa] Per point, of all fluids at the time of the state.
     std::vector<double> pressures(const State& state);
-    /// [m] Length of the cracks and joints on which each fluid presses, of one face.
-    std::vector<double> wetted(const State& state);
+    /// In the order of Model::crack_fluids.
+    std::vector<FluidMoment> moments(const State& state);
+
+    // of one injected fluid, at the points that the last find() has reached
+    double volume(std::size_t fluid, const State& state) const;  // [m3] V
+    double length(std::size_t fluid, const State& state) const;  // [m] of one face
+    /// [m3/s] a' w with the rates of nodes [m/s].
+    double volume_rate(std::size_t fluid, const State& of_frames, const std::vector<Vec2>& rate,
+                       const std::vector<Index>& node_of_corner) const;
+    double injected(std::size_t fluid, double time) const;  // [m3] Q
+    double storage(std::size_t fluid) const { return model_.crack_fluids[fluid].given.storage * model_.thickness; }
+    /// [Pa] of an injected fluid that fills `volume` [m3] at this time.
+    double pressure(std::size_t fluid, double volume, double time) const {
+        return std::max(0.0, (injected(fluid, time) - volume) / storage(fluid));
+    }
 
 private:
     struct Reached {
         std::vector<std::uint8_t> vertices;  // [0/1] per vertex
         std::vector<Index> points;           // ascending
         std::vector<std::uint8_t> is_point;  // [0/1] per point
+        std::vector<std::uint8_t> is_open;   // [0/1] per point: broken, with a process zone damaged
     };
-    void take_broken(const State& state);
-    template <class Visit>
-    void for_each_pressed(const State& state, const Visit& visit);
+    void take_open(const State& state, bool damaged, Reached& reached);
+    void follow(const State& state);
     void enter(Index interface, Reached& reached);
-    bool is_passable(Index interface) const;
+    bool is_passable(Index interface, const Reached& reached) const;
+    /// visit(point, offset [Pa]): every point on which a fluid presses, and what the gradient adds to its pressure.
+    template <class Visit>
+    void for_each_point(std::size_t fluid, const State& state, const Visit& visit) const;
+    template <class Visit>
+    void for_each_pressed(std::size_t fluid, const State& state, double time, double injected,
+                          const Visit& visit) const;
+    double shown_pressure(std::size_t fluid, const State& state) const;
 
     const Model& model_;
-    Grouped<Index> interfaces_at_;         // per vertex
-    std::vector<Reached> fluids_;          // in the order of Model::crack_fluids
-    std::vector<std::uint8_t> is_broken_;  // [0/1] per point
-    std::vector<Index> new_;               // points
+    Grouped<Index> interfaces_at_;  // per vertex
+    std::vector<Reached> fluids_;   // in the order of Model::crack_fluids
+    std::vector<Index> new_;        // points
     std::vector<CornerLoad> forces_;
+    std::vector<double> pressure_;         // [Pa] of injected fluids in them
+    mutable std::vector<Vec2> of_corner_;  // [m2] a, per corner, with injected fluids; zero between uses
 };
+
+template <class Visit>
+void CrackForces::for_each_point(std::size_t fluid, const State& state, const Visit& visit) const {
+    const CrackPressure& given = model_.crack_fluids[fluid].given;
+    for (const Index p : fluids_[fluid].points) {
+        if (state.has_retired(p)) continue;
+        const FanPoint& point = model_.fan_points[model_.fan_point_of[p]];
+        visit(point, given.gradient == 0 ? 0 : given.gradient * (given.level - model_.mesh.corner(point.corner()).y()));
+    }
+}
 
 }  // namespace knap

@@ -49,6 +49,8 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     }
     if (std::ranges::any_of(model.materials, &Elastic::has_viscosity))
         no_viscous_stress_.assign(viscous_components * (model.mesh.order == 1 ? 1 : 3) * model.mesh.n_triangles(), 0);
+    if (model.has_injected_fluids())
+        largest_frequency2_ = std::pow(2 / std::ranges::min(stable_steps(model.mesh, model.materials, model.plane)), 2);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
@@ -88,6 +90,11 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     // row 1: the pressure of fluids in cracks; contacts with obstacles
     for (const CornerLoad& load : crack_forces_.find(begin))
         corner_force_[load.corner] += amplitude_[load.history] * load.force;
+    if (model_.has_injected_fluids()) {
+        end.fluid_pressure = crack_forces_.injected_pressures();
+        const CrackForces::Stiffness fluid = crack_forces_.stiffness(begin);
+        if (h * h * (largest_frequency2_ + fluid.value) > 4) report.reject(Rejection::fluid, fluid.place);
+    }
     if (contacts_) find_obstacle_contacts(step);
     // rows 2 and 3, 5 and 6 for all other fans: on several blocks, with loads, prescribed motion or obstacles
     report += sweep_bordering(step);

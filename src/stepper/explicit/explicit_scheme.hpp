@@ -64,6 +64,7 @@ private:
     ElasticForces forces_;
     std::optional<ThermalStress> thermal_;  // with heat
     CrackForces crack_forces_;
+    double largest_frequency2_ = 0;  // [1/s2] of free triangles, with injected fluids
     IncubationClock incubation_;
     AbsorbingBoundary absorbing_;
     FreePieces free_pieces_;

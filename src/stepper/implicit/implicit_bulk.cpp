@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace knap {
@@ -105,6 +106,7 @@ void ImplicitBulk::begin_step(const StepContext& step) {
         for (std::size_t i = 0; i < begin.velocity.size(); ++i)
             predicted_.displacement[i] += step.kick() * begin.velocity[i];
     }
+    if (has_injected_fluids()) begin_fluids();
     find_loads(model_.state_forces.empty() || turning_ ? begin : predicted_);
     if (turning_) begin_turning();
     else elastic_force(begin.displacement, begin.node_of_corner, begin_force_);
@@ -138,8 +140,56 @@ void ImplicitBulk::find_loads(const State& of_forces) {
         if (load.is_release)
             released_.push_back({.corner = load.corner, .force = amplitude_[load.history] * load.force});
     }
-    for (const CornerLoad& load : crack_forces_.find(of_forces))
-        load_[load.corner] += amplitude_[load.history] * load.force;
+    of_fluids_ = &of_forces;
+    for (const CornerLoad& load : find_crack_forces()) load_[load.corner] += amplitude_[load.history] * load.force;
+}
+
+/// Formulas are those of t + theta h.
+const std::vector<CornerLoad>& ImplicitBulk::find_crack_forces() {
+    return crack_forces_.find(*of_fluids_, step_->begin->time + step_->kick(),
+                              fluid_pressure_.empty() ? nullptr : &fluid_pressure_);
+}
+
+/// The first guess of the pressures is that of the last step.
+void ImplicitBulk::begin_fluids() {
+    const State& begin = *step_->begin;
+    fluid_pressure_ = begin.fluid_pressure;
+    fluid_volume_.clear();
+    crack_forces_.find(begin);
+    if (fluid_pressure_.empty()) fluid_pressure_ = crack_forces_.injected_pressures();
+    for (std::size_t f = 0; f < model_.crack_fluids.size(); ++f)
+        fluid_volume_.push_back(crack_forces_.volume(f, begin));
+}
+
+void ImplicitBulk::set_fluid_pressure(std::size_t fluid, double pressure) {
+    fluid_pressure_[fluid] = pressure;
+    const auto add = [&](const std::vector<CornerLoad>& loads, double sign) {
+        for (const CornerLoad& load : loads) {
+            const Vec2 force = sign * amplitude_[load.history] * load.force;
+            load_[load.corner] += force, begin_force_[load.corner] += force;
+            if (sign > 0) begin_impulse_ = std::max(begin_impulse_, step_->kick() * load_[load.corner].norm());
+        }
+    };
+    const std::vector<CornerLoad> before = crack_forces_.found();
+    add(before, -1);
+    add(find_crack_forces(), 1);
+    largest_impulse_ = std::max(largest_impulse_, begin_impulse_);
+}
+
+ImplicitBulk::FluidBalance ImplicitBulk::fluid_balance(std::size_t fluid, const std::vector<Vec2>& rate) const {
+    const double entered = crack_forces_.injected(fluid, step_->begin->time + step_->h),
+                 change = step_->h * crack_forces_.volume_rate(fluid, *of_fluids_, rate, nodes_->node_of_corner),
+                 compressed = crack_forces_.storage(fluid) * fluid_pressure_[fluid];
+    return {.excess = compressed + fluid_volume_[fluid] + change - entered,
+            .scale = std::max({entered, std::abs(fluid_volume_[fluid]), compressed})};
+}
+
+/// pi a^2/(2 E') per thickness, of a crack of length a in a wide body.
+double ImplicitBulk::fluid_compliance(std::size_t fluid) const {
+    double stiffest = 0;
+    for (const Elastic& material : model_.materials) stiffest = std::max(stiffest, material.E);
+    const double length = crack_forces_.length(fluid, *of_fluids_);
+    return crack_forces_.storage(fluid) + 0.5 * std::numbers::pi * length * length / stiffest * model_.thickness;
 }
 
 GreenStep::Motion ImplicitBulk::motion() const {

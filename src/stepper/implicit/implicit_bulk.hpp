@@ -82,6 +82,18 @@ public:
     std::span<const Dashpot> dashpots() const { return dashpots_; }  // in the order of the corners
     double mass_factor() const { return damping_ > 0 ? 1 + step_->kick() * damping_ : 1; }  // [-]
 
+    // Injected fluids, by their numbers in Model::crack_fluids. Their pressure p in the step is an unknown:
+    //     0 <= p  perp  g(p) = C p + V + h a' w(p) - Q(t + h) >= 0
+    bool has_injected_fluids() const { return model_.has_injected_fluids(); }
+    const std::vector<double>& fluid_pressure() const { return fluid_pressure_; }  // [Pa]
+    void set_fluid_pressure(std::size_t fluid, double pressure);
+    struct FluidBalance {
+        double excess, scale;  // [m3] g, and the largest of its terms
+    };
+    FluidBalance fluid_balance(std::size_t fluid, const std::vector<Vec2>& rate) const;
+    double fluid_storage(std::size_t fluid) const { return crack_forces_.storage(fluid); }  // [m3/Pa] C <= dg/dp
+    double fluid_compliance(std::size_t fluid) const;                                       // [m3/Pa] about dg/dp
+
     void impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;  // [N s] r(w)
     void sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const;
 
@@ -118,6 +130,8 @@ private:
         std::vector<Vec2> corner_rate, turned, force;  // [m/s], [N] per corner
     };
     void find_loads(const State& of_forces);
+    const std::vector<CornerLoad>& find_crack_forces();
+    void begin_fluids();
     GreenStep::Motion motion() const;
     void begin_turning();
     void green_force(std::vector<Vec2>& of_corner) const;
@@ -141,6 +155,9 @@ private:
     std::vector<Dashpot> dashpots_;
     const std::vector<Vec2>* carried_ = nullptr;
     CrackForces crack_forces_;
+    const State* of_fluids_ = nullptr;    // in which crack_forces_ are found
+    std::vector<double> fluid_pressure_;  // [Pa] in the step, where fluids are injected; else empty
+    std::vector<double> fluid_volume_;    // [m3] V at its start
     ElasticForces forces_;
     std::optional<ThermalStress> thermal_;  // with heat
     std::unique_ptr<Turning> turning_;      // null: small rotations

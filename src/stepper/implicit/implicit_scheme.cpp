@@ -3,6 +3,7 @@
 #include "base/reserve_capacity.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/contact/retirement.hpp"
+#include "stepper/implicit/fluid_pressures.hpp"
 #include "stepper/implicit/step_lcp.hpp"
 
 #include <algorithm>
@@ -161,8 +162,20 @@ void ImplicitScheme::solve_points(StepReport& report) {
     report.rejection = solver_.rejection();
 }
 
-/// With damping of vibrations the rigid motions of free pieces are known only with the solution.
+/// Injected fluids: under given pressures, until each fills its volume.
 void ImplicitScheme::solve_body(StepReport& report) {
+    solve_under_pressures(report);
+    if (!bulk_.has_injected_fluids() || report.rejection != Rejection::none) return;
+    const bool settled = settle_fluids(model_, bulk_, x_.rate, [&] {
+        read_corner_rates(corner_rate_), store_guesses();
+        solve_under_pressures(report);
+        return report.rejection == Rejection::none;
+    });
+    if (!settled) report.reject(Rejection::not_converged, Vec2::Zero());
+}
+
+/// With damping of vibrations the rigid motions of free pieces are known only with the solution.
+void ImplicitScheme::solve_under_pressures(StepReport& report) {
     if (bulk_.frames()) return solve_turning_body(report);
     for (int round = 1;; ++round) {
         solve_points(report);
@@ -511,6 +524,7 @@ void ImplicitScheme::store(State& end, StepReport& report) {
     end = begin;
     end.obstacle_contacts.clear(), end.impacts.clear();
     end.free_pieces = carried_.motions();
+    end.fluid_pressure = bulk_.fluid_pressure();
     end.temperature = step_.end_temperature, end.temperature_before = begin.temperature;
     for (Index f = 0; f < static_cast<Index>(model_.fans.size()); ++f) {
         if (!active_[f] || end.split_rank[f] >= 0 || !opens(f)) continue;

@@ -54,6 +54,7 @@ private:
     void begin_step(const State& begin, double h, SharedTemperatures end_temperature);
     void solve_points(StepReport& report);
     void solve_body(StepReport& report);
+    void solve_under_pressures(StepReport& report);
     void solve_turning_body(StepReport& report);
     void turn();
     double turning_error();

@@ -1,0 +1,195 @@
+// Fluids that are injected into cracks: volume, pressure, energy, and the limit of explicit steps. And pressures over
+// the depth.
+#include "mesh/triangulate.hpp"
+#include "model/make_model.hpp"
+#include "stepper/common/crack_forces.hpp"
+#include "support/bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace injection_test {
+
+using namespace knap;
+using namespace knap::tests;
+
+namespace {
+
+constexpr double thickness = 0.5;  // [m]
+
+/// A block of 1 m x 1 m with a crack that the mesh follows.
+ModelInput block(const std::vector<Vec2>& crack, const CrackPressure& fluid, double size = 0.1, Index order = 1,
+                 const std::vector<RefinedPlace>& refine = {}) {
+    Shape shape;
+    shape.outer = {.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
+    shape.boundary_names = {"bottom", "right", "top", "left"};
+    shape.cracks = {{.points = crack}};
+    ModelInput input = body_with(triangulate(shape, {.size = size, .refine = refine, .seed = 2}),
+                                 {.density = 2500, .E = 30e9, .nu = 0.2}, {.sigma_c = 1e9, .G_c = 1e7, .gamma = 1});
+    input.mesh.order = order;
+    input.thickness = thickness;
+    input.crack_pressures = {fluid};
+    return input;
+}
+
+Load held_at(const Box& box, std::optional<double> x) {
+    return {.kind = Load::Kind::displacement, .on = {.boundary = "", .box = box, .body = ""}, .value = {x, 0}};
+}
+
+SchemeOptions implicit(double theta = 0.5) {
+    SchemeOptions scheme;
+    scheme.bulk = BulkScheme::implicit_theta;
+    scheme.theta = theta;
+    return scheme;
+}
+
+/// A crack from the left that water drives through a weak block.
+ModelInput driven(bool large_rotation = false) {
+    ModelInput input =
+        block({{0, 0.5}, {0.3, 0.45}},
+              {.rate = 0.3, .storage = 3e-12, .from = Selection{.boundary = "left", .box = {}, .body = ""}}, 0.06);
+    input.laws = {{.sigma_c = 3e6, .G_c = 20, .gamma = 1}};
+    input.large_rotation = large_rotation;
+    return input;
+}
+
+}  // namespace
+
+TEST_CASE("the integral of a function of time is that of its straight pieces") {
+    CHECK(TimeFunction{}.integral(3) == 3);
+    const TimeFunction f{.time = {1, 2, 2, 4}, .value = {2, 4, 0, 6}};
+    CHECK(f.integral(0) == 0);
+    CHECK(f.integral(1) == doctest::Approx(2));
+    CHECK(f.integral(1.5) == doctest::Approx(2 + 1.25));
+    CHECK(f.integral(3) == doctest::Approx(2 + 3 + 1.5));
+    CHECK(f.integral(6) == doctest::Approx(2 + 3 + 6 + 12));
+}
+
+// With the storage C the fluid is a spring of 1/C along the volume A d of two blocks with masses m that move apart by d:
+// m/2 d'' = A p and C p + A d = Q t, so that p = Q/(C omega) sin(omega t) with omega^2 = 2 A^2/(m C).
+TEST_CASE("a fluid between two blocks is a spring of its storage") {
+    for (const bool is_implicit : {false, true}) {
+        CAPTURE(is_implicit);
+        CrackPressure fluid{.rate = 1e-3, .storage = 1e-8};
+        ModelInput input = block({{0, 0.5}, {1, 0.5}}, fluid, 0.25);
+        const double mass = 2500 * 0.5 * thickness, C = fluid.storage * thickness, A = thickness,
+                     omega = A * std::sqrt(2 / (mass * C)), Q = fluid.rate * thickness,
+                     period = 2 * std::numbers::pi / omega;
+        Run run(std::move(input), is_implicit ? implicit() : SchemeOptions{});
+        const double h = is_implicit ? period / 2000 : 0.9 * run.stepper.stable_step(), end = 0.45 * period;
+        double largest = 0;
+        CrackForces forces(run.model);
+        while (run.now.time < end) {
+            REQUIRE(run.step(h).rejection == Rejection::none);
+            const double at = run.now.time - (is_implicit ? 0 : h),  // p of the end or of the start of the step
+                exact = Q / (C * omega) * std::sin(omega * at);
+            largest = std::max(largest, std::abs(run.now.fluid_pressure[0] - exact) * C * omega / Q);
+            const FluidMoment now = forces.moments(run.now)[0];
+            CHECK(now.injected == doctest::Approx(Q * run.now.time));
+            CHECK(now.length == doctest::Approx(1));
+        }
+        CHECK(largest < 5e-3);  // the blocks are a little elastic; p of the end of steps damps by omega h/4
+        CHECK(run.ledger.largest_residual() < (is_implicit ? 1e-8 : 1e-12) * run.ledger.largest_energy());
+    }
+}
+
+TEST_CASE("an explicit step beyond the limit of the fluid is refused and below it the pressure stays bounded") {
+    // nothing but the fluid acts: every corner at the crack moves by itself
+    CrackPressure fluid{.rate = 1e-3, .storage = 1e-10};
+    ModelInput input = block({{0, 0.5}, {1, 0.5}}, fluid, 0.25);
+    input.materials[0].E = 1e-3;
+    Run run(std::move(input));
+    CrackForces forces(run.model);
+    forces.find(run.now);
+    const double stiffness = forces.stiffness(run.now).value, h = 2 / std::sqrt(stiffness);
+    State next;
+    CHECK(run.stepper.step(run.now, 1.001 * h, next).rejection == Rejection::fluid);
+    // p of C p + A d = Q t oscillates by 2 Q h/C at most
+    const double bound = fluid.rate / fluid.storage / std::sqrt(stiffness);
+    double largest = 0;
+    for (int i = 0; i < 2000; ++i) {
+        REQUIRE(run.step(0.9 * h).rejection == Rejection::none);
+        largest = std::max(largest, run.now.fluid_pressure[0]);
+    }
+    CHECK(largest > 0.5 * bound);
+    CHECK(largest < 3 * bound);
+}
+
+TEST_CASE("a fluid that drives a crack keeps its volume and the energy balance of the body") {
+    for (const bool large_rotation : {false, true})
+        for (const bool is_implicit : {false, true}) {
+            CAPTURE(large_rotation);
+            CAPTURE(is_implicit);
+            Run run(driven(large_rotation), is_implicit ? implicit() : SchemeOptions{});
+            const double h = is_implicit ? 5e-6 : 0.5 * MoreauJean(run.model, {}).stable_step();
+            CrackForces forces(run.model);
+            const double length = forces.moments(run.now)[0].length;
+            const double C = forces.storage(0);
+            while (run.now.time < 4e-4) {
+                const State before = run.now;
+                for (double step = h; !run.step_if_taken(step); step *= 0.5) REQUIRE(step > 1e-3 * h);
+                if (!is_implicit) {  // p belongs to the start of the step
+                    forces.find(before);
+                    const double left = forces.injected(0, before.time) - forces.volume(0, before);
+                    CHECK(C * run.now.fluid_pressure[0] == doctest::Approx(std::max(0.0, left)).epsilon(1e-12));
+                }
+            }
+            CHECK(forces.moments(run.now)[0].length > 2 * length);  // the fluid followed the crack
+            CHECK(run.ledger.largest_residual() < (is_implicit ? 1e-9 : 1e-12) * run.ledger.largest_energy());
+        }
+}
+
+TEST_CASE("a run with an injected fluid has the same bits after a resume") {
+    for (const bool is_implicit : {false, true}) {
+        const SchemeOptions scheme = is_implicit ? implicit() : SchemeOptions{};
+        Run whole(driven(), scheme);
+        const double h = is_implicit ? 5e-6 : 0.5 * MoreauJean(whole.model, {}).stable_step();
+        for (int i = 0; i < 30; ++i) REQUIRE(whole.step(h).rejection == Rejection::none);
+        MoreauJean resumed(whole.model, scheme);
+        State now = whole.now, next = now;
+        for (int i = 0; i < 15; ++i) whole.step(h), resumed.step(now, h, next), std::swap(now, next);
+        CHECK(same_bits(whole.now, now));
+        CHECK(whole.now.fluid_pressure == now.fluid_pressure);
+    }
+}
+
+// An infinite body (Griffith 1921, Sneddon 1946): p = Q/(C + 2 pi a^2/E') with the storage C, and the opening 4 p a/E' at
+// the middle of a crack of length 2 a. The block is 20 a wide; triangles of second order, a/5 at the crack.
+TEST_CASE("a volume of fluid opens a crack by 2 pi p a^2/E'") {
+    constexpr double a = 0.05, E = 30e9 / (1 - 0.2 * 0.2), exact = 2 * std::numbers::pi * a * a / E;  // [m2/Pa]
+    const double volume = 2e6 * exact;                                                                // [m2]
+    const CrackPressure fluid{.rate = volume / 1e-3, .storage = 0.1 * exact, .history = {{0, 1e-3, 1e-3}, {1, 1, 0}}};
+    ModelInput input = block({{0.5 - a, 0.5}, {0.5 + a, 0.5}}, fluid, 0.05, 2, {{{{0.4, 0.4}, {0.6, 0.6}}, 0.01}});
+    input.loads = {held_at({{-1, -1}, {1e-6, 1e-6}}, 0), held_at({{1 - 1e-6, -1}, {2, 1e-6}}, {})};
+    Run run(std::move(input), implicit(1));
+    for (int i = 0; i < 30; ++i) REQUIRE(run.step(1e-3).rejection == Rejection::none);
+    CrackForces forces(run.model);
+    const FluidMoment now = forces.moments(run.now)[0];
+    CHECK(now.injected == doctest::Approx(volume * thickness).epsilon(1e-12));
+    CHECK(now.volume + fluid.storage * thickness * now.pressure == doctest::Approx(now.injected).epsilon(1e-8));
+    CHECK(now.pressure * 1.1 * exact / volume == doctest::Approx(1).epsilon(0.02));
+    CHECK(now.aperture / (4 * now.pressure * a / E) == doctest::Approx(1).epsilon(0.02));
+    // the work of the fluid is the energy that the body keeps, and what the steps with theta = 1 dissipate
+    CHECK(run.ledger.largest_residual() < 1e-11 * run.ledger.largest_energy());
+}
+
+TEST_CASE("a water table presses with the depth below it") {
+    const auto force_on_right = [](const CrackPressure& fluid) {
+        const Model model = make_model(block({{0.5, 0.2}, {0.5, 0.8}}, fluid));
+        CrackForces forces(model);
+        double sum = 0;
+        for (const CornerLoad& at : forces.find(initial_state(model)))
+            if (model.mesh.centroid(model.mesh.triangle_of(at.corner)).x() > 0.5) sum += at.force.x();
+        return sum / thickness;
+    };
+    const double g = 9810;
+    CHECK(force_on_right({.gradient = g, .level = 0.9}) == doctest::Approx(0.6 * g * 0.4));
+    CHECK(force_on_right({.gradient = g, .level = 0.5}) == doctest::Approx(0.5 * g * 0.3 * 0.3).epsilon(0.02));
+    CHECK(force_on_right({.gradient = g, .level = 0.2}) == 0);
+    CHECK(force_on_right({.pressure = 1e4, .gradient = g, .level = 0.8}) == doctest::Approx(0.6 * (1e4 + 0.3 * g)));
+    CHECK(force_on_right({.formula = Expression("1000 + 2000*y")}) == doctest::Approx(0.6 * 2000));
+}
+
+}  // namespace injection_test
