@@ -1,5 +1,18 @@
-# Writes scenarios/*.toml, the files that they name (*.msh, *.csv), the template of `knap new` and the examples of
+# Writes scenarios/*.toml, the files that they name (*.msh, *.csv, *.png), the template of `knap new` and the examples of
 # `knap schema --markdown` into one C++ file, so that the program needs no other file.
+function(knap_embed_pictures pattern result)
+  file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/scenarios/${pattern})
+  set(table "")
+  foreach(file IN LISTS files)
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${file})
+    get_filename_component(name ${file} NAME)
+    file(READ ${file} bytes HEX)
+    string(REGEX REPLACE "(..)" "\\\\x\\1" bytes ${bytes})
+    string(APPEND table "        {\"${name}\", \"${bytes}\"s},\n")
+  endforeach()
+  set(${result} "${table}" PARENT_SCOPE)
+endfunction()
+
 function(knap_embed_table pattern with_ending result)
   file(GLOB files CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/scenarios/${pattern})
   set(table "")
@@ -20,15 +33,18 @@ function(knap_embed_scenarios output)
   knap_embed_table(*.toml FALSE scenarios)
   knap_embed_table(*.msh TRUE files)
   knap_embed_table(*.csv TRUE tables)
+  knap_embed_pictures(*.png pictures)
   foreach(name new_scenario block_examples)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_SOURCE_DIR}/src/scenario/${name}.toml)
     file(READ ${CMAKE_SOURCE_DIR}/src/scenario/${name}.toml ${name})
   endforeach()
   file(CONFIGURE OUTPUT ${output} @ONLY CONTENT
-"// Generated from scenarios/*.toml, scenarios/*.msh and scenarios/*.csv.
+"// Generated from scenarios/*.toml, scenarios/*.msh, scenarios/*.csv and scenarios/*.png.
 #include \"scenario/built_in.hpp\"
 
 namespace knap {
+
+using namespace std::string_literals;  // bytes of a picture may be 0
 
 const std::vector<BuiltIn>& built_ins() {
     static const std::vector<BuiltIn> all{
@@ -38,7 +54,7 @@ const std::vector<BuiltIn>& built_ins() {
 
 const std::vector<BuiltIn>& built_in_files() {
     static const std::vector<BuiltIn> all{
-@files@@tables@    };
+@files@@tables@@pictures@    };
     return all;
 }
 

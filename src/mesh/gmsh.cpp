@@ -57,9 +57,10 @@ public:
         number_nodes();
         add_triangles();
         check_plane();
-        const std::vector<Index> new_number = order_along_curve(mesh_).vertex;
+        const CurveOrder order = order_along_curve(mesh_);
         for (Index& vertex : vertex_of_node_)
-            if (vertex >= 0) vertex = new_number[vertex];
+            if (vertex >= 0) vertex = order.vertex[vertex];
+        number_surfaces(order.triangle);
         try {
             find_edges(mesh_);
         } catch (const ShapeError&) {
@@ -122,6 +123,16 @@ private:
                 if (vertex < 0) vertex = mesh_.n_vertices(), mesh_.vertices.push_back(position(corner));
                 corner = vertex;
             }
+        }
+    }
+
+    /// Each group of an elementary surface is one.
+    void number_surfaces(const std::vector<Index>& place_in_file) {
+        std::map<std::pair<std::int32_t, std::int64_t>, Index> number;
+        for (const Index t : place_in_file) {
+            const GmshElement<3>& triangle = file_.triangles[t];
+            const auto next = static_cast<Index>(number.size());
+            made_.surface.push_back(number.try_emplace({triangle.group, triangle.entity}, next).first->second);
         }
     }
 
@@ -239,6 +250,9 @@ private:
     /// Warns of probable mistakes: separate pieces, vertices at the same place, lines that are no sides of triangles.
     void warn() {
         const auto add = [&](const auto&... parts) { made_.warnings.push_back(concatenated(parts...)); };
+        if (file_.n_second_order > 0)
+            add(file_.n_second_order, " triangles have 6 nodes: they are read by their corners, with straight sides; ",
+                "their order in the run is mesh.order");
         if (const Index n = n_pieces(mesh_); n > 1)
             add("the mesh consists of ", n, " pieces that share no edge: they do not interact, not even by contact");
         if (const std::size_t n = n_doubled_vertices(mesh_); n > 0)

@@ -22,6 +22,7 @@ struct GmshMesh {
     std::vector<GmshGroup> surface_groups;
     std::vector<GmshGroup> inner_groups;  // groups of lines with edges inside the body
     std::vector<InnerLine> inner_lines;
+    std::vector<Index> surface;  // per triangle: number of its elementary surface and group, in the order of triangles
     std::vector<std::string> warnings;
 };
 

@@ -24,15 +24,23 @@ const char* const how_to_convert = "Gmsh converts it: gmsh -0 old.msh -o new.msh
 bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 bool is_space(char c) { return is_blank(c) || c == '\n'; }
 
-/// Number of nodes of an element type; fails for all types but points, lines and triangles of first order.
-int nodes_of_type(const GmshFile& file, std::size_t where, Integer type) {
-    if (type == 15) return 1;
-    if (type == 1 || type == 2) return static_cast<int>(type) + 1;
-    constexpr auto no_quads = "only triangles can be read: mesh without `Recombine Surface`";
-    constexpr auto order_1 =
-        "only triangles of 3 nodes can be read: save the mesh with order 1 (Mesh.ElementOrder = 1)";
+struct ElementType {
+    int n_corners, n_nodes;  // the corners come first
+};
+
+/// Fails for all types but points, lines and triangles of first and second order.
+ElementType element_type(const GmshFile& file, std::size_t where, Integer type) {
+    if (type == 15) return {1, 1};
+    if (type == 1 || type == 2) return {static_cast<int>(type) + 1, static_cast<int>(type) + 1};
+    if (type == 8) return {2, 3};
+    if (type == 9) return {3, 6};
+    constexpr auto no_quads =
+        "only triangles can be read: mesh without `Recombine Surface`, or cut them by knap-convert";
+    constexpr auto order_2 =
+        "only triangles of 3 and 6 nodes can be read: save the mesh with order 2 at most (Mesh.ElementOrder = 2)";
     constexpr auto plane = "only plane meshes can be read: mesh in two dimensions (gmsh -2)";
-    constexpr auto known = "only triangles of 3 nodes (type 2), lines of 2 nodes (1) and points (15) can be read";
+    constexpr auto known =
+        "only triangles of 3 and 6 nodes (types 2 and 9), lines of 2 and 3 nodes (1, 8) and points (15) can be read";
     struct Type {
         Integer type;
         const char *name, *note;
@@ -42,7 +50,8 @@ int nodes_of_type(const GmshFile& file, std::size_t where, Integer type) {
         {3, "a quadrangle", no_quads}, {10, "a quadrangle of 9 nodes", no_quads},
         {16, "a quadrangle of 8 nodes", no_quads},
         {4, "a tetrahedron", plane}, {5, "a hexahedron", plane}, {6, "a prism", plane}, {7, "a pyramid", plane},
-        {8, "a line of 3 nodes", order_1}, {9, "a triangle of 6 nodes", order_1}};
+        {20, "a triangle of 9 nodes", order_2}, {21, "a triangle of 10 nodes", order_2},
+        {26, "a line of 4 nodes", order_2}};
     // clang-format on
     for (const auto& t : types)
         if (t.type == type) file.fail({where, t.note}, t.name, " is in this mesh");
@@ -271,18 +280,22 @@ private:
         for (std::size_t i = 0; i < n_elements;) {
             const std::size_t where = at_, left = n_elements - i;
             if (!file_.binary) integer("the number of an element");
-            const int n_nodes = nodes_of_type(file_, where, integer("the type of an element"));
+            const ElementType type = element_type(file_, where, integer("the type of an element"));
             const Integer announced = file_.binary ? integer("the number of elements") : 1;
             const std::size_t n_tags = count(integer("the number of tags"), file_.binary ? 4 : 2, "tags");
-            const std::size_t n = file_.binary ? count(announced, 4 * (1 + n_tags + n_nodes), "elements") : 1;
+            const std::size_t n = file_.binary ? count(announced, 4 * (1 + n_tags + type.n_nodes), "elements") : 1;
             if (n == 0 || n > left) fail(where, n, " elements follow here, where 1 to ", left, " should");
             for (const std::size_t end = i + n; i < end; ++i) {
                 const std::size_t here = file_.binary ? at_ : where;
                 if (file_.binary) integer("the number of an element");
                 std::int32_t of_group = 0;
-                for (std::size_t k = 0; k < n_tags; ++k)
-                    if (const Integer tag = integer("a tag of an element"); k == 0) of_group = group(here, tag);
-                add_element(n_nodes, {&of_group, 1}, here);
+                Integer entity = 0;
+                for (std::size_t k = 0; k < n_tags; ++k) {
+                    const Integer tag = integer("a tag of an element");
+                    if (k == 0) of_group = group(here, tag);
+                    if (k == 1) entity = tag;
+                }
+                add_element(type, {&of_group, 1}, entity, here);
             }
         }
     }
@@ -355,9 +368,10 @@ private:
     void read_elements_41() { read_blocks_41("elements", 16, "the type of elements", &Reader::read_block_of_elements); }
 
     void read_block_of_elements(const Block& block) {
-        const int n_nodes = nodes_of_type(file_, block.where, block.type);
+        const ElementType type = element_type(file_, block.where, block.type);
         const auto& [dimension, number] = block.entity;
-        if (dimension != n_nodes - 1) fail(block.where, "elements of this type cannot have the dimension ", dimension);
+        if (dimension != type.n_corners - 1)
+            fail(block.where, "elements of this type cannot have the dimension ", dimension);
         const auto entity = groups_of_entity_.find(block.entity);
         if (has_entities_ && entity == groups_of_entity_.end())
             fail(block.where, "$Entities has no entity ", number, " of dimension ", dimension);
@@ -365,18 +379,20 @@ private:
         for (std::size_t i = 0; i < block.n; ++i) {
             const std::size_t where = at_;
             tag("the tag of an element");
-            add_element(n_nodes, in_group ? std::span<const std::int32_t>(entity->second) : no_group, where);
+            add_element(type, in_group ? std::span<const std::int32_t>(entity->second) : no_group, number, where);
         }
     }
 
     /// Reads the nodes of an element, which end its record.
-    void add_element(int n_nodes, std::span<const std::int32_t> groups, std::size_t where) {
-        std::array<Integer, 3> nodes{};
-        for (int k = 0; k < n_nodes; ++k) nodes[k] = tag("the tag of a node");
+    void add_element(ElementType type, std::span<const std::int32_t> groups, Integer entity, std::size_t where) {
+        std::array<Integer, 6> nodes{};
+        for (int k = 0; k < type.n_nodes; ++k) nodes[k] = tag("the tag of a node");
         end_of_record();
         for (const std::int32_t of_group : groups) {
-            if (n_nodes == 2) file_.lines.push_back({{nodes[0], nodes[1]}, of_group, where});
-            if (n_nodes == 3) file_.triangles.push_back({nodes, of_group, where});
+            if (type.n_corners == 2) file_.lines.push_back({{nodes[0], nodes[1]}, of_group, entity, where});
+            if (type.n_corners < 3) continue;
+            file_.triangles.push_back({{nodes[0], nodes[1], nodes[2]}, of_group, entity, where});
+            file_.n_second_order += type.n_nodes == 6;
         }
     }
 

@@ -18,11 +18,13 @@ struct GmshNode {
     std::array<double, 3> position;  // in the unit of the file
 };
 
-/// A line (2 nodes) or a triangle (3 nodes). An element in several physical groups occurs several times.
+/// A line (2 nodes) or a triangle (3 nodes): the corners of elements of second order. An element in several physical
+/// groups occurs several times.
 template <std::size_t n_nodes>
 struct GmshElement {
     std::array<std::int64_t, n_nodes> nodes;  // tags
     std::int32_t group;                       // tag of the physical group, 0 for none
+    std::int64_t entity;                      // tag of the elementary line or surface, 0 for none
     std::size_t where;                        // byte in the file, for messages
 };
 
@@ -56,6 +58,7 @@ struct GmshFile {
     std::vector<GmshNode> nodes;
     std::vector<GmshElement<2>> lines;
     std::vector<GmshElement<3>> triangles;
+    std::size_t n_second_order = 0;  // of the triangles, those with 6 nodes
 
 private:
     [[noreturn]] void throw_error(const Place& place, const std::string& message) const;

@@ -9,9 +9,9 @@
 namespace knap {
 namespace {
 
-/// A triangle with two neighbours in one other grain joins that grain. Every change removes a border edge, so this
+/// A triangle with two neighbours with one other label takes it. Every change removes a border edge, so this
 /// ends.
-void smooth_teeth(Mesh& mesh) {
+void smooth_teeth(const Mesh& mesh, std::vector<Index>& label) {
     std::vector<std::array<Index, 3>> neighbours(mesh.triangles.size(),
                                                  {no_index, no_index, no_index});  // across the edges
     for (const InteriorEdge& edge : mesh.interior_edges)
@@ -21,14 +21,14 @@ void smooth_teeth(Mesh& mesh) {
     while (!front.empty()) {
         const Index t = front.back();
         front.pop_back();
-        if (mesh.grain[t] == no_index) continue;
+        if (label[t] == no_index) continue;
         std::array<Index, 3> grain;
-        for (int k = 0; k < 3; ++k) grain[k] = neighbours[t][k] == no_index ? no_index : mesh.grain[neighbours[t][k]];
+        for (int k = 0; k < 3; ++k) grain[k] = neighbours[t][k] == no_index ? no_index : label[neighbours[t][k]];
         const Index twice = grain[0] == grain[1] || grain[0] == grain[2] ? grain[0]
                             : grain[1] == grain[2]                       ? grain[1]
                                                                          : no_index;
-        if (twice == no_index || twice == mesh.grain[t]) continue;
-        mesh.grain[t] = twice;
+        if (twice == no_index || twice == label[t]) continue;
+        label[t] = twice;
         for (const Index n : neighbours[t])
             if (n != no_index) front.push_back(n);
     }
@@ -37,9 +37,11 @@ void smooth_teeth(Mesh& mesh) {
 /// Moves vertices between grains onto the true borders, and their neighbours out of the way.
 class BorderSmoothing {
 public:
-    BorderSmoothing(Mesh& mesh, const Grains& grains, std::span<const Index> fixed)
+    BorderSmoothing(Mesh& mesh, const std::vector<Index>& label, const BorderBetween& border,
+                    std::span<const Index> fixed)
         : mesh_(mesh),
-          grains_(grains),
+          label_(label),
+          border_(border),
           stars_(vertex_stars(mesh)),
           fixed_(mesh.n_vertices(), 0),
           size_(mesh.n_vertices(), 1) {
@@ -51,7 +53,7 @@ public:
         for (const InteriorEdge& edge : mesh.interior_edges) {
             const auto [a, b] = edge.triangle;
             const bool of_materials =
-                mesh.region[a] != mesh.region[b] || (mesh.grain[a] == no_index) != (mesh.grain[b] == no_index);
+                mesh.region[a] != mesh.region[b] || (label[a] == no_index) != (label[b] == no_index);
             if (edge.cracked || edge.joint >= 0 || of_materials) fix(a, edge.side[0]);
         }
         for (Index v = 0; v < mesh.n_vertices(); ++v) {
@@ -84,8 +86,7 @@ private:
     std::vector<Index> grains_around(Index v) const {
         std::vector<Index> found;
         for (const Index t : stars_[v])
-            if (mesh_.grain[t] != no_index && std::ranges::count(found, mesh_.grain[t]) == 0)
-                found.push_back(mesh_.grain[t]);
+            if (label_[t] != no_index && std::ranges::count(found, label_[t]) == 0) found.push_back(label_[t]);
         return found;
     }
 
@@ -98,11 +99,11 @@ private:
         const Vec2 x = mesh_.vertices[v];
         for (std::size_t i = 0; i < around.size(); ++i)
             for (std::size_t j = i + 1; j < around.size(); ++j) {
-                const Grains::Border border = grains_.border(around[i], around[j]);
+                const Grains::Border border = border_(around[i], around[j], x);
                 normal += border.normal * border.normal.transpose();
                 right += border.normal * (border.offset - border.normal.dot(x));
             }
-        if (around.size() == 2) return x + right;
+        if (around.size() == 2 || normal.isZero(0)) return x + right;
         const double trace = normal.trace(), determinant = cross(normal.col(0), normal.col(1));
         if (determinant < 1e-3 * trace * trace) return x + right / trace;  // nearly parallel borders: towards them
         return x + Vec2(cross(right, normal.col(1)), cross(normal.col(0), right)) / determinant;
@@ -146,7 +147,8 @@ private:
     }
 
     Mesh& mesh_;
-    const Grains& grains_;
+    const std::vector<Index>& label_;
+    const BorderBetween& border_;
     QualityTarget quality_;
     Grouped<Index> stars_;
     std::vector<char> fixed_;
@@ -189,6 +191,11 @@ std::vector<Moments> moments_of_grains(const Mesh& mesh) {
 
 }  // namespace
 
+void fit_borders(Mesh& mesh, std::vector<Index>& label, const BorderBetween& border, std::span<const Index> fixed) {
+    smooth_teeth(mesh, label);
+    BorderSmoothing(mesh, label, border, fixed).run();
+}
+
 Index put_grains(Mesh& mesh, const Grains& grains, Index region, std::span<const Index> fixed) {
     const std::vector<Index> old =
         mesh.grain.empty() ? std::vector<Index>(mesh.triangles.size(), no_index) : mesh.grain;
@@ -197,8 +204,8 @@ Index put_grains(Mesh& mesh, const Grains& grains, Index region, std::span<const
     mesh.grain.assign(mesh.triangles.size(), no_index);
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         if (is_new(t)) mesh.grain[t] = grains.at(mesh.centroid(t));
-    smooth_teeth(mesh);
-    BorderSmoothing(mesh, grains, fixed).run();
+    fit_borders(
+        mesh, mesh.grain, [&](Index a, Index b, const Vec2&) { return grains.border(a, b); }, fixed);
     std::vector<Index> number(grains.n_grains(), no_index);  // from `first` on, in the order of the triangles
     for (Index t = 0, next = first; t < mesh.n_triangles(); ++t) {
         Index& grain = mesh.grain[t];

@@ -3,6 +3,7 @@
 #include "mesh/mesh.hpp"
 #include "microstructure/grains.hpp"
 
+#include <functional>
 #include <span>
 
 namespace knap {
@@ -14,6 +15,11 @@ namespace knap {
 /// of materials and the `fixed` vertices stay. `mesh` needs its edges. Grains without a triangle are left out of the
 /// numbers. Returns the number of the first new grain, which is the number of grains before.
 Index put_grains(Mesh& mesh, const Grains& grains, Index region, std::span<const Index> fixed = {});
+
+/// The line between two labels near a place.
+using BorderBetween = std::function<Grains::Border(Index a, Index b, const Vec2& x)>;
+/// The same for any labels of triangles (-1: none), whose borders are given.
+void fit_borders(Mesh& mesh, std::vector<Index>& label, const BorderBetween& border, std::span<const Index> fixed = {});
 
 struct GrainReport {
     Index n_grains = 0;

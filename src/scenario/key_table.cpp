@@ -187,6 +187,10 @@ void add_keys_of_body(KeyTable& t) {
     t.number("unit", "m", "length of one unit of the coordinates in mesh.file, as in \"1 mm\"; default 1 m")
         .at_least(1e-12).at_most(1e6);
     t.text("cracks", "physical curves of mesh.file inside the body that are closed initial cracks").list();
+    t.text("material", "name of the material of all physical surfaces of mesh.file that have no name of a material")
+        .computed("an error, where there are several materials");
+    t.flag("grains", "true: each surface of mesh.file (physical and elementary tag of its triangles) is a grain, with "
+        "the interface laws of [[grains]]").otherwise("false");
     t.list("mesh.joint[]", "a physical curve of mesh.file inside the body that is a joint");
     t.text("curve", "name of the physical curve").required();
     t.text("interface", "name of its interface law").required();
@@ -271,10 +275,18 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.text("interface", "name of the interface law of the traces; without it they are cracked from the start");
     t.text("body", "name of the body; required where there are several");
 
-    t.list("map[]", "a picture whose colours are materials; a triangle takes the material that covers most of it");
+    t.list("map[]", "a picture whose colours are materials; a triangle takes the material that covers most of it. TIFF "
+        "and JPEG become PNG by knap-convert");
     t.text("file", "PNG picture, relative to the scenario file").required();
     t.number("box", "m", "position of the picture: lower left and upper right corner")
         .box().computed("the bounding box of the body");
+    t.flag("grains", "true: each connected patch of pixels of exactly one colour is a grain, with the interface laws "
+        "of [[grains]]; patches below least_pixels join a neighbour").otherwise("false").to(&MaterialMap::grains);
+    t.integer("least_pixels", "pixels of the smallest grain: noise and soft edges have fewer")
+        .at_least(1).at_most(1000000).otherwise("16").to(&MaterialMap::least_pixels);
+    t.flag("smooth", "true: single teeth vanish, and vertices move onto the borders in the picture as far as their "
+        "triangles stay good; false: borders run along the edges as they are")
+        .computed("the value of grains").to(&MaterialMap::smooth);
     t.list("map[].colour[]", "a colour and its material; a pixel counts as the nearest colour of the list, and changes "
         "nothing if all are far");
     t.text("rgb", "colour as \"#rrggbb\"").required();
@@ -423,6 +435,9 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("pressure_table", "K", "pressure over temperature as pairs [temperature, pressure in Pa], with [heat]: "
         "linear between them and constant outside, at the mean temperature of the two faces; of ice in a closed joint "
         "at most 1.12 MPa per K below 0 C (Clapeyron), until it is squeezed out").points().second("Pa");
+    t.flag("process_zone", "true: the fluid also enters interfaces that have begun to open and still hold in part, up "
+        "to the tip, as linear elastic theories of hydraulic fracture assume; false: only broken ones")
+        .otherwise("false").to(&CrackPressure::in_process_zone);
     add_place(t, "pressure[]", "the source: cracks that begin on a boundary, in a box, at a body, or on what they have "
         "in common", "from");
     t.text("joints", "the source: all joints with the interface law of this name, which the fluid fills also where "
@@ -435,9 +450,6 @@ void add_keys_of_loads(KeyTable& t) {
     t.word("shape", {"half plane", "disc", "polygon", "polyline"}, "outline; a polygon is convex, a polyline an open "
         "terrain, fixed or driven, with the ground on its left").required();
     t.number("at", "m", "point on the surface").pair().required().only_with("shape", {"half plane"});
-    t.flag("process_zone", "true: the fluid also enters interfaces that have begun to open and still hold in part, up "
-        "to the tip, as linear elastic theories of hydraulic fracture assume; false: only broken ones")
-        .otherwise("false").to(&CrackPressure::in_process_zone);
     t.number("normal", "", "outward normal of the surface, towards the body")
         .pair().required().only_with("shape", {"half plane"});
     t.number("centre", "m", "centre").pair().required().only_with("shape", {"disc"});

@@ -19,7 +19,7 @@ void check_shape_is_given(const Table& domain, const Table& mesh) {
     if (!domain.given("shape") && (!domain.given() || domain.has("")))
         domain.error("missing-key", domain.given() ? "shape" : "", "is missing",
                      "shape: rectangle, polygon, disc; several bodies, [[body]]; or a mesh of your own, mesh.file");
-    for (const char* key : {"unit", "cracks", "joint"})
+    for (const char* key : {"unit", "cracks", "joint", "material", "grains"})
         if (mesh.given(key))
             mesh.error("exclusive-keys", key, "belongs to mesh.file", "a shape has [[domain.crack]], and units itself");
 }
@@ -29,6 +29,7 @@ void exclude_shape_of_domain(Reading& reading, const std::string& other, const s
     const Table domain = reading.table("domain");
     for (const Key* key : keys_below("domain")) {
         if (std::ranges::count(keys_below("body[]"), key->name(), &Key::name) == 0) continue;  // no key of a shape
+        if (other == "mesh.file" && key->name() == "region") continue;                         // over the mesh
         if (!domain.given(key->name())) domain.leave_out(key->name());
         else domain.error("exclusive-keys", key->name(), "has no meaning with " + other, note);
     }
@@ -231,6 +232,7 @@ void read_body(Reading& reading) {
     domain.fill(scenario);
     scenario.mesh.seed = scenario.seed;
     for (const Table& place : mesh.list("refine")) read_refined_place(place);
+    if (!mesh.given("file") && !mesh.given("grains")) mesh.leave_out("grains");
     if (mesh.given("file")) return check_nothing_else(reading), read_mesh_file(reading);
     if (!reading.list("body").empty() || !reading.list("bodies").empty()) return read_bodies(reading);
     check_shape_is_given(domain, mesh);

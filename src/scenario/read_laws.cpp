@@ -131,7 +131,10 @@ public:
         n_ = static_cast<Index>(materials.size());
         of_pair_.assign(n_, std::vector<Index>(n_, -1));
         within_.assign(n_, -1);
-        const bool with_grains = !reading.list("grains").empty();
+        const std::vector<Table> maps = reading.list("map");
+        const bool with_grains =
+            !reading.list("grains").empty() || reading.table("mesh").get<bool>("grains").value_or(false) ||
+            std::ranges::any_of(maps, [](const Table& map) { return map.get<bool>("grains").value_or(false); });
         for (Index a = 0; a < n_; ++a) {
             for (Index b = 0; b < n_; ++b) pair_[materials[a] + "-" + materials[b]] = {a, b};
             for (Index b = a; b < n_; ++b) known_.push_back(materials[a] + "-" + materials[b]);

@@ -22,12 +22,15 @@ std::optional<GmshMesh> parse_mesh(const Table& table, const std::string& bytes)
 
 /// The material of each physical surface.
 std::vector<Index> materials_of_groups(const Table& table, const std::vector<GmshGroup>& groups) {
+    const std::optional<Index> of_others = table.material("material");
     const std::vector<std::string> materials = table.scenario().material_names();
     std::vector<Index> of_group;
     std::vector<std::string> unnamed;
     for (const GmshGroup& group : groups) {
         const auto found = std::ranges::find(materials, group.name);
-        of_group.push_back(found == materials.end() ? 0 : static_cast<Index>(found - materials.begin()));
+        of_group.push_back(found == materials.end() ? of_others.value_or(0)
+                                                    : static_cast<Index>(found - materials.begin()));
+        if (table.given("material")) continue;
         if (found == materials.end() && !group.named && !group.name.empty()) unnamed.push_back(group.name);
         if (found != materials.end() || materials.empty() || (!group.named && materials.size() == 1)) continue;
         if (group.name.empty())
@@ -35,16 +38,19 @@ std::vector<Index> materials_of_groups(const Table& table, const std::vector<Gms
                         "has " + std::to_string(group.n) +
                             " triangles in no physical surface, so that their material is unknown",
                         "give each surface a physical group, with one of the names " + joined(materials) +
-                            " (Mesh.SaveAll leaves groups out of format 2.2)");
+                            " (Mesh.SaveAll leaves groups out of format 2.2), or all of them one by mesh.material");
         else
             table.error("unknown-name", "file", "has the physical surface `" + group.name + "`, which is no material",
-                        "materials: " + joined(materials), did_you_mean(group.name, materials));
+                        "materials: " + joined(materials) + "; mesh.material is that of all without such a name",
+                        did_you_mean(group.name, materials));
     }
     if (materials.size() == 1 && unnamed.size() > 1)
         table.warning("merged-surfaces", "file",
                       "has " + std::to_string(unnamed.size()) + " physical surfaces without a name (" +
                           first_of(unnamed) + "): all are the one material `" + materials.front() + "`",
-                      "names of materials for them, in Gmsh as in Physical Surface(\"NAME\") = {...}, tell them apart");
+                      "names of materials for them, in Gmsh as in Physical Surface(\"NAME\") = {...}, tell them apart; "
+                      "material = \"" +
+                          materials.front() + "\" in [mesh] says that it is right");
     return of_group;
 }
 
@@ -78,6 +84,22 @@ void mark_curves(const Table& table, GmshMesh& read) {
     }
 }
 
+/// [[domain.region]] over the mesh: the triangles whose centroids lie inside.
+void lay_regions(Reading& reading, Mesh& mesh) {
+    MeshOptions sizes;
+    sizes.size = mean_edge(mesh);
+    for (const Table& region : reading.table("domain").list("region")) {
+        const std::optional<Index> material = region.material("material");
+        const std::vector<Vec2> outline = read_curve(region, sizes);
+        if (outline.empty() || !material) continue;  // reported
+        const std::vector<Index> inside = triangles_in(mesh, outline);
+        if (inside.empty())
+            region.error("empty-region", "", "has no triangle of mesh.file: it is smaller than one, or lies elsewhere",
+                         "coordinates of the body, after mesh.unit");
+        for (const Index t : inside) mesh.region[t] = *material;
+    }
+}
+
 /// A drawing in millimetres would become a mountain.
 void warn_of_metres(const Table& table, const Mesh& mesh) {
     if (mesh.vertices.empty()) return;
@@ -104,6 +126,8 @@ void read_mesh_file(Reading& reading) {
     for (Vec2& x : mesh.vertices) x *= unit;
     if (!table.given("unit")) warn_of_metres(table, mesh);
     for (Index& region : mesh.region) region = material[region];
+    if (table.get<bool>("grains").value_or(false)) mesh.grain = std::move(read->surface);
+    lay_regions(reading, mesh);
     reading.scenario.files.push_back({table.path("file"), "mesh.msh", std::move(*bytes)});
     reading.scenario.given = std::make_shared<const MeshFile>(MeshFile{std::move(mesh)});
 }

@@ -13,6 +13,7 @@ namespace knap {
 namespace {
 
 constexpr double min_size = 1.5;         // [mesh size] grains and inclusions of fewer triangles would have no shape
+constexpr Index max_grains = 100'000;    // of a picture
 constexpr int max_colour_distance = 80;  // of a pixel from its colour, in the RGB cube of side 255
 
 /// Without a mistake so far.
@@ -164,6 +165,8 @@ void read_map(const Table& table, std::size_t number) {
     if (points.empty()) return;
     const Box box = table.get<Box>("box").value_or(bounding_box(points));
     MaterialMap map{.low = box.low, .high = box.high, .width = picture->width, .height = picture->height};
+    table.compute("smooth", Node::of_boolean(table.get<bool>("grains").value_or(false)));
+    table.fill(map);
     for (std::size_t pixel = 0; pixel < picture->rgb.size() / 3; ++pixel)
         map.material.push_back(material_of_pixel(colours, &picture->rgb[3 * pixel]));
     const auto n = static_cast<double>(map.material.size()),
@@ -173,6 +176,18 @@ void read_map(const Table& table, std::size_t number) {
     } else if (n_none > 0) {
         const std::string percent = std::to_string(static_cast<int>(std::ceil(100 * n_none / n)));
         table.warning("map", "file", "has " + percent + " % of its pixels in none of the colours; they change nothing");
+    }
+    if (map.grains && n_none < n) {
+        const Index n_grains = map.find_patches(picture->rgb);
+        if (n_grains == 0)
+            table.error("bad-value", "least_pixels", "leaves no patch of the picture as a grain",
+                        "a smaller one; or colours without noise: knap-convert --colours");
+        else if (n_grains > max_grains)
+            table.error("bad-value", "grains",
+                        "makes " + std::to_string(n_grains) +
+                            " grains of the picture: its colours "
+                            "have noise or soft edges",
+                        "a larger least_pixels; or colours without noise: knap-convert --colours");
     }
     scenario.maps.push_back(std::move(map));
     scenario.files.push_back({table.path("file"), "map" + std::to_string(number + 1) + ".png", *bytes});

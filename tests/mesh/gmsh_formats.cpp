@@ -166,4 +166,21 @@ TEST_CASE("gmsh: sections that do not describe the mesh are skipped") {
     CHECK(mistake(square_file("0\n", "0\n", "$Comments\nno end\n")).message.find("has no end") != std::string::npos);
 }
 
+TEST_CASE("gmsh: elements of second order are read by their corners") {
+    // the square with nodes in the middles of its sides, of which one is curved
+    const std::string nodes =
+        "9\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0.5 0 0\n6 1.1 0.5 0\n7 0.5 0.5 0\n8 0.5 1 0\n9 0 0.5 0\n";
+    const GmshMesh read = read_gmsh(square_file("3\n1 9 2 4 4 1 2 3 5 6 7\n2 9 2 4 8 1 3 4 7 8 9\n3 8 2 5 5 1 2 5\n",
+                                                nodes, "$PhysicalNames\n1\n1 5 \"base\"\n$EndPhysicalNames\n"),
+                                    "m.msh");
+    CHECK(read.mesh.n_vertices() == 4);
+    CHECK(read.mesh.n_triangles() == 2);
+    CHECK(read.mesh.area(0) + read.mesh.area(1) == doctest::Approx(1));
+    CHECK(read.mesh.boundary_names.front() == "base");
+    REQUIRE(read.warnings.size() == 1);
+    CHECK(read.warnings[0].find("2 triangles have 6 nodes") != std::string::npos);
+    CHECK(read.surface.size() == 2);  // one group, two elementary surfaces
+    CHECK(read.surface[0] != read.surface[1]);
+}
+
 }  // namespace gmsh_formats_test

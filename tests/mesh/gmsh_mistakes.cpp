@@ -57,7 +57,8 @@ const std::vector<Case>& cases() {
         {"not in a plane", nodes("4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0.1\n"), 16, "plane z = const"},
         {"a node that is not there", elements("2\n1 2 0 1 2 3\n2 2 0 1 3 7\n"), 14, "no node 7"},
         {"a line to a node that is not there", elements("2\n1 2 0 1 2 3\n2 1 0 1 9\n"), 14, "no node 9"},
-        {"six nodes", elements("1\n1 9 0 1 2 3 4 1 2\n"), 13, "a triangle of 6 nodes"},
+        {"ten nodes", elements("1\n1 21 0 1 2 3 4 1 2 3 4 1 2\n"), 13, "a triangle of 10 nodes"},
+        {"five of six nodes", elements("1\n1 9 0 1 2 3 4 1\n"), 13, "the tag of a node should be"},
         {"quadrangle", elements("1\n1 3 0 1 2 3 4\n"), 13, "a quadrangle"},
         {"tetrahedron", elements("1\n1 4 0 1 2 3 4\n"), 13, "a tetrahedron"},
         {"unknown type", elements("1\n1 99 0 1 2 3 4\n"), 13, "element of type 99"},
@@ -113,7 +114,7 @@ TEST_CASE("gmsh: mistakes in the blocks of format 4.1 are reported") {
     CHECK(message("$Entities", "$PartitionedEntities").find("partitions") != std::string::npos);
     CHECK(message("\n2 1 2 ", "\n2 9 2 ").find("$Entities has no entity 9 of dimension 2") != std::string::npos);
     CHECK(message("\n2 1 2 ", "\n1 1 2 ").find("cannot have the dimension 1") != std::string::npos);
-    CHECK(message("\n2 1 2 ", "\n2 1 9 ").find("a triangle of 6 nodes") != std::string::npos);
+    CHECK(message("\n2 1 2 ", "\n2 1 21 ").find("a triangle of 10 nodes") != std::string::npos);
 }
 
 TEST_CASE("gmsh: the byte order is tested and binary messages name the byte") {

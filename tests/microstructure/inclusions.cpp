@@ -1,5 +1,6 @@
 // Inclusions, pores and joints: areas, distances, directions, and meshes without needles.
 #include "microstructure/inclusions.hpp"
+#include "microstructure/grain_mesh.hpp"
 
 #include "mesh/mesh_report.hpp"
 #include "mesh/polygon.hpp"
@@ -204,6 +205,61 @@ TEST_CASE("a picture paints triangles by the material that covers most of them")
     CHECK(area[2] == relative(0.002, 0.02));
     CHECK(map.at({0.01, 0.03}) == 1);  // rows of a picture begin at the top
     CHECK(map.at({0.01, 0.01}) == -1);
+}
+
+// A border at 20 degrees: the pixels show it as steps.
+TEST_CASE("borders of a picture become smooth and vertices of the mesh lie on them") {
+    const Vec2 normal(std::sin(0.35), std::cos(0.35)), middle(0.05, 0.02);
+    const auto beyond = [&](const Vec2& x) { return normal.dot(x - middle); };  // [m]
+    double straying[2];                                                         // [m] root mean square
+    for (const bool smooth : {false, true}) {
+        Mesh mesh = triangulate(block(), {.size = 0.002});
+        MaterialMap map{.low = {0, 0}, .high = {0.1, 0.04}, .width = 100, .height = 40, .smooth = smooth};
+        for (int row = 0; row < map.height; ++row)
+            for (int column = 0; column < map.width; ++column)
+                map.material.push_back(beyond({0.001 * (column + 0.5), 0.04 - 0.001 * (row + 0.5)}) > 0);
+        paint(map, mesh);
+        double squares = 0, length = 0;
+        for (const InteriorEdge& edge : mesh.interior_edges) {
+            if (mesh.region[edge.triangle[0]] == mesh.region[edge.triangle[1]]) continue;
+            const Vec2 along = mesh.side_vector(edge.triangle[0], edge.side[0]),
+                       at = mesh.corner(edge.triangle[0], edge.side[0]) + 0.5 * along;
+            squares += along.norm() * beyond(at) * beyond(at), length += along.norm();
+        }
+        straying[smooth] = std::sqrt(squares / length);
+        if (smooth) CHECK(length == relative(0.1 / std::cos(0.35), 0.06));
+        else CHECK(length > 1.1 * 0.1 / std::cos(0.35));
+        CHECK(judge(mesh).smallest_angle > 12);
+        double area = 0;
+        for (Index t = 0; t < mesh.n_triangles(); ++t) area += mesh.region[t] * mesh.area(t);
+        CHECK(area == relative(0.002, 0.01));
+    }
+    CHECK(straying[1] < 0.15 * 0.002);  // of an edge, as the borders of [[grains]]
+    CHECK(straying[1] < 0.8 * straying[0]);
+}
+
+TEST_CASE("patches of one colour are grains and what is too small joins a neighbour") {
+    MaterialMap map{.low = {0, 0}, .high = {0.1, 0.04}, .width = 10, .height = 4, .grains = true, .least_pixels = 3};
+    //  two shades of one mineral side by side, a single pixel of another one, and a column that no colour names
+    std::vector<std::uint8_t> rgb;
+    for (int row = 0; row < 4; ++row)
+        for (int column = 0; column < 10; ++column) {
+            const bool odd = row == 1 && column == 2;
+            map.material.push_back(column == 9 ? -1 : odd ? 2 : 1);
+            const std::uint8_t shade = column == 9 ? 0 : odd ? 90 : column < 5 ? 200 : 210;
+            rgb.insert(rgb.end(), {shade, shade, shade});
+        }
+    CHECK(map.find_patches(rgb) == 2);
+    CHECK(map.patch[12] == map.patch[11]);
+    CHECK(map.material[12] == 1);
+    CHECK(map.patch[4] != map.patch[5]);
+    CHECK(map.patch[9] == -1);
+    Mesh mesh = triangulate(block(), {.size = 0.004});
+    paint(map, mesh);
+    std::vector<double> area = grain_areas(mesh);
+    REQUIRE(area.size() == 2);
+    CHECK(area[0] + area[1] == relative(0.0036, 0.03));
+    for (Index t = 0; t < mesh.n_triangles(); ++t) CHECK(mesh.region[t] == (mesh.grain[t] < 0 ? 0 : 1));
 }
 
 }  // namespace inclusions_test

@@ -322,12 +322,13 @@ centre = ["1 mm", "2 mm"]
 radius = "10 mm"
 )");
 
-const std::string mesh_file = samples::changed(
-    "[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
-    "[mesh]\nfile = \"" KNAP_SOURCE_DIR
-    "/tests/mesh/data/block_41_ascii.msh\"\n"
-    "unit = \"1 mm\"\ncracks = [\"crack\"]\n[[mesh.joint]]\ncurve = \"crack\"\ninterface = \"default\"\n"
-    "[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
+const std::string mesh_file =
+    samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n[mesh]\nsize = 0.001\n",
+                     "[mesh]\nfile = \"" KNAP_SOURCE_DIR
+                     "/tests/mesh/data/block_41_ascii.msh\"\n"
+                     "unit = \"1 mm\"\ncracks = [\"crack\"]\nmaterial = \"glass\"\ngrains = "
+                     "true\n[[mesh.joint]]\ncurve = \"crack\"\ninterface = \"default\"\n"
+                     "[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
 
 const std::string scene = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([[body]]
 shape = "rectangle"
@@ -576,7 +577,6 @@ name = "bubbles"
 pressure = "2 MPa"
 from = { boundary = "top", box = ["0 mm", "40 mm", "10 mm", "42 mm"] }
 ramp = "10 us"
-[[pressure]]
 name = "water"
 gradient = "9810 Pa/m"
 level = "40 mm"
@@ -586,6 +586,7 @@ formula = "1e5 - 1e5*x"
 [[pressure]]
 rate = "0.001 m2/s"
 storage = "1e-12 m2/Pa"
+[[pressure]]
 pressure = "3 MPa"
 joints = "weak"
 table = [[0, 0], ["10 us", 1]]
@@ -624,6 +625,9 @@ const std::string stretched = samples::changed(
 const std::string painted = samples::least + R"([[map]]
 file = ")" KNAP_SOURCE_DIR R"(/tests/scenario/data/two_halves.png"
 box = [0, 0, "100 mm", "40 mm"]
+grains = true
+least_pixels = 4
+smooth = true
 [[map.colour]]
 rgb = "#C01020"
 material = "glass"
@@ -1084,6 +1088,8 @@ const Case cases[] = {
     {mesh_file, "mesh.file", "\"" KNAP_SOURCE_DIR "/tests/mesh/data/block_41_ascii.msh\""},
     {mesh_file, "mesh.unit", "0.001"},
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
+    {mesh_file, "mesh.material", "\"glass\""},
+    {mesh_file, "mesh.grains", "true"},
     {mesh_file, "mesh.joint[0].curve", "\"crack\""},
     {mesh_file, "mesh.joint[0].interface", "\"default\""},
     {rock, "interface.default.softening", "\"power\""},
@@ -1144,6 +1150,9 @@ const Case cases[] = {
     {rock, "joints[1].material", "\"quartz\""},
     {painted, "map[0].file", "\"" KNAP_SOURCE_DIR "/tests/scenario/data/two_halves.png\""},
     {painted, "map[0].box", "[0, 0, 0.1, 0.04]"},
+    {painted, "map[0].grains", "true"},
+    {painted, "map[0].least_pixels", "4"},
+    {painted, "map[0].smooth", "true"},
     {painted, "map[0].colour[0].rgb", "\"#C01020\""},
     {painted, "map[0].colour[0].material", "\"glass\""},
 };

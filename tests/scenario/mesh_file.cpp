@@ -124,7 +124,7 @@ TEST_CASE("mesh file: names that the scenario does not have are refused") {
     REQUIRE(material.size() == 1);
     CHECK(material[0].message == "`mesh.file` has the physical surface `steel`, which is no material");
     CHECK(material[0].hint == "did you mean `steal`?");
-    CHECK(material[0].note == "materials: glass, steal");
+    CHECK(material[0].note == "materials: glass, steal; mesh.material is that of all without such a name");
     const auto crack = [](const std::string& name) {
         return mistakes(samples::changed("\"crack\"", "\"" + name + "\"", two_materials));
     };
@@ -148,6 +148,43 @@ TEST_CASE("mesh file: triangles without a name have the only material") {
     const std::string numbered =
         samples::changed("material.steel", "material.7", two_materials);  // a number may be a name
     CHECK(with_mesh(square("5 7", names), numbered).scenario.given->mesh.region.size() == 2);
+}
+
+TEST_CASE("mesh file: one material for surfaces without a name of one and grains") {
+    const auto named = [](const std::string& keys) {
+        return samples::changed("[mesh]\nfile = \"m.msh\"\n", "[mesh]\nfile = \"m.msh\"\n" + keys,
+                                samples::changed(mesh_of_block, "[mesh]\nfile = \"m.msh\"\n", two_materials));
+    };
+    std::ofstream(folder() / "m.msh", std::ios::binary) << square("7 8");
+    const auto read = [&](const std::string& keys) { return read_scenario_text(named(keys), "s.toml", {}, folder()); };
+    const ReadResult grains = read("unit = 1\nmaterial = \"steel\"\ngrains = true\n");
+    CHECK(grains.warnings.empty());
+    CHECK(grains.scenario.given->mesh.region == std::vector<Index>{1, 1});
+    CHECK(grains.scenario.given->mesh.grain == std::vector<Index>{0, 1});
+    try {
+        read("unit = 1\nmaterial = \"stel\"\n");
+        FAIL("an unknown material");
+    } catch (const UserError& error) {
+        REQUIRE(error.diagnostics.size() == 1);
+        CHECK(error.diagnostics[0].hint == "did you mean `steel`?");
+    }
+}
+
+TEST_CASE("mesh file: regions lie over its triangles") {
+    const auto with_region = [](const std::string& keys) {
+        return two_materials + "[[domain.region]]\n" + keys + "material = \"steel\"\n";
+    };
+    const Scenario s =
+        read_scenario_text(with_region("box = [\"15 mm\", \"-1 mm\", \"25 mm\", \"11 mm\"]\n"), "s.toml", {}, data)
+            .scenario;
+    double area = 0;
+    for (Index t = 0; t < s.given->mesh.n_triangles(); ++t)
+        if (s.given->mesh.region[t] == 1) area += s.given->mesh.area(t);
+    CHECK(area > 1.2e-4);  // the left half, and what lies beyond 15 mm
+    CHECK(area < 1.7e-4);
+    const auto none = mistakes(with_region("centre = [1, 1]\nradius = 0.001\n"));
+    REQUIRE(none.size() == 1);
+    CHECK(none[0].code == "empty-region");
 }
 
 TEST_CASE("mesh file: keys that define the body are excluded") {

@@ -68,7 +68,10 @@ Model build_model(const Scenario& scenario) {
     ModelInput input = model_input(scenario);
     input.mesh = mesh_of(scenario);
     input.mesh.order = scenario.order;
-    for (const MaterialMap& map : scenario.maps) paint(map, input.mesh);
+    if (!scenario.maps.empty()) {
+        const std::vector<Index> fixed = outline_vertices(scenario, input.mesh);
+        for (const MaterialMap& map : scenario.maps) paint(map, input.mesh, fixed);
+    }
     if (!scenario.rocks.empty()) put_rocks(scenario, input.mesh);
     return make_model(std::move(input));
 }
