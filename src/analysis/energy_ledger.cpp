@@ -6,6 +6,8 @@
 #include "stepper/common/surface_energy.hpp"
 #include "stepper/scheme_change.hpp"
 
+#include <Eigen/LU>
+
 #include <cassert>
 #include <climits>
 #include <cmath>
@@ -39,6 +41,18 @@ constexpr EnergyTerm number(const char* name, const char* unit, const char* doc,
 
 enum CurveColour { blue, vermilion, green, orange, purple, sky };  // in the order of curve_colour()
 
+/// [J] Of the stress s of the undeformed body: the integral of 1/2 s : D^-1 s.
+double initial_stress_energy(const Model& model) {
+    const Index n = model.mesh.order == 1 ? 1 : 3;  // places in a triangle
+    double energy = 0;
+    for (Index i = 0; i < std::ssize(model.initial_stress); ++i) {
+        const Eigen::Vector3d s(model.initial_stress[i].data());
+        const Eigen::Matrix3d D = model.materials[model.mesh.region[i / n]].stiffness(model.plane);
+        energy += 0.5 * model.mesh.area(i / n) * model.thickness / n * s.dot(D.inverse() * s);
+    }
+    return energy;
+}
+
 }  // namespace
 
 double weakest_point(const Model& model) {
@@ -57,7 +71,8 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
     row_.strain = elastic_energy(model, start, force);
     for (std::size_t o = 0; o < model.obstacles.size(); ++o)
         row_.kinetic += kinetic_energy(model.obstacles[o], start.obstacles[o].velocity);
-    start_energy_ = largest_energy_ = row_.kinetic + row_.strain;
+    start_energy_ = row_.kinetic + row_.strain;
+    largest_energy_ = start_energy_ + initial_stress_energy(model);  // at rest nothing else has a size
     const StepReport surface = surface_energy(model, start);
     row_.dissipated = surface.dissipated, row_.recoverable = surface.recoverable;
     row_.interface_elastic = surface.interface_elastic;

@@ -85,6 +85,8 @@ void TipIntegral::refuse(const std::string& probe, const std::string& what, cons
 void TipIntegral::check_domain(const std::string& probe) const {
     const Mesh& mesh = model_.mesh;
     if (model_.large_rotation) fail(probe, "rotations are large: its integrals are those of small ones");
+    if (!model_.initial_stress.empty())
+        fail(probe, "the body has an initial stress: its integrals know the stress of strains alone");
     for (const BoundaryEdge& edge : mesh.boundary_edges)
         for (const Index k : {edge.side, (edge.side + 1) % 3})
             if (const Index v = mesh.triangles[edge.triangle][k]; is_inside(v))

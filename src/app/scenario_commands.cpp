@@ -3,6 +3,7 @@
 #include "app/check/findings.hpp"
 #include "app/check/heat_scales.hpp"
 #include "app/check/law_table.hpp"
+#include "app/check/stress_balance.hpp"
 #include "app/commands.hpp"
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/run_text.hpp"
@@ -379,6 +380,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     std::fputs(laws_text(read, model).c_str(), stdout);
     print_resolution(scenario, model.mesh, plan.limits.cracking);
     print_methods(scenario, model);
+    std::fputs(initial_stress_text(scenario, model).c_str(), stdout);
     std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);
     std::fputs(probes_text(model, scenario.probes).c_str(), stdout);
     for (const PlannedExcavation& one : excavations)

@@ -72,19 +72,15 @@ private:
 
     void check_traction(Index number) {
         const Load& load = loads_[number];
-        const auto& [xx, yy, xy] = load.stress;
-        const bool is_stress = load.kind == Load::Kind::stress;
-        const double size =
-            is_stress ? std::max({std::abs(xx), std::abs(yy), std::abs(xy)}) : load.vector().norm();  // [Pa]
         for (const std::size_t e : selected_edges(mesh_, load.on)) {
             const auto& [triangle, side, boundary] = mesh_.boundary_edges[e];
-            const Vec2 along = mesh_.side_vector(triangle, side);
-            const Vec2 traction =
-                is_stress ? stress_times(load.stress, -turned_left(along.normalized())) : load.vector();
+            const Vec2 along = mesh_.side_vector(triangle, side), middle = mesh_.corner(triangle, side) + 0.5 * along,
+                       traction = load.traction_on(-turned_left(along.normalized()), middle, 0);
+            const double size = std::max(load.traction_on({1, 0}, middle, 0).norm(),
+                                         load.traction_on({0, 1}, middle, 0).norm());  // [Pa]
             for (int k = 0; k < 2; ++k)
                 if (driver_of_edge_[e][k] != no_index && std::abs(traction[k]) > 1e-9 * size)
-                    report(Contradiction::Kind::traction, driver_of_edge_[e][k], number, k,
-                           mesh_.corner(triangle, side) + 0.5 * along);
+                    report(Contradiction::Kind::traction, driver_of_edge_[e][k], number, k, middle);
         }
     }
 

@@ -3,8 +3,10 @@
 #include "base/expression.hpp"
 #include "material/thermal.hpp"
 #include "mesh/polygon.hpp"
+#include "model/place_field.hpp"
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -86,9 +88,17 @@ struct Load {
     std::array<std::optional<double>, 2> value;  // x, y; absent = free (velocity, displacement) or zero
     std::array<double, 3> stress{};              // xx, yy, xy; tension positive
     TimeFunction history;                        // multiplies the value
+    std::shared_ptr<const PlaceField> field;     // a traction or stress that varies, in place of `value` or `stress`
 
     bool drives() const { return kind == Kind::velocity || kind == Kind::displacement; }
     Vec2 vector() const { return {value[0].value_or(0), value[1].value_or(0)}; }
+    /// Of a traction or stress on an edge with this normal; or its force, with the normal times an area.
+    Vec2 traction_on(const Vec2& normal, const Vec2& place, double t) const {
+        if (kind == Kind::stress) return stress_times(field ? field->at(place, t) : stress, normal);
+        if (!field) return vector() * normal.norm();
+        const std::array<double, 3> given = field->at(place, t);
+        return Vec2(given[0], given[1]) * normal.norm();
+    }
 };
 
 /// A fluid in cracks: it presses on both faces of all broken interfaces that broken interfaces connect to its source,
@@ -132,6 +142,12 @@ struct InitialVelocity {
     Vec2 value;                           // [m/s]
     double spin = 0;                      // [rad/s] about the centre of mass of these triangles, counterclockwise
     std::array<double, 3> strain_rate{};  // [1/s] xx, yy, xy, about the same centre
+};
+
+/// A stress that the undeformed body has.
+struct InitialStress {
+    Selection on;      // triangles of the body whose centroid lies inside the box
+    PlaceField field;  // [Pa] xx, yy, xy
 };
 
 }  // namespace knap

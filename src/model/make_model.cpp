@@ -2,6 +2,7 @@
 
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
+#include "element/shape_functions.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/body_in_obstacles.hpp"
 #include "model/fans.hpp"
@@ -48,8 +49,61 @@ public:
         }
     }
 
+    /// Later ones overwrite earlier ones. The forces of a stress s on the corners of a triangle:
+    ///
+    ///     -V s w_c,    with grad u = sum_c u_c (x) w_c;    large rotations: -V F s w_c, which turn (S = D E + s)
+    void add_initial_stress(const std::vector<InitialStress>& given) {
+        model_.history_of_initial_stress = number();
+        model_.load_names.emplace_back("initial_stress");
+        model_.histories.emplace_back();
+        const Index n = mesh_.order == 1 ? 1 : 3;  // places
+        model_.initial_stress.assign(n * mesh_.n_triangles(), {});
+        std::vector<char> is_stressed(mesh_.n_triangles(), 0);
+        for (std::size_t i = 0; i < given.size(); ++i)
+            for (const Index t : knap::not_empty(selected_triangles(mesh_, given[i].on), "an initial stress",
+                                                 given[i].on, EmptySelection::initial_stresses, i)) {
+                is_stressed[t] = 1;
+                for (Index k = 0; k < 3 && given[i].field.table; ++k)  // so that a finer mesh has values, too
+                    given[i].field.at_start(mesh_.corner(t, k));
+                for (Index m = 0; m < n; ++m) {
+                    const Vec2 place = n == 1
+                                           ? mesh_.centroid(t)
+                                           : Vec2(0.5 * (mesh_.corner(t, (m + 1) % 3) + mesh_.corner(t, (m + 2) % 3)));
+                    model_.initial_stress[n * t + m] = given[i].field.at_start(place);
+                }
+            }
+        for (Index t = 0; t < mesh_.n_triangles(); ++t)
+            if (is_stressed[t]) add_forces_of_initial_stress(t);
+    }
+
 private:
     Index number() const { return static_cast<Index>(model_.histories.size()); }
+
+    void add_forces_of_initial_stress(Index t) {
+        const auto g = shape_gradients(mesh_, t);
+        const double volume = mesh_.area(t) * model_.thickness;
+        if (mesh_.order == 2) {
+            std::array<Vec2, 7> force;
+            force.fill(Vec2::Zero());
+            for (Index m = 0; m < 3; ++m) {
+                const auto weight = middle_gradients(g, m);
+                for (Index c = 0; c < 7; ++c)
+                    force[c] -= volume / 3 * stress_times(model_.initial_stress[3 * t + m], weight[c]);
+            }
+            for (Index c = 0; c < 7; ++c) add_corner_load(7 * t + c, force[c]);
+            return;
+        }
+        for (Index c = 0; c < 3; ++c) {
+            const Vec2 force = -volume * stress_times(model_.initial_stress[t], g[c]);
+            add_corner_load(3 * t + c, force);
+            if (!model_.large_rotation) continue;
+            add_state_force([=](const State& state, double) {
+                Vec2 turned = force;
+                for (Index k = 0; k < 3; ++k) turned += state.displacement_of(3 * t + k) * g[k].dot(force);
+                return turned;
+            });
+        }
+    }
 
     template <class Selected>
     Selected not_empty(Selected selected, const std::string& what, const Load& load) const {
@@ -65,6 +119,10 @@ private:
         for (const std::size_t i :
              not_empty(selected_edges(mesh_, load.on), is_traction ? "a traction" : "a pressure or stress", load)) {
             const auto& [triangle, side, boundary] = mesh_.boundary_edges[i];
+            if (load.field) {
+                add_traction_of_field(load, triangle, side);
+                continue;
+            }
             const Vec2 along = mesh_.side_vector(triangle, side);  // the body lies to its left
             const Vec2 force = is_traction ? Vec2(load.vector() * (along.norm() * model_.thickness))
                                            : Vec2(model_.thickness * stress_times(load.stress, -turned_left(along)));
@@ -76,7 +134,8 @@ private:
             if (is_traction || !model_.large_rotation) continue;
             // the traction sigma n of the present edge e + u_b - u_a: -t/2 sigma turned(e + u_b - u_a) on both ends
             const auto on_present_edge = [force = Vec2(end * force), a = first + side, b = first + (side + 1) % 3,
-                                          stress = load.stress, thickness = model_.thickness](const State& state) {
+                                          stress = load.stress,
+                                          thickness = model_.thickness](const State& state, double) {
                 const Vec2 moved = state.displacement_of(b) - state.displacement_of(a);
                 return Vec2(force - 0.5 * thickness * stress_times(stress, turned_left(moved)));
             };
@@ -84,6 +143,43 @@ private:
                 model_.corner_loads[i].state_force = static_cast<Index>(model_.state_forces.size());
             model_.state_forces.emplace_back(on_present_edge);
         }
+    }
+
+    /// The force of int N_a f ds on end a of an edge, by Simpson's rule: exact for f that is quadratic along an edge of
+    /// order 1, linear along one of order 2.
+    void add_traction_of_field(const Load& load, Index triangle, Index side) {
+        const Vec2 along = mesh_.side_vector(triangle, side), normal = -model_.thickness * turned_left(along),
+                   begin = mesh_.corner(triangle, side);
+        const Index first = mesh_.corners_per_triangle() * triangle;
+        const std::array<Index, 2> ends{first + side, first + (side + 1) % 3};
+        const auto kept = std::make_shared<const Load>(load);
+        const auto add = [&](Index corner, double at, double own, double of_middle) {  // weights of f there and at 1/2
+            const auto force_at = [kept, own, of_middle, place = Vec2(begin + at * along),
+                                   middle = Vec2(begin + 0.5 * along)](const Vec2& on, double t) {
+                Vec2 force = own * kept->traction_on(on, place, t);
+                if (of_middle != 0) force += of_middle * kept->traction_on(on, middle, t);
+                return force;
+            };
+            load.field->at_start(begin + at * along);
+            add_corner_load(corner, force_at(normal, 0));
+            const bool follows = load.kind == Load::Kind::stress && model_.large_rotation;
+            if (!follows && !load.field->depends_on_time()) return;
+            add_state_force(
+                [force_at, follows, normal, ends, thickness = model_.thickness](const State& state, double t) {
+                    if (!follows) return force_at(normal, t);
+                    const Vec2 moved = state.displacement_of(ends[1]) - state.displacement_of(ends[0]);
+                    return force_at(normal - thickness * turned_left(moved), t);
+                });
+        };
+        const bool linear = mesh_.order == 1;
+        for (int end = 0; end < 2; ++end) add(ends[end], end, 1. / 6, linear ? 2. / 6 : 0);
+        if (!linear) add(first + 3 + side, 0.5, 4. / 6, 0);
+    }
+
+    /// Of the last corner load.
+    void add_state_force(StateForce force) {
+        model_.corner_loads.back().state_force = static_cast<Index>(model_.state_forces.size());
+        model_.state_forces.push_back(std::move(force));
     }
 
     void add_body_force(const Load& load) {
@@ -314,6 +410,7 @@ Model make_model(ModelInput input) {
         throw UserError("large-rotation", "large rotations need triangles of first order");
     LoadMaker loads(model);
     for (const Load& load : input.loads) loads.add(load);
+    if (!input.initial_stresses.empty()) loads.add_initial_stress(input.initial_stresses);
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
     for (std::size_t i = 0; i < input.crack_pressures.size(); ++i) {
         model.crack_fluids.push_back(fluid_of(input.crack_pressures[i], input, i, model));

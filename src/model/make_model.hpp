@@ -8,10 +8,10 @@
 
 namespace knap {
 
-/// A load, support or initial velocity acts nowhere on the mesh.
+/// A load, support, initial velocity or stress acts nowhere on the mesh.
 class EmptySelection : public UserError {
 public:
-    enum List { loads, supports, initial_velocities, crack_pressures };
+    enum List { loads, supports, initial_velocities, crack_pressures, initial_stresses };
     EmptySelection(List list, std::size_t number, const std::string& message)
         : UserError("empty-selection", message), list(list), number(number) {}
     List list;           // of ModelInput
@@ -26,7 +26,7 @@ public:
     Index number;  // of the obstacle
 };
 
-/// Throws EmptySelection for selections that select nothing, ObstacleInBody, and other UserErrors.
+/// Throws EmptySelection for selections that select nothing, BadPlace, ObstacleInBody, and other UserErrors.
 Model make_model(ModelInput input);
 
 }  // namespace knap

@@ -78,11 +78,11 @@ struct CornerLoad {
     bool depends_on_state() const { return state_force >= 0; }
 };
 
-/// [N] A force on a corner that depends on displacements or velocities (a stress that follows its face, an elastic
-/// bedding, drag), for a history of 1. The explicit scheme takes it at the start of the step, the implicit one at
+/// [N] A force on a corner that depends on u or v (a stress that follows its face, a bedding, drag), or on the time not
+/// by a factor alone, for a history of 1. The explicit scheme takes it at the start of the step, the implicit one at
 /// u + theta h v (so that a spring keeps its energy with theta = 1/2); its work is one of loads. The stable step does
 /// not know it: beside the mass m of a corner its stiffness k and viscosity c must keep k h^2 and c h below m.
-using StateForce = std::function<Vec2(const State& state)>;
+using StateForce = std::function<Vec2(const State& state, double time)>;
 
 /// A fluid in cracks on the mesh (CrackPressure).
 struct CrackFluid {
@@ -123,6 +123,7 @@ struct ModelInput {
     std::vector<CrackPressure> crack_pressures;
     std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;
+    std::vector<InitialStress> initial_stresses;
     std::vector<Obstacle> obstacles;
     bool large_rotation = false;                           // as in Model
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // as in Model
@@ -145,7 +146,8 @@ struct Model {
     std::vector<Index> fan_of_corner;
     std::vector<Index> fan_point_of;  // per point: its index in fan_points; -1 on an interface that is gone
 
-    std::vector<TimeFunction> histories;   // of the loads and crack fluids, in their order; then those of excavations
+    std::vector<TimeFunction> histories;   // of the loads, of an initial stress, of the crack fluids, in their order;
+                                           // then those of excavations
     std::vector<std::string> load_names;   // likewise
     std::vector<CornerLoad> corner_loads;  // in the order of the corners
     std::vector<StateForce> state_forces;
@@ -153,6 +155,10 @@ struct Model {
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
     std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one
+    // [Pa] xx, yy, xy of the undeformed body, per triangle (order 2: at the middles of its edges); empty: none. Its
+    // forces are among corner_loads, so that its work is one of loads and the elastic energy counts from there.
+    std::vector<std::array<double, 3>> initial_stress;
+    Index history_of_initial_stress = -1;  // of these forces, into `histories`
     std::vector<Obstacle> obstacles;
     bool large_rotation = false;  // Green's strain and turned fans; else all rotations are small
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // [material][material], symmetric; or empty: faces_meet()

@@ -177,18 +177,25 @@ Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, 
     }
     const Elastic& material = model.materials[mesh.region[t]];
     const Eigen::Matrix3d D = material.stiffness(model.plane);
+    Eigen::Vector3d initial = Eigen::Vector3d::Zero();
+    if (!model.initial_stress.empty()) {
+        if (mesh.order == 1) initial = Eigen::Vector3d(model.initial_stress[t].data());
+        for (Index k = 0; k < 3 && mesh.order == 2; ++k)
+            initial += (1 - 2 * at[k]) * Eigen::Vector3d(model.initial_stress[3 * t + k].data());
+    }
     const auto zz = [&](const Eigen::Vector3d& s) {  // e = (1 + nu) a dT
         const double nu = material.nu;
         return model.plane == PlaneModel::strain ? nu * (s[0] + s[1]) - material.E * thermal / (1 + nu) : 0;
     };
     if (!model.large_rotation) {
-        const Eigen::Vector3d s = D * strain;
+        const Eigen::Vector3d s = D * strain + initial;
         return {s[0], s[1], s[2], zz(s)};
     }
     Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
     for (Index k = 0; k < 3; ++k) H += state.displacement_of(3 * t + k) * g[k].transpose();
     const Eigen::Matrix2d F = Eigen::Matrix2d::Identity() + H, quadratic = 0.5 * H.transpose() * H;
-    const Eigen::Vector3d s = D * (strain + Eigen::Vector3d(quadratic(0, 0), quadratic(1, 1), 2 * quadratic(0, 1)));
+    const Eigen::Vector3d s =
+        D * (strain + Eigen::Vector3d(quadratic(0, 0), quadratic(1, 1), 2 * quadratic(0, 1))) + initial;
     const Eigen::Matrix2d S = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished(),
                           cauchy = F * S * F.transpose() / F.determinant();
     return {cauchy(0, 0), cauchy(1, 1), cauchy(0, 1), zz(s) / F.determinant()};

@@ -194,7 +194,7 @@ Rotation point_frame(const Model& model, const State& state, const FanPoint& poi
 
 /// [N] Of a load of factor 1.
 inline Vec2 force_of(const Model& model, const CornerLoad& load, const State& state) {
-    return load.depends_on_state() ? model.state_forces[load.state_force](state) : load.force;
+    return load.depends_on_state() ? model.state_forces[load.state_force](state, state.time) : load.force;
 }
 
 /// [m] Of a corner of the mesh, or of a vertex of the ground.

@@ -69,6 +69,7 @@ struct Facts {
     const RecorderOptions::Calibrated& toughness = recorder.options().toughness;
     const RecorderOptions::Calibrated& sigma_c = recorder.options().strength;
     Vec2 momentum = Vec2::Zero(), mean_displacement = Vec2::Zero();  // [kg m/s], [m]
+    double largest_displacement = 0;                                 // [m]
     std::vector<Reaction> reactions;                                 // at the end
     std::optional<Driver> driver;  // the first load or obstacle that moves, or else the first one
     History fragments;
@@ -90,6 +91,7 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
         momentum += model.corner_mass[c] * end.velocity[end.node_of_corner[c]];
         moment += model.corner_mass[c] * end.displacement[end.node_of_corner[c]];
         mass += model.corner_mass[c];
+        largest_displacement = std::max(largest_displacement, end.displacement_of(c).norm());
     }
     mean_displacement = moment / mass;
     unresolved = knap::unresolved(cracks, recorder.options().cracks.speed_length);
@@ -206,6 +208,7 @@ constexpr SummaryRow rows[]{
     {"momentum_y", "kg m/s", "likewise", [](F f) { return f.momentum.y(); }},
     {"mean_displacement_x", "m", "of the centre of mass at the end", [](F f) { return f.mean_displacement.x(); }},
     {"mean_displacement_y", "m", "likewise", [](F f) { return f.mean_displacement.y(); }},
+    {"largest_displacement", "m", "of any vertex at the end", [](F f) { return f.largest_displacement; }},
     {"reaction_x", "N",
      "force on the body, at the end, of the load or obstacle named by reaction_of in run.json: the first one "
      "that moves",

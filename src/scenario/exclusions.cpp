@@ -61,6 +61,7 @@ std::span<const Exclusion> exclusions() {
         {"[[pressure]] rate", "[[excavation]]", "the fluid would flow out of the cracks that the excavation cuts"},
         {"[[pressure]] rate", "start = \"run:DIR@TIME\"",
          "time counts from 0 again, and so does the volume that has entered"},
+        {"[rigid]", "[[initial]] stress", "it opens cracks without any contact, and a rigid piece has no stresses"},
         {"[rigid]", "[[excavation]]", "the forces that fade stress what stays, and a rigid piece has no stresses"},
         {"[rigid]", "[[absorb]]", "waves that leave the body are those of a deformable one"},
         {"[rigid]", "[specimen]", "its gauges and its stress are those of a body under load, which is not rigid"},

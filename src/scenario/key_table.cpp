@@ -401,11 +401,13 @@ void add_keys_of_loads(KeyTable& t) {
         "letters, digits, blanks, _ and -").a_name().computed("load0, load1, ...").to(&Load::name);
     add_place(t, "load[]", "place: a boundary, a box, a body, or what they have in common; body_force and "
         "acceleration without it act on all bodies");
-    t.number("traction", "Pa", "force per area on the boundary, x and y").pair();
+    t.number("traction", "Pa", "force per area on the boundary, x and y; that of a place and a time by formulas, or of "
+        "points (tx, ty) by a csv file, as the stress of [[initial]]").pair().or_formula();
     t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the face is that of the "
         "undeformed body, with domain.rotation = \"large\" the present one, also of fragments that fly away");
     t.number("stress", "Pa", "stress [xx, yy, xy] around the body (in situ stress), applied to the boundary as its "
-        "traction, with domain.rotation = \"large\" that of the present face; tension is positive").triple();
+        "traction, with domain.rotation = \"large\" that of the present face; tension is positive. That of a place "
+        "and a time by formulas, or by a csv file, as the stress of [[initial]]").triple().or_formula();
     t.number("force", "N", "total force, x and y, shared equally by the vertices on the boundary or in the box").pair();
     t.number("velocity", "m/s", "prescribed velocity, x and y").pair().or_word("free");
     t.number("displacement", "m", "prescribed displacement, x and y").pair().or_word("free");
@@ -552,13 +554,19 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("ramp", "s", "time in which the forces decrease to zero; 0: at once")
         .at_least(0).otherwise("0").to(&Excavation::ramp);
 
-    t.list("initial[]", "an initial velocity; later entries overwrite earlier ones");
+    t.list("initial[]", "an initial velocity, or a stress of the undeformed body; later ones overwrite earlier ones");
     t.number("velocity", "m/s", "velocity, x and y; one or more of velocity, spin, strain_rate")
         .pair().to(&InitialVelocity::value);
     t.number("spin", "deg/s", "angular velocity about the centre of mass of the selected triangles, counterclockwise")
         .to(&InitialVelocity::spin, radians);
     t.number("strain_rate", "Hz", "rate of strain [xx, yy, xy] about the same centre: the body expands")
         .triple().to(&InitialVelocity::strain_rate);
+    t.number("stress", "Pa", "stress [xx, yy, xy] of the undeformed body (in situ or residual stress), tension "
+        "positive: numbers, formulas of x and y [m] in Pa or with a unit behind (\"-0.027*(100 - y) MPa\"), or a csv "
+        "file with columns `x [m], y [m], xx [MPa], yy [MPa], xy [MPa]`, linear on the Delaunay triangles of its "
+        "points and an error outside them. What the loads at t = 0 do not balance of it moves the body, or with "
+        "time.start = \"equilibrium\" strains it before the start. It acts as a load: its work is external_work, and "
+        "the elastic energy counts from the undeformed body").triple().or_formula();
     t.number("box", "m", "box of the centroids of the triangles that have it; without it all")
         .box().to(&Selection::box);
     t.text("body", "name of a body, or of a group of bodies; without it all").to(&Selection::body);

@@ -110,11 +110,13 @@ std::string describe_one(const Key& key, std::string_view unit) {
     }
     std::string text = describe_unit(unit);
     for (const std::string& word : key.words) text += " or \"" + word + "\"";
+    if (key.takes_formulas) text += " or a formula of x, y, t";
     return text;
 }
 
 std::string describe(const Key& key, std::string_view unit) {
     const std::string one = describe_one(key, unit), text = rule_of(key.form).text;
+    if (key.takes_formulas) return std::string(text) + ", each " + one + "; or a csv file";
     if (key.form == Form::one_or_list) return one + ", or a list of them";
     if (key.form != Form::points || key.second_unit == "=") return text + (text.empty() ? "" : ", each ") + one;
     return text + ", a being " + one + " and b " + describe_unit(key.second_unit);

@@ -72,6 +72,7 @@ struct Key {
     bool is_required = false;           // within its table
     bool is_a_name = false;             // of a text: it must be a name (is_name)
     bool takes_values = false;          // of a text: numbers and lists stand for their text
+    bool takes_formulas = false;        // of a number: also a formula, or a csv file in the place of all numbers
     Condition condition = {};
     std::string_view text_key = {};                      // of a table: the key that a text in place of the table gives
     const std::type_info* owner = nullptr;               // the options struct that has a member for the value
@@ -96,6 +97,7 @@ struct Key {
     Key& at_least(double x) { return range.low = x, *this; }
     Key& below(double x) { return range.high = x, range.high_included = false, *this; }
     Key& at_most(double x) { return range.high = x, *this; }
+    Key& or_formula() { return takes_formulas = true, *this; }
     Key& any_value() { return takes_values = true, *this; }
     Key& a_name() { return is_a_name = true, *this; }
     Key& or_word(const char* word) { return words = {word}, *this; }

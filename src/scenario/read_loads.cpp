@@ -156,6 +156,10 @@ void read_load(const Table& table) {
         load.kind = kind.kind;
         load.on = read_place(table, kind.key, kind.in_volume);
         if (const auto pressure = table.number("pressure")) load.stress = {-*pressure, -*pressure, 0};
+        load.field = key == "traction" ? read_place_field(table, *key, {"tx", "ty"})
+                     : key == "stress" ? read_place_field(table, *key, {"xx", "yy", "xy"})
+                                       : nullptr;
+        if (load.field || !table.text(*key).empty()) continue;
         if (const auto stress = table.get<std::array<double, 3>>("stress")) load.stress = *stress;
         const std::vector<Node> components = table.items(kind.key);
         if (load.kind == Load::Kind::stress || components.size() != 2) continue;
@@ -338,17 +342,31 @@ void read_pressures(Reading& reading) {
     }
 }
 
+namespace {
+
+void read_initial(const Table& table) {
+    InitialVelocity velocity{.on = {}, .value = Vec2::Zero()};
+    table.fill(velocity);
+    table.fill(velocity.on);
+    check_body(table, velocity.on);
+    const bool moves = has_initial_velocity(table);
+    if (!moves && !table.given("stress"))
+        table.error("missing-key", "", "has no velocity, spin, strain_rate or stress", "one or more of them");
+    if (moves) table.scenario().initial_velocities.push_back(velocity);
+    if (!table.has("stress")) return;
+    const auto field = read_place_field(table, "stress", {"xx", "yy", "xy"}, true);
+    if (!field) return;
+    if (field->depends_on_time())
+        table.error("bad-formula", "stress", "depends on t, and the stress of the undeformed body does not",
+                    "a formula of x and y; a [[load]] may change over time");
+    table.scenario().initial_stresses.push_back({.on = velocity.on, .field = *field});
+}
+
+}  // namespace
+
 void read_loads(Reading& reading) {
     for (const Table& table : reading.list("load")) read_load(table);
-    for (const Table& table : reading.list("initial")) {
-        InitialVelocity initial{.on = {}, .value = Vec2::Zero()};
-        table.fill(initial);
-        table.fill(initial.on);
-        check_body(table, initial.on);
-        if (!table.given("velocity") && !table.given("spin") && !table.given("strain_rate"))
-            table.error("missing-key", "", "has no velocity, spin or strain_rate", "one or more of them");
-        reading.scenario.initial_velocities.push_back(initial);
-    }
+    for (const Table& table : reading.list("initial")) read_initial(table);
     for (const Table& table : reading.list("obstacle")) read_obstacle(table);
     for (const Table& table : reading.list("absorb"))
         reading.scenario.time.scheme.absorbing.push_back(read_place(table, "an absorbing boundary"));

@@ -54,6 +54,7 @@ void read_rigid(Reading& reading) {
     };
     exclude(reading.table("heat").given(), "[heat]", "no [heat]");
     exclude(!scenario.crack_pressures.empty(), "[[pressure]]", "no [[pressure]]");
+    exclude(!scenario.initial_stresses.empty(), "[[initial]] stress", "no stress in [[initial]]");
     exclude(!scenario.excavations.empty(), "[[excavation]]", "no [[excavation]]");
     exclude(!scenario.time.scheme.absorbing.empty(), "[[absorb]]", "a support or an obstacle");
     exclude(reading.table("specimen").given(), "[specimen]", "no [specimen]");

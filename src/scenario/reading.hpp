@@ -176,6 +176,15 @@ void read_shape(const Table& table, const MeshOptions& mesh, const std::string& 
 std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh);
 /// The factor over time of a load, an obstacle or a temperature: its ramp, table or csv.
 TimeFunction read_history(const Table& table);
+/// Formulas, or the csv file of points with these columns, in the place of the numbers of a key in Pa; null after an
+/// error, and where all are numbers, unless a field `also_of_numbers` is wanted.
+std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std::string& key,
+                                                   const std::vector<std::string>& columns,
+                                                   bool also_of_numbers = false);
+/// Whether an entry of [[initial]] has a velocity.
+inline bool has_initial_velocity(const Table& table) {
+    return table.given("velocity") || table.given("spin") || table.given("strain_rate");
+}
 /// The pairs [temperature, value] of a key; empty, and an error, where their temperatures do not ascend.
 TemperatureTable read_over_temperature(const Table& table, const char* key);
 /// [[traces]]: lines of a file become cracks of a shape.

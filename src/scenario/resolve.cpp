@@ -2,6 +2,7 @@
 
 #include "figures/figures.hpp"
 #include "record/outputs.hpp"
+#include "scenario/formulas.hpp"
 #include "scenario/keys.hpp"
 #include "scenario/units.hpp"
 
@@ -37,6 +38,11 @@ public:
     std::optional<Node> checked(const Node& node) {
         const bool array = node.type == Node::Type::array;
         const auto is_array = [](const Node& child) { return child.type == Node::Type::array; };
+        if (key_.takes_formulas && node.text.ends_with(".csv")) {
+            Node file = Node::of_text(node.text);
+            file.take_place(node);
+            return file;
+        }
         if (key_.form == Form::one) return scalar(node, unit_);
         if (key_.form == Form::one_or_list && !array) {
             auto one = scalar(node, unit_);
@@ -110,6 +116,17 @@ private:
             return value;
         }
         const Quantity quantity = parse_quantity(node.text);
+        if (key_.takes_formulas && !quantity.problem.empty() && looks_like_formula(node.text)) {
+            value.type = Node::Type::text, value.text = node.text;
+            try {
+                parse_formula(node.text, unit);
+                return value;
+            } catch (const UserError& wrong) {
+                return error("bad-formula", " is no formula: " + wrong.diagnostics.front().message, node,
+                             wrong.diagnostics.front().note + ", in " + std::string(unit) +
+                                 " or with a unit behind it; or \"FILE.csv\" for all components");
+            }
+        }
         if (!quantity.problem.empty()) {
             std::string hint = did_you_mean(node.text, key_.words);
             if (hint.empty() && quantity.unknown_unit) hint = unit_suggestion(quantity.unit, unit);

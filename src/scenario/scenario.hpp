@@ -162,6 +162,7 @@ struct Scenario {
     std::vector<CrackPressure> crack_pressures;
     std::vector<Support> supports;
     std::vector<InitialVelocity> initial_velocities;  // those of the bodies, then [[initial]]
+    std::vector<InitialStress> initial_stresses;
     std::vector<Obstacle> obstacles;
     std::vector<Excavation> excavations;
     AdaptOptions adapt;

@@ -165,6 +165,7 @@ Json json_value(const Key& key, std::string_view unit) {
     add(unit);
     for (const std::string& multiple : key.multiples) add(multiple);
     if (!key.words.empty()) any.push_back(json_words(key.words));
+    if (key.takes_formulas) any.push_back({{"type", "string"}, {"title", "a formula of x, y, t"}});
     return {{"anyOf", any}};
 }
 
@@ -184,6 +185,8 @@ Json json_form(const Key& key) {
         point["prefixItems"] = {one, json_value(key, key.second_unit)};
     }
     const Json list = json_array(key.form == Form::points ? point : one, rule.min, rule.max);
+    if (key.takes_formulas)
+        return {{"anyOf", {list, {{"type", "string"}, {"title", "a csv file of points"}, {"pattern", "\\.csv$"}}}}};
     return key.form == Form::one_or_list ? Json{{"anyOf", {one, list}}} : list;
 }
 

@@ -41,6 +41,8 @@ Model frozen(const Model& model, double time) {
     Model still = model;
     std::ranges::for_each(still.histories, freeze);
     for (CrackFluid& fluid : still.crack_fluids) fluid.only_time = time;
+    for (StateForce& force : still.state_forces)
+        force = [given = force, time](const State& state, double) { return given(state, time); };
     for (PrescribedMotion& motion : still.prescribed)
         for (int k = 0; k < 2; ++k)
             if (!motion.is_displacement[k]) motion.value[k] = 0;

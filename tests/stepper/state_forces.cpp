@@ -28,7 +28,7 @@ Model block_on_bedding(double drag) {
                                       .history = static_cast<Index>(model.histories.size()) - 1,
                                       .force = Vec2::Zero(),
                                       .state_force = static_cast<Index>(model.state_forces.size())});
-        model.state_forces.emplace_back([c, drag, m = model.corner_mass[c]](const State& state) -> Vec2 {
+        model.state_forces.emplace_back([c, drag, m = model.corner_mass[c]](const State& state, double) -> Vec2 {
             return -m * (stiffness * state.displacement_of(c) + drag * state.velocity[state.node_of_corner[c]]);
         });
     }

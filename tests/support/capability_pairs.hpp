@@ -47,6 +47,7 @@ inline constexpr std::array<Capability, 40> capabilities{{{"rotation = \"large\"
                                                           {"[[grains]]", ""},
                                                           {"joints", ""},
                                                           {"[[initial]]", ""},
+                                                          {"[[initial]] stress", ""},
                                                           {"scatter", ""},
                                                           {"unloading = \"secant\"", ""},
                                                           {"coupling = \"norm\"", ""},
@@ -157,6 +158,7 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(has("joints") && !file, "[[joints]]\ndirection = 60\nspacing = 0.03\n");
     add(has("joints") && bodies, "body = \"block\"\n");
     add(has("[[initial]]"), "[[initial]]\nvelocity = [0, 0.01]\n");
+    add(has("[[initial]] stress"), "[[initial]]\nstress = [\"-1e5*(1 + 10*y)\", \"-2e5*x*y/0.0064\", \"10 kPa\"]\n");
     add(has("[[absorb]]"), "[[absorb]]\non = \"" + prefix + "right\"\n");
     if (has("[[support]]")) text += "[[support]]\non = \"" + prefix + "bottom\"\nglued = true\n";
     else text += "[[load]]\non = \"" + prefix + "bottom\"\ndisplacement = [0, 0]\n";

@@ -224,6 +224,17 @@ void refuse_probes(const ReadResult& read, const Model& model) {
     if (!found.empty()) throw UserError(std::move(found));
 }
 
+/// The entry of [[initial]] that has velocity or stress `number` of the scenario.
+std::size_t entry_of_initial(const ReadResult& read, std::size_t number, bool velocity) {
+    std::vector<std::size_t> entries;
+    for (std::size_t i = 0; i < read.values.count("initial"); ++i) {
+        const auto has = [&](const char* key) { return read.values.has(item("initial", i) + "." + key); };
+        if (velocity ? has("velocity") || has("spin") || has("strain_rate") : has("stress")) entries.push_back(i);
+    }
+    const std::size_t n_of_bodies = velocity ? read.scenario.initial_velocities.size() - entries.size() : 0;
+    return entries.at(number - n_of_bodies);  // those of bodies come first
+}
+
 }  // namespace
 
 Model model_of(ReadResult& read) {
@@ -247,12 +258,14 @@ Model model_of(ReadResult& read) {
     } catch (const ObstacleInBody& error) {
         throw UserError({read.at(item("obstacle", error.number), error.diagnostics.front())});
     } catch (const EmptySelection& error) {
-        const char* const lists[] = {"load", "support", "initial", "pressure"};  // in the order of EmptySelection::List
-        const bool initial = error.list == EmptySelection::initial_velocities;
-        const std::size_t n_of_bodies =  // they come first
-            initial ? read.scenario.initial_velocities.size() - read.values.count("initial") : 0;
-        throw UserError({read.at(item(lists[error.list], error.number - n_of_bodies) + (initial ? ".box" : ".on"),
-                                 error.diagnostics.front())});
+        const char* const lists[] = {"load", "support", "initial", "pressure", "initial"};  // of EmptySelection::List
+        const bool velocity = error.list == EmptySelection::initial_velocities,
+                   initial = velocity || error.list == EmptySelection::initial_stresses;
+        const std::size_t number = initial ? entry_of_initial(read, error.number, velocity) : error.number;
+        throw UserError(
+            {read.at(item(lists[error.list], number) + (initial ? ".box" : ".on"), error.diagnostics.front())});
+    } catch (const BadPlace& error) {
+        throw UserError({read.at(error.path, error.diagnostics.front())});
     }
 }
 

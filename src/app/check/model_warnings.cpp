@@ -3,6 +3,7 @@
 #include "app/setup/excavations.hpp"
 
 #include "app/check/heat_scales.hpp"
+#include "app/check/stress_balance.hpp"
 #include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
@@ -416,11 +417,11 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);
-    for (const auto& others :
-         {findings_of_excavations(read, model), findings_of_supports(read, model), findings_of_fluids(read, model),
-          findings_of_impacts(read, model, plan), findings_of_steep_loads(read, model),
-          findings_of_hot_start(read, model), findings_of_resting_bodies(read, model, plan),
-          findings_of_tables(read, model, plan), findings_of_bending(read, model)})
+    for (const auto& others : {findings_of_excavations(read, model), findings_of_supports(read, model),
+                               findings_of_fluids(read, model), findings_of_impacts(read, model, plan),
+                               findings_of_steep_loads(read, model), findings_of_hot_start(read, model),
+                               findings_of_initial_stress(read, model), findings_of_resting_bodies(read, model, plan),
+                               findings_of_tables(read, model, plan), findings_of_bending(read, model)})
         warnings.found.insert(warnings.found.end(), others.begin(), others.end());
     return std::move(warnings.found);
 }

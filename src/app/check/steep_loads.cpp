@@ -38,7 +38,7 @@ public:
         : time_(read.scenario.time), loads_(read.scenario.loads), model_(model), mesh_(model.mesh) {
         for (const CohesiveLaw& law : model.laws)
             if (law.breakable() && law.sigma_c > 0) strength_ = std::min(strength_, law.sigma_c);
-        is_at_rest_ = !time_.start_in_equilibrium && time_.start_run.empty();
+        is_at_rest_ = !time_.start_in_equilibrium && time_.start_run.empty() && model.initial_stress.empty();
     }
 
     std::vector<Diagnostic> found(const ReadResult& read) const {
@@ -73,9 +73,8 @@ private:
         const double window = edges_of_front * face.passage, end = time_.end;
         const Vec2 along = mesh_.side_vector(face.edge->triangle, face.edge->side);
         if (!load.drives()) {
-            const Vec2 traction = load.kind == Load::Kind::stress
-                                      ? stress_times(load.stress, turned_left(along).normalized())
-                                      : load.vector();
+            const Vec2 middle = mesh_.corner(face.edge->triangle, face.edge->side) + 0.5 * along,
+                       traction = load.traction_on(turned_left(along).normalized(), middle, 0);
             Rise rise = largest_rise(load.history, is_at_rest_ ? 0 : load.history(0), window, end);
             return rise.size *= traction.norm(), rise;
         }
@@ -124,7 +123,8 @@ private:
     const Model& model_;
     const Mesh& mesh_;
     double strength_ = infinity;  // [Pa] smallest of all laws
-    bool is_at_rest_;             // the run does not start in an equilibrium under the loads
+    bool is_at_rest_;             // the run does not start in an equilibrium under the loads, nor with a stress of its
+                                  // own, whose part that they do not balance is another warning
 };
 
 }  // namespace

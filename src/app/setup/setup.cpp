@@ -94,6 +94,7 @@ ModelInput model_input(const Scenario& scenario) {
     input.crack_pressures = scenario.crack_pressures;
     input.supports = scenario.supports;
     input.initial_velocities = scenario.initial_velocities;
+    input.initial_stresses = scenario.initial_stresses;
     input.obstacles = scenario.obstacles;
     input.contact_of_pair = scenario.contact_of_pair;
     if (scenario.heat) input.heat = std::make_shared<Heat>(*scenario.heat);

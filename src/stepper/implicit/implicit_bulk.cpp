@@ -103,6 +103,7 @@ void ImplicitBulk::begin_step(const StepContext& step) {
         amplitude_.push_back(history.over_step(begin.time, begin.time + step.h, step.theta));
     if (!model_.state_forces.empty() && !turning_) {
         predicted_ = begin;
+        predicted_.time += step.kick();
         for (std::size_t i = 0; i < begin.velocity.size(); ++i)
             predicted_.displacement[i] += step.kick() * begin.velocity[i];
     }
@@ -271,6 +272,7 @@ void ImplicitBulk::linearise(const std::vector<Vec2>& corner_rate) {
     if (!model_.state_forces.empty() || !crack_forces_.empty()) {  // in the middle of the step
         State& middle = predicted_;
         middle = *step_->begin;
+        middle.time += step_->kick();
         middle.node_of_corner = turning.own_node;
         middle.displacement = turning.begin, middle.velocity = corner_rate;
         for (std::size_t c = 0; c < corner_rate.size(); ++c) middle.displacement[c] += 0.5 * turning.change[c];

@@ -348,6 +348,27 @@ TEST_CASE("a body that is hot at the start is a blow unless it is free of stress
               .has("`heat.table` begins at 1 s, and the run ends at 20 µs"));
 }
 
+TEST_CASE("an initial stress that the loads do not balance is a warning and the text says what balances it") {
+    const Folder folder("initial_stress");
+    const std::string stress = "[[initial]]\nstress = [\"-2 MPa\", 0, 0]\n";
+    const Answer alone = command(plate(folder, stress));
+    CAPTURE(alone.text);
+    CHECK(alone.code == 0);
+    CHECK(alone.has("warning[unbalanced-stress]: at t = 0 neither loads nor supports balance 100 % of the forces"));
+    CHECK(alone.has("initial stress up to 2 MPa; nothing balances 100 %"));
+    const std::string around = "[[load]]\non = { box = [-1, -1, 1, 1] }\nstress = [\"-2 + 0*x MPa\", 0, 0]\n";
+    CHECK(command(plate(folder, stress + around)).has("which loads and supports balance\n"));
+    const Answer relaxed = command(plate(folder, stress + "[[load]]\non = \"left\"\ndisplacement = [0, 0]\n") +
+                                   " -s time.start=equilibrium");
+    CAPTURE(relaxed.text);
+    CHECK_FALSE(relaxed.has("unbalanced-stress"));
+    CHECK(relaxed.has("before the start the body strains for 100 % of the forces"));
+    const Answer outside = command(plate(folder, "[[initial]]\nstress = [\"1/(x - 0.05)*0/0\", 0, 0]\n"));
+    CHECK(outside.code == 2);
+    CHECK(outside.has("error[no-value]: `initial[0].stress` is no finite number at ("));
+    CHECK(command(plate(folder, stress + "box = [8, 8, 9, 9]\n")).has("an initial stress on a box selects nothing"));
+}
+
 TEST_CASE("slender parts of first order that something bends are named with their edges across") {
     const Folder folder("bending");
     const auto check = [&](const std::string& size, const std::string& mesh, const std::string& load,

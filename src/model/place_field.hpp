@@ -1,0 +1,39 @@
+#pragma once
+// A stress or traction over place and time, as a scenario gives it.
+#include "base/error.hpp"
+#include "base/expression.hpp"
+#include "base/vec.hpp"
+#include "mesh/point_table.hpp"
+
+#include <array>
+#include <memory>
+#include <string>
+
+namespace knap {
+
+/// Up to three components: formulas, or a table of points.
+struct PlaceField {
+    struct Formula {
+        Expression of_place;
+        double unit = 1;  // [Pa] of its values
+    };
+    std::string path;  // of the key in the scenario
+    std::array<Formula, 3> formulas;
+    std::shared_ptr<const PointTable> table = nullptr;  // in the place of the formulas
+
+    bool depends_on_time() const;
+    /// [Pa] Throws BadPlace where the points of the table do not reach.
+    std::array<double, 3> at(const Vec2& place, double t) const;
+    /// [Pa] At t = 0. Throws BadPlace also where a formula is no finite number.
+    std::array<double, 3> at_start(const Vec2& place) const;
+};
+
+/// A field has no value at a place of the body.
+class BadPlace : public UserError {
+public:
+    BadPlace(const PlaceField& field, const std::string& message, const std::string& cure)
+        : UserError("no-value", message, cure), path(field.path) {}
+    std::string path;
+};
+
+}  // namespace knap

@@ -1,0 +1,160 @@
+// A stress or traction that varies: formulas of x, y and t, or a csv file of points.
+#include "base/error.hpp"
+#include "scenario/formulas.hpp"
+#include "scenario/reading.hpp"
+#include "scenario/units.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace knap {
+
+bool looks_like_formula(std::string_view text) {
+    text = trimmed(text);
+    const std::size_t number = std::min(text.find_first_not_of("+-0123456789.eE "), text.size());
+    if (number == 0 || number == text.size()) return true;
+    return text.substr(number).find_first_of("*+-^()xy") != std::string_view::npos;
+}
+
+PlaceField::Formula parse_formula(std::string_view text, std::string_view unit) {
+    text = trimmed(text);
+    if (const std::size_t blank = text.find_last_of(' '); blank < text.size()) {
+        const Quantity one = parse_quantity("1 " + std::string(text.substr(blank + 1)));
+        if (one.problem.empty() && one.dimension == dimension_of(unit))
+            return {.of_place = Expression(text.substr(0, blank)), .unit = one.value};
+    }
+    return {.of_place = Expression(text)};
+}
+
+namespace {
+
+constexpr int max_point_reports = 5;  // of the mistakes of one file
+
+/// Reads a csv file of points, and reports its mistakes with their lines.
+class PointFile {
+public:
+    PointFile(const Table& table, const std::string& key, const std::string& bytes,
+              const std::vector<std::string>& columns)
+        : table_(table), key_(key), bytes_(bytes), names_{"x", "y"} {
+        names_.insert(names_.end(), columns.begin(), columns.end());
+        for (const std::string& name : names_) {
+            const std::string unit = name == "x" || name == "y" ? " [m]" : " [MPa]";
+            note_ += (note_.empty() ? "as `" : ", ") + name + unit;
+        }
+        note_ += "`: a line for each point";
+    }
+
+    /// Empty after an error.
+    std::vector<PointTable::Row> read() {
+        std::map<std::pair<double, double>, int> line_at;
+        for_each_line(bytes_, [&](int number, std::string_view content) {
+            const std::vector<std::string> cells = cells_of(content, ",;\t");
+            if (column_.empty()) return read_names(cells, number);
+            if (const auto row = row_of(cells, number)) {
+                const auto [first, is_new] = line_at.try_emplace({row->place.x(), row->place.y()}, number);
+                if (is_new) rows_.push_back(*row);
+                else report(number, "the point of line " + std::to_string(first->second) + " again");
+            }
+            return true;
+        });
+        if (n_reports_ == 0 && rows_.size() < 3) report(0, "the file has no three points");
+        if (n_reports_ > 0) rows_.clear();
+        return std::move(rows_);
+    }
+
+    void report(int line, const std::string& problem) {
+        if (++n_reports_ <= max_point_reports) table_.error_in_file("bad-csv", key_, bytes_, line, problem, note_);
+    }
+
+private:
+    /// The places and units of the columns; false after an error.
+    bool read_names(const std::vector<std::string>& cells, int number) {
+        for (const std::string& name : names_) {
+            std::size_t i = 0, open = 0;
+            for (; i < cells.size(); ++i) {
+                open = std::min(cells[i].find('['), cells[i].size());
+                if (trimmed(cells[i].substr(0, open)) == name) break;
+            }
+            if (i == cells.size()) return report(number, "the first line names no column `" + name + "`"), false;
+            if (open == cells[i].size()) return report(number, "the column `" + name + "` has no unit"), false;
+            const std::string unit(trimmed(cells[i].substr(open + 1, cells[i].find(']') - open - 1)));
+            const std::string_view kind = name == "x" || name == "y" ? "m" : "Pa";
+            const Quantity one = parse_quantity("1 " + unit);
+            if (!one.problem.empty() || one.dimension != dimension_of(kind))
+                return report(number,
+                              "the unit `" + unit + "` of " + name + " is not one of " + kind_name(dimension_of(kind))),
+                       false;
+            column_.push_back(i), unit_.push_back(one.value);
+        }
+        return true;
+    }
+
+    std::optional<PointTable::Row> row_of(const std::vector<std::string>& cells, int number) {
+        PointTable::Row row{.place = Vec2::Zero()};
+        for (std::size_t k = 0; k < names_.size(); ++k) {
+            const std::string text = column_[k] < cells.size() ? cells[column_[k]] : "";
+            const Quantity quantity = parse_quantity(text);
+            if (!quantity.problem.empty() || !quantity.unit.empty() || !std::isfinite(quantity.value)) {
+                report(number, names_[k] + " of this line is not a number");
+                return std::nullopt;
+            }
+            (k < 2 ? row.place[static_cast<Index>(k)] : row.value[k - 2]) = unit_[k] * quantity.value;
+        }
+        return row;
+    }
+
+    const Table& table_;
+    const std::string key_;
+    const std::string& bytes_;
+    std::vector<std::string> names_;
+    std::string note_;
+    std::vector<std::size_t> column_;  // of each name
+    std::vector<double> unit_;
+    std::vector<PointTable::Row> rows_;
+    int n_reports_ = 0;
+};
+
+std::shared_ptr<const PointTable> read_points(const Table& table, const std::string& key,
+                                              const std::vector<std::string>& columns) {
+    const auto bytes = table.bytes_of(key);
+    if (!bytes) return nullptr;
+    PointFile file(table, key, *bytes, columns);
+    const std::vector<PointTable::Row> rows = file.read();
+    if (rows.empty()) return nullptr;
+    std::string name = table.path(key);
+    std::ranges::replace_if(
+        name, [](char c) { return c == '[' || c == '.'; }, '_');
+    std::erase(name, ']');
+    table.scenario().files.push_back({table.path(key), name + ".csv", *bytes});
+    try {
+        return std::make_shared<const PointTable>(rows);
+    } catch (const UserError& error) {
+        file.report(0, error.diagnostics.front().message);
+        return nullptr;
+    }
+}
+
+}  // namespace
+
+std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std::string& key,
+                                                   const std::vector<std::string>& columns, bool also_of_numbers) {
+    const Node* const given = table.has(key) ? table.reading().values.find(table.path(key)) : nullptr;
+    if (given == nullptr) return nullptr;
+    PlaceField field{.path = table.path(key)};
+    if (given->text.ends_with(".csv")) {
+        field.table = read_points(table, key, columns);
+        return field.table ? std::make_shared<const PlaceField>(std::move(field)) : nullptr;
+    }
+    bool varies = also_of_numbers;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+        const Node& node = given->children[k];
+        varies = varies || !node.is_number();
+        field.formulas[k] = node.is_number() ? PlaceField::Formula{Expression(shortest(std::abs(node.number))),
+                                                                   std::copysign(1., node.number)}
+                                             : parse_formula(node.text, "Pa");
+    }
+    return varies ? std::make_shared<const PlaceField>(std::move(field)) : nullptr;
+}
+
+}  // namespace knap

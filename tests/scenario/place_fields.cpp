@@ -1,0 +1,138 @@
+// Stresses and tractions by formulas and by csv files of points.
+#include "scenario/samples.hpp"
+#include "support/relative.hpp"
+
+#include <doctest/doctest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+namespace place_fields_test {
+
+using namespace knap;
+
+namespace {
+
+/// A folder with a file of points, removed at the end.
+struct Points {
+    explicit Points(const std::string& content) {
+        std::filesystem::create_directories(directory);
+        std::ofstream(directory / "points.csv") << content;
+    }
+    ~Points() { std::filesystem::remove_all(directory); }
+    Points(const Points&) = delete;
+    Points& operator=(const Points&) = delete;
+
+    ReadResult read(const std::string& more) const {
+        std::ofstream(directory / "s.toml") << samples::least + more;
+        return read_scenario(directory / "s.toml");
+    }
+    Diagnostic error(const std::string& more = "[[initial]]\nstress = \"points.csv\"\n") const {
+        try {
+            read(more);
+        } catch (const UserError& error) {
+            return error.diagnostics.at(0);
+        }
+        return {};
+    }
+
+    std::filesystem::path directory =
+        std::filesystem::path(KNAP_BINARY_DIR) / ("test_scenario_points_" + std::to_string(getpid()));
+};
+
+const std::string header = "x [mm], y [mm], xx [MPa], yy [MPa], xy [kPa]\n";
+
+std::vector<Diagnostic> mistakes(const std::string& more) { return samples::mistakes(samples::least + more); }
+
+}  // namespace
+
+TEST_CASE("place fields: formulas are in Pa or in the unit behind them beside numbers with units") {
+    const Scenario s =
+        samples::read(samples::least +
+                      "[[initial]]\nstress = [\"-0.5*0.027*(1 - y) MPa\", \"-27e3*(1 - y)\", \"2 kPa\"]\n"
+                      "box = [0, 0, 1, 1]\n[[initial]]\nstress = [1, 2, 3]\nvelocity = [4, 5]\n"
+                      "[[load]]\non = \"top\"\ntraction = [0, \"-5*t*x kPa\"]\nramp = \"1 us\"\n"
+                      "[[load]]\non = \"left\"\nstress = [\"x\", 0, \"-1 MPa\"]\n")
+            .scenario;
+    REQUIRE(s.initial_stresses.size() == 2);
+    const std::array<double, 3> first = s.initial_stresses[0].field.at({0.3, 0.2}, 0);
+    CHECK(first[0] == tests::relative(-0.5 * 27e3 * 0.8, 1e-14));
+    CHECK(first[1] == tests::relative(-27e3 * 0.8, 1e-14));
+    CHECK(first[2] == 2e3);
+    CHECK(s.initial_stresses[0].on.box.has_value());
+    CHECK(s.initial_stresses[1].field.at({0, 0}, 0) == std::array<double, 3>{1, 2, 3});
+    REQUIRE(s.initial_velocities.size() == 1);  // of the second entry
+    CHECK(s.initial_velocities[0].value == Vec2(4, 5));
+    REQUIRE(s.loads.size() == 2);
+    REQUIRE(s.loads[0].field);
+    CHECK(s.loads[0].field->depends_on_time());
+    CHECK(s.loads[0].traction_on({0, 2}, {0.1, 0}, 3) == Vec2(0, 2 * -5e3 * 0.3));
+    CHECK(s.loads[1].traction_on({1, 0}, {0.1, 0}, 0) == Vec2(0.1, -1e6));
+}
+
+TEST_CASE("place fields: the points of a csv file count in their units and are kept with the run") {
+    const Points points("# measured\n" + header +
+                        "0, 0, -1, -2, 3\n100, 0, -3, -2, 3\n0, 40, -1, 6, 3\n100, 40, -3, 6, 3\n");
+    const Scenario s = points.read("[[initial]]\nstress = \"points.csv\"\n").scenario;
+    const std::array<double, 3> middle = s.initial_stresses.at(0).field.at({0.05, 0.01}, 0);
+    CHECK(middle[0] == tests::relative(-2e6, 1e-14));
+    CHECK(std::abs(middle[1]) < 1e-8);
+    CHECK(middle[2] == tests::relative(3e3, 1e-14));
+    REQUIRE(s.files.size() == 1);
+    CHECK(s.files[0].name == "initial_0_stress.csv");
+    CHECK_THROWS_AS(s.initial_stresses[0].field.at({0.2, 0}, 0), BadPlace);
+    const Points traction("tx [Pa], ty [Pa], x [m], y [m]\n1, 2, 0, 0\n1, 2, 1, 0\n1, 2, 0, 1\n");
+    CHECK(traction.read("[[load]]\non = \"top\"\ntraction = \"points.csv\"\n")
+              .scenario.loads.at(0)
+              .traction_on({0, 1}, {0.1, 0.04}, 0) == Vec2(1, 2));
+}
+
+TEST_CASE("place fields: mistakes of a csv file are reported at their lines") {
+    struct Wrong {
+        const char *text, *code, *words;
+        int line;
+    };
+    const std::string good = header + "0, 0, 1, 1, 1\n1, 0, 1, 1, 1\n";
+    const auto check = [](const std::string& text, int line, const std::string& words) {
+        const Diagnostic found = Points(text).error();
+        CAPTURE(words);
+        CAPTURE(found.message);
+        CHECK(found.code == "bad-csv");
+        CHECK(found.line == line);
+        CHECK(found.message.find(words) != std::string::npos);
+        CHECK(found.file.ends_with("points.csv"));
+    };
+    check(good + "0, 1, 1, x, 1\n", 4, "yy of this line is not a number");
+    check(good + "0, 1, 1, 1\n", 4, "xy of this line is not a number");
+    check(good + "0, 1, 1, 1 MPa, 1\n", 4, "yy of this line is not a number");
+    check(good + "0, 0, 1, 1, 1\n", 4, "the point of line 2 again");
+    check(good, 0, "no three points");
+    check(good + "2, 0, 1, 1, 1\n", 0, "on one line");
+    check("x [mm], y [mm], xx [MPa], yy [MPa]\n0, 0, 1, 1\n", 1, "names no column `xy`");
+    check("x [mm], y, xx [MPa], yy [MPa], xy [MPa]\n0, 0, 1, 1, 1\n", 1, "`y` has no unit");
+    check("x [mm], y [mm], xx [mm], yy [MPa], xy [MPa]\n0, 0, 1, 1, 1\n", 1,
+          "the unit `mm` of xx is not one of a pressure");
+    check("", 0, "no three points");
+}
+
+TEST_CASE("place fields: what is no formula is reported at its key") {
+    const auto first = [](const std::string& more) {
+        const std::vector<Diagnostic> found = mistakes(more);
+        REQUIRE(!found.empty());
+        return found.front();
+    };
+    CHECK(first("[[initial]]\nstress = [\"2*z\", 0, 0]\n").code == "bad-formula");
+    CHECK(first("[[initial]]\nstress = [\"-(1 - y) mm\", 0, 0]\n").code == "bad-formula");
+    CHECK(first("[[initial]]\nstress = [\"5 mm\", 0, 0]\n").code == "wrong-unit");
+    CHECK(first("[[initial]]\nstress = [\"5 MPx\", 0, 0]\n").code == "wrong-unit");
+    CHECK(first("[[initial]]\nstress = [\"t\", 0, 0]\n").code == "bad-formula");  // it does not change with time
+    CHECK(first("[[initial]]\nstress = [1, 2]\n").code == "wrong-type");
+    CHECK(first("[[initial]]\nbox = [0, 0, 1, 1]\n").code == "missing-key");
+    CHECK(first("[[initial]]\nstress = \"none.csv\"\n").code == "missing-file");
+    CHECK(first("[[load]]\non = \"top\"\nacceleration = [0, \"2*x\"]\n").code == "wrong-unit");
+    CHECK(first("[[load]]\non = \"top\"\ntraction = [0, \"2*\"]\n").line == 16);
+}
+
+}  // namespace place_fields_test
