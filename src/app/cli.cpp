@@ -173,9 +173,14 @@ private:
             set("reference", reference_);
             for (std::string& of : quantities_) of = "{ of = \"" + of + "\" }";
             set("quantity", quantities_.empty() ? "" : "[" + joined(quantities_) + "]");
-            return run_ensemble(plan_study(scenario_, overrides_), scenario_, study_);
+            if (!laws_.empty()) set("safety.laws", list_of_texts(laws_));
+            return run_ensemble((safety_ ? plan_safety : plan_study)(scenario_, overrides_), scenario_, study_);
         });
         add_scenario(command, set_key);
+        CLI::Option* safety = command->add_flag(
+            "--safety", safety_, "the factor of safety: c and tan phi divided by it until nothing stands");
+        command->add_option("--laws", laws_, "of --safety: names of interface laws, as in joint,fault; default all")
+            ->needs(safety);
         command->add_option("--refine", refine_, "refined by the levels")->option_text(words_of("study.refine"));
         command->add_option("--levels", levels_, "divisors, as in 1,2,4,8");
         command->add_option("--seeds", n_seeds_, "statistics over this number of seeds")->check(CLI::Range(2, 10000));
@@ -415,13 +420,13 @@ private:
         command->add_option("--csv", bench_.csv, "write the measurements to this file")->type_name(path);
     }
 
-    std::string scenario_, until_, dump_lcp_, refine_, levels_, schemes_, reference_, seeds_, name_, from_, solver_,
-        every_, width_;
+    std::string scenario_, until_, dump_lcp_, refine_, levels_, schemes_, reference_, seeds_, laws_, name_, from_,
+        solver_, every_, width_;
     std::vector<std::string> overrides_, quantities_, at_, box_, range_;
     std::filesystem::path output_, directory_;
     std::vector<std::filesystem::path> runs_, problems_;
     bool force_ = false, full_ = false, strict_ = false, time_ = false, json_ = false, csv_ = false, markdown_ = false,
-         outputs_ = false, animate_ = false;
+         outputs_ = false, animate_ = false, safety_ = false;
     int n_seeds_ = 0;
     RunOptions run_;
     BatchOptions study_, sweep_;

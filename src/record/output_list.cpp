@@ -102,6 +102,15 @@ std::vector<OutputTable> all_tables() {
                        {"linear_solves", "", "number"},
                        {"factorisations", "", "number"},
                        {"cpu", "s", "processor time without output"}}});
+    tables.push_back({"safety.csv",
+                      "a line per run of `knap study --safety`; each quantity with its unit comes last",
+                      {{"run", "", "name of its directory; the factor of safety of the run follows"},
+                       {"verdict", "", "whether the body stands"},
+                       {"status", "", "of the run"},
+                       {"triangles", "", "number of triangles"},
+                       {"steps", "", "number of steps"},
+                       {"cpu", "s", "processor time without output"},
+                       {"at_rest", "", "1: the run ended at rest, 0: time.end came before"}}});
     tables.push_back({"statistics.csv",
                       "a line per quantity and variant, over the seeds, of `knap study` and `knap sweep`; a sweep has "
                       "its keys in front",

@@ -34,6 +34,17 @@ struct StudyLine {
     std::vector<double> levels;
 };
 
+/// A search for the factor of safety: the largest F at which the body stands although c and tan phi of some laws are
+/// divided by it.
+struct SafetyOptions {
+    enum class Criterion { rest, runaway };
+    std::vector<std::string> laws;        // names; empty: all that may break or slide
+    std::array<double, 2> factors{1, 3};  // [-] between which F is searched
+    double tolerance = 0.005;             // [-] of the last bracket, over F
+    Criterion criterion = Criterion::rest;
+    double runaway = 0;  // [m] displacement from which on the body does not stand; 0: of its size
+};
+
 struct StudyOptions {
     Refine refine = Refine::step;
     int n_seeds = 0;               // 0: one run per level; otherwise statistics over this many
@@ -41,6 +52,7 @@ struct StudyOptions {
     std::vector<std::string> set;  // KEY=VALUE, in all runs
     std::vector<StudyLine> lines;  // at least one
     std::vector<StudyQuantity> quantities;
+    SafetyOptions safety;
 };
 
 /// A key that every member of a sweep draws anew, from one distribution.

@@ -303,7 +303,7 @@ void add_keys_of_ensembles(KeyTable& t) {
     t.text("choice", "values of which each is as likely; one that occurs twice is twice as likely").list().any_value()
         .to(&RandomKey::choices);
 
-    t.table("study", "convergence study or statistics of `knap study`");
+    t.table("study", "convergence study, statistics or search for a factor of safety of `knap study`");
     t.word("refine", {"step", "mesh", "both"}, "what a level divides: time.step, the sizes of [mesh], or both; a step "
         "in CFL or auto follows the mesh by itself").computed("step")
         .to(&StudyOptions::refine, {Refine::step, Refine::mesh, Refine::both});
@@ -317,6 +317,22 @@ void add_keys_of_ensembles(KeyTable& t) {
     t.word("reference", {"auto", "finest"}, "reference of errors; auto: the exact value, else the value in [expect], "
         "else the finest run of the first line").computed("auto").to(&StudyOptions::against_finest, {false, true});
     t.text("set", "KEY=VALUE for all runs, as with --set; \"KEY=\" removes a key").list().to(&StudyOptions::set);
+    t.table("study.safety", "`knap study --safety`: bisection for the factor of safety F, by which c = sigma_c (gamma "
+        "+ friction) (norm: sigma_c gamma) and tan phi = friction of laws are divided at the same time; gamma and "
+        "delta_c stay");
+    t.text("laws", "names of interface laws, as `joint` of [interface.joint]").list()
+        .computed("all that may break or slide").to(&SafetyOptions::laws);
+    t.number("factors", "", "between which F is searched: at the first one the body must stand, at the second one not")
+        .pair().above(0).computed("[1, 3]").to(&SafetyOptions::factors);
+    t.number("tolerance", "", "width of the last bracket over F").above(0).below(1).computed("0.005")
+        .to(&SafetyOptions::tolerance);
+    using Criterion = SafetyOptions::Criterion;
+    t.word("criterion", {"rest", "runaway"}, "rest: what is at rest before time.end, without a displacement of "
+        "`runaway`, stands (the runs have time.until = \"rest\"); runaway: whatever has no such displacement at "
+        "time.end, moving or not. A run without equilibrium at its start, or that violates a gate, does not stand")
+        .computed("rest").to(&SafetyOptions::criterion, {Criterion::rest, Criterion::runaway});
+    t.number("runaway", "m", "largest displacement at the end that stands").above(0)
+        .computed("a hundredth of the diagonal of the body").to(&SafetyOptions::runaway);
     t.list("study.line[]", "a line of the diagram: a variant of the scenario");
     t.text("name", "name in the legend").computed("its scheme").to(&StudyLine::name);
     t.text("set", "KEY=VALUE for its runs").list().to(&StudyLine::set);

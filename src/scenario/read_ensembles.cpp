@@ -287,6 +287,14 @@ void read_members(Reading& reading) {
                                      "draw the key `seed`: [[sweep.random.vary]] with key = \"seed\"");
 }
 
+void read_safety(const Table& table, SafetyOptions& safety) {
+    table.fill(safety);
+    std::vector<std::string> known;
+    for (const NamedLaw& named : table.scenario().laws) known.push_back(named.name);
+    for (const std::string& name : safety.laws) table.reading().find(table.path("laws"), "interface law", name, known);
+    if (!(safety.factors[0] < safety.factors[1])) table.error("out-of-range", "factors", "does not ascend");
+}
+
 }  // namespace
 
 std::string RandomKey::drawn(std::uint64_t seed, int member) const {
@@ -316,6 +324,7 @@ void read_study(Reading& reading) {
     if (study.refine != Refine::step && reading.scenario.given)
         table.error("exclusive-keys", "refine", "= \"" + table.text("refine") + "\", but a mesh file cannot be refined",
                     "refine = \"step\"");
+    read_safety(table.table("safety"), study.safety);
     study.lines = study_lines(table, study.n_seeds > 0);
     study.quantities = study_quantities(reading);
 }

@@ -188,6 +188,7 @@ at = "0 us"
 [[initial]]
 velocity = ["1 m/s", "2 m/s"]
 strain_rate = ["10 Hz", 0, "1 kHz"]
+stress = ["-1 MPa", "-2*x MPa", 0]
 box = [0, 0, 1, 1]
 [time]
 end = "80 us"
@@ -309,6 +310,12 @@ largest = true
 of = "surface"
 slope = ["2 us", "10 us"]
 exact = "3 kW"
+[study.safety]
+laws = ["default"]
+factors = [1, 4]
+tolerance = 0.01
+criterion = "runaway"
+runaway = "1 mm"
 )";
 
 const std::string polygon = samples::changed("shape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"(shape = "polygon"
@@ -829,6 +836,7 @@ const Case cases[] = {
     {rectangle, "initial[0].velocity", "[1, 2]"},
     {rectangle, "initial[0].box", "[0, 0, 1, 1]"},
     {rectangle, "initial[0].strain_rate", "[10, 0, 1000]"},
+    {rectangle, "initial[0].stress", "[-1e+06, \"-2*x MPa\", 0]"},
     {rectangle, "time.end", "8e-05"},
     {adaptive, "adapt.size", "1e-04"},
     {adaptive, "adapt.load", "0.25"},
@@ -943,6 +951,11 @@ const Case cases[] = {
     {rectangle, "study.quantity[3].largest", "true"},
     {rectangle, "study.quantity[4].slope", "[2e-06, 1e-05]"},
     {rectangle, "study.quantity[4].exact", "3000"},
+    {rectangle, "study.safety.laws", "[\"default\"]"},
+    {rectangle, "study.safety.factors", "[1, 4]"},
+    {rectangle, "study.safety.tolerance", "0.01"},
+    {rectangle, "study.safety.criterion", "\"runaway\""},
+    {rectangle, "study.safety.runaway", "0.001"},
     {schemes, "study.schemes", "[\"explicit/explicit\", \"implicit/implicit\"]"},
     {polygon, "domain.points", "[[0, 0], [0.01, 0], [0.01, 0.01], [0, 0.01]]"},
     {polygon, "domain.arcs[0].side", "3"},

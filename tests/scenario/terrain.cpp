@@ -1,5 +1,6 @@
 // Obstacles that are open polylines: their points by key and by csv, and mistakes in both.
 #include "samples.hpp"
+#include "scenario/write_scenario.hpp"
 
 #include <doctest/doctest.h>
 

@@ -177,7 +177,8 @@ TEST_CASE("a traction over place and time gives its impulse in both schemes") {
         }
 }
 
-// G. Kirsch, Z. VDI 42, 1898, 797, in plane strain (E' = E/(1 - nu^2), nu' = nu/(1 - nu)), hole of radius 1 in the stress (sigma_h, sigma_v):
+// G. Kirsch, Z. VDI 42, 1898, 797, in plane strain (E' = E/(1 - nu^2), nu' = nu/(1 - nu)), hole of radius 1 in the
+// stress (sigma_h, sigma_v):
 // the displacements that it causes on its wall are
 //     u_r = ((sigma_h + sigma_v)(1 + nu') + (sigma_h - sigma_v)(3 - nu') cos 2 theta)/(2 E')
 // and the hoop stress there is sigma_h + sigma_v - 2 (sigma_h - sigma_v) cos 2 theta.

@@ -22,6 +22,7 @@
 #include <csignal>
 #include <cstring>
 #include <map>
+#include <span>
 
 namespace knap {
 namespace {
@@ -124,7 +125,7 @@ DirectoryLock take_directory(const fs::path& directory, const std::string& kind)
 
 /// The runs that are not finished in `runs`; by `force` all. Throws UserError where a directory has another run, unless
 /// `force`, or no run at all.
-std::vector<const EnsembleRun*> runs_to_do(const std::vector<EnsembleRun>& all, const fs::path& runs, bool force) {
+std::vector<const EnsembleRun*> runs_to_do(std::span<const EnsembleRun> all, const fs::path& runs, bool force) {
     std::vector<const EnsembleRun*> to_do;
     for (const EnsembleRun& run : all) {
         if (!run.refusal.empty()) continue;
@@ -212,11 +213,16 @@ void write_report(const Ensemble& ensemble, const std::vector<CaptionedFigure>& 
 
 ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const BatchOptions& options) {
     const std::string& kind = ensemble.kind;
-    const fs::path directory =
-        options.output.empty() ? fs::path(ensemble.is_study() ? "studies" : "sweeps") / ensemble.name : options.output;
+    const fs::path usual = ensemble.safety       ? fs::path("studies") / (ensemble.name + "_safety")
+                           : ensemble.is_study() ? fs::path("studies") / ensemble.name
+                                                 : fs::path("sweeps") / ensemble.name,
+                   directory = options.output.empty() ? usual : options.output;
     const fs::path runs = directory / "runs";
+    if (ensemble.safety && (options.print_commands || !options.emit.empty()))
+        throw UserError("exclusive-options", "the runs of --safety follow from one another and cannot be listed before",
+                        "knap study --safety -j 3, in one job");
     const DirectoryLock lock = take_directory(directory, kind);
-    const auto to_do = runs_to_do(ensemble.runs, runs, options.force);
+    auto to_do = runs_to_do(ensemble.runs, runs, options.force);
     write_whole_file(directory / (kind + ".toml"), ensemble.record);  // first: it marks the directory
     make_directory(runs);
     if (options.print_commands || !options.emit.empty()) {
@@ -231,13 +237,19 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
                      ensemble.runs.size(), script ? "its last job" : "the same command without --print-commands");
         return exit_done;
     }
-    if (!do_runs(scenario, to_do, runs, options)) return exit_interrupted;
-    for (EnsembleRun& run : ensemble.runs) {
-        run.result = read_result(runs / run.name, ensemble.quantities);
-        if (!run.refusal.empty()) run.result.reason = run.refusal;
+    for (std::size_t n_done = 0;;) {
+        if (!do_runs(scenario, to_do, runs, options)) return exit_interrupted;
+        for (EnsembleRun& run : std::span(ensemble.runs).subspan(n_done)) {
+            run.result = read_result(runs / run.name, ensemble.quantities);
+            if (!run.refusal.empty()) run.result.reason = run.refusal;
+        }
+        n_done = ensemble.runs.size();
+        if (!ensemble.safety || !continue_search(ensemble, scenario, options.n_at_once)) break;
+        to_do = runs_to_do(std::span(ensemble.runs).subspan(n_done), runs, options.force);
     }
     if (ensemble.is_study() && ensemble.n_seeds == 0) judge_errors(ensemble);
-    const std::string text = overview(ensemble) + (ensemble.collectors.empty() ? "" : passages_table(ensemble, runs));
+    const std::string text = (ensemble.safety ? safety_text(ensemble) : "") + overview(ensemble) +
+                             (ensemble.collectors.empty() ? "" : passages_table(ensemble, runs));
     write_whole_file(directory / (kind + ".md"), text);
     write_whole_file(directory / (kind + ".csv"), runs_csv(ensemble));
     if (!ensemble.collectors.empty()) write_whole_file(directory / "passages.csv", passages_csv(ensemble, runs));
@@ -249,6 +261,7 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
         write_report(ensemble, figures, text, options.command, directory);
         std::printf("report:  %s\n", (directory / "report.html").c_str());
     }
+    if (ensemble.safety) return ensemble.safety->failure.empty() ? exit_done : exit_failed;
     const auto successful = [](const EnsembleRun& run) { return run.result.trouble().empty(); };
     return std::ranges::all_of(ensemble.runs, successful) ? exit_done : exit_failed;
 }

@@ -3,6 +3,7 @@
 // values of keys and seeds).
 //
 //     plan_study, plan_sweep   the runs as overrides of the scenario; all are resolved before the first one starts
+//     plan_safety              the first runs of a search, whose results say which ones follow (safety.cpp)
 //     run_ensemble             one process per run, several at a time; finished runs are kept
 //     read_result              the numbers of a run, from its directory
 //     judge_errors             of a study: errors and orders of convergence (convergence.hpp)
@@ -72,8 +73,16 @@ struct Variant {
     double level = 1;                    // of a study
 };
 
+/// A search for the factor of safety.
+struct SafetySearch {
+    SafetyOptions options;
+    std::vector<std::string> common;  // KEY=VALUE of all runs
+    double low = 0, high = 0;         // [-] the body stands at `low`, and not at `high`; 0: not known
+    std::string failure;              // why there is no factor; empty: it was found, or the search goes on
+};
+
 struct Ensemble {
-    std::string kind;  // "study" or "sweep"
+    std::string kind;  // "study", "sweep" or "safety"
     std::string name, title, question;
     bool report = true;             // write report.html
     std::string record;             // text of <kind>.toml
@@ -84,6 +93,7 @@ struct Ensemble {
     std::vector<EnsembleRun> runs;  // by variant, then by seed
     std::vector<StudyQuantity> quantities;
     StudyOptions study;                  // of a study
+    std::optional<SafetySearch> safety;  // of a search for the factor of safety
     std::vector<QuantityErrors> errors;  // per quantity, of a study without seeds
     FigureOptions sheet;                 // of a sweep: the figure of each run on its contact sheet; show empty: none
     bool trajectories = false;           // the runs of a sweep have trajectories.csv
@@ -103,10 +113,26 @@ struct Ensemble {
     std::string caption(const EnsembleRun& run) const;             // "size 1 mm, seed 3"
 };
 
-/// `overrides` as with --set; of a sweep KEY=VALUE,VALUE,... too. Both throw UserError for mistakes in the scenario or
+/// `overrides` as with --set; of a sweep KEY=VALUE,VALUE,... too. All throw UserError for mistakes in the scenario or
 /// in any run.
 Ensemble plan_study(const std::string& scenario, const std::vector<std::string>& overrides);
 Ensemble plan_sweep(const std::string& scenario, const std::vector<std::string>& overrides);
+
+Ensemble plan_safety(const std::string& scenario, const std::vector<std::string>& overrides);
+
+/// Resolves the runs of variants from the first new one on and adds them: a mistake in any of them is reported before
+/// one starts.
+void add_runs(const std::string& scenario, Ensemble& ensemble, std::size_t first_variant = 0);
+/// Overrides that keep a run of an ensemble from making reports of its own, unless that is asked for.
+std::vector<std::string> report_of_runs(const std::vector<std::string>& overrides);
+
+/// Adds the runs that follow from the results, up to `n_at_once` if that helps; the factors do not depend on it. False:
+/// the search is over.
+bool continue_search(Ensemble& safety, const std::string& scenario, int n_at_once);
+/// "stands", or why a run of a search does not; empty: the run tells nothing of it.
+std::string verdict_of(const Ensemble& safety, const EnsembleRun& run);
+/// The factor, its bracket, the verdicts; printed, and the text of safety.md.
+std::string safety_text(const Ensemble& safety);
 
 struct SweepKey {
     std::string key;

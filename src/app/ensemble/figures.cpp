@@ -163,11 +163,25 @@ fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
         .file;
 }
 
+/// The end of the run that does not stand at the smallest factor, of two the one that moved.
+std::vector<CaptionedFigure> draw_mechanism(const Ensemble& safety, const fs::path& directory) {
+    const EnsembleRun* mechanism = nullptr;
+    for (const EnsembleRun& run : safety.runs)
+        if (safety.variants[run.variant].level == safety.safety->high && run.result.steps > 0) mechanism = &run;
+    if (mechanism == nullptr) return {};
+    const auto source = panel_source(directory / "runs" / mechanism->name, safety.sheet);
+    if (!source) return {};
+    return {{draw_figure(safety.sheet, source->frame, source->run.histories, source->run.context, directory / "figures")
+                 .file,
+             "The mechanism: the end of " + mechanism->name}};
+}
+
 }  // namespace
 
 std::vector<CaptionedFigure> draw_ensemble(const Ensemble& ensemble, const fs::path& directory) {
     const fs::path figures = directory / "figures";
-    if (ensemble.is_study() || ensemble.trajectories) fs::create_directories(figures);
+    if (ensemble.is_study() || ensemble.trajectories || ensemble.safety) fs::create_directories(figures);
+    if (ensemble.safety) return draw_mechanism(ensemble, directory);
     if (ensemble.is_study()) return draw_study(ensemble, figures);
     std::vector<CaptionedFigure> drawn;
     if (!ensemble.sheet.show.empty())

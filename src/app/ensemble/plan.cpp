@@ -34,11 +34,12 @@ void read_run(const std::string& scenario, EnsembleRun& run) {
     if (read.scenario.adapt.active()) run.mesh_size = read.scenario.adapt.size;
 }
 
-/// Adds and resolves the runs of all variants: a mistake in any of them is reported before the first one starts.
-void add_runs(const std::string& scenario, Ensemble& ensemble) {
+}  // namespace
+
+void add_runs(const std::string& scenario, Ensemble& ensemble, std::size_t first_variant) {
     const bool seeds = ensemble.n_seeds > 0;
     std::set<std::string> names;
-    for (std::size_t v = 0; v < ensemble.variants.size(); ++v) {
+    for (std::size_t v = first_variant; v < ensemble.variants.size(); ++v) {
         const Variant& variant = ensemble.variants[v];
         const std::uint64_t first_seed = seeds ? open_scenario(scenario, variant.overrides).scenario.seed : 0;
         for (std::size_t s = 0; s < ensemble.n_each(); ++s) {
@@ -66,6 +67,8 @@ void add_runs(const std::string& scenario, Ensemble& ensemble) {
     const auto is_refused = [](const EnsembleRun& run) { return !run.refusal.empty(); };
     if (std::ranges::all_of(ensemble.runs, is_refused)) read_run(scenario, ensemble.runs.front());  // throws
 }
+
+namespace {
 
 // ---- study
 
@@ -234,7 +237,6 @@ SweepKey sweep_key(const std::string& set) {
     return found;
 }
 
-/// The runs have reports of their own only where that is asked for.
 Texts report_of_runs(const Texts& overrides) {
     if (std::ranges::count(overrides, "output.report=true") > 0) return {};
     return {"output.report=false"};

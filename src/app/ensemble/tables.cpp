@@ -210,6 +210,7 @@ std::string overview(const Ensemble& ensemble) {
     if (!ensemble.is_study()) text = variants_table(ensemble, all) + "\n";
     std::vector<std::string> restless;
     for (const EnsembleRun& run : ensemble.runs) {
+        if (ensemble.safety) break;  // its verdict says it
         if (const std::string trouble = run.result.trouble(); !trouble.empty())
             troubles += "- " + run.name + ": " + trouble + "\n";
         if (run.result.at_rest == 0) restless.push_back(run.name);
@@ -233,6 +234,7 @@ std::string runs_csv(const Ensemble& ensemble) {
             if (output.name == "level") return value(i, 1);
             if (output.name == "seed") return std::to_string(run.seed);
             if (output.name == "status") return run.result.status;
+            if (output.name == "verdict") return verdict_of(ensemble, run);
             if (output.name == "bulk") return run.result.bulk;
             if (output.name == "cohesion") return run.result.cohesion;
             return csv_number(std::ranges::find(numbers, output.name, &Number::name)->of(run));
