@@ -13,8 +13,7 @@ constexpr double rounding = 2e-16;
 
 /// beta+ and beta_theta from the openings at the end of the step.
 void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse& r) {
-    r.end_cohesion =
-        law.step->implicit_beta ? law.material->next_cohesion(law.cohesion, u_N, u_T, law.step->h) : law.cohesion;
+    r.end_cohesion = law.may_soften() ? law.material->next_cohesion(law.cohesion, u_N, u_T, law.step->h) : law.cohesion;
     r.softens = r.end_cohesion < law.cohesion && r.end_cohesion > 0;
     r.breaks = r.end_cohesion < law.cohesion && r.end_cohesion == 0;
     r.piece = r.softens ? law.material->piece_at(law.material->equivalent_opening(u_N, u_T)) : 0;
@@ -196,8 +195,8 @@ public:
 private:
     double end_cohesion(double size) const {
         const ThetaStep& step = *point_.step;
-        return step.implicit_beta ? point_.material->next_cohesion(point_.cohesion, step.h * size, 0, step.h)
-                                  : point_.cohesion;
+        return point_.may_soften() ? point_.material->next_cohesion(point_.cohesion, step.h * size, 0, step.h)
+                                   : point_.cohesion;
     }
     const PointLaw& point_;
 };

@@ -48,10 +48,13 @@ struct PointLaw {
     double friction;  // [-] Coulomb's mu; 0 where the scheme neglects friction
     ContactBound contact;
     const ThetaStep* step;
-    Staircase tangential = {};  // with cohesive weights for beta_theta = 1
+    bool keeps_cohesion = false;  // beta stays that of the start, whatever the openings: a first approximation
+    Staircase tangential = {};    // with cohesive weights for beta_theta = 1
 
     /// The kinks of the tangential law, when the law over the step is known.
     void set_staircase();
+    /// Its beta follows the openings at the end of the step.
+    bool may_soften() const { return strength > 0 && step->implicit_beta && !keeps_cohesion; }
     /// No staircase: its impulse is a projection.
     bool is_curved() const { return material->coupling != Coupling::sum && strength > 0; }
     /// The multiplier p^ has the cohesion that is not borne, too.
@@ -89,6 +92,7 @@ struct PointResponse {
     Vec2 opening_rate = Vec2::Zero();             // [m/s] of a curved law: W of norm_law.hpp
     double curvature = 0;                         // [-] likewise: C rho/(|W| weight)
 
+    bool loses_cohesion() const { return softens || breaks; }
     double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta * pull; }  // [N s] q_N
     /// [N s] What the multiplier p^ becomes: p, with a ramp or a curved law and the cohesion that is not borne.
     double held(const PointLaw& law) const {

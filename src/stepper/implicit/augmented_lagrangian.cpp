@@ -18,7 +18,8 @@ constexpr std::array other_augmentations{300.0, 3e3, 100.0, 1e4};
 // Where faces meet flush, vertices of both sides bear self-stresses that hardly load their nodes; stiffer springs find
 // them in fewer rounds.
 constexpr double face_augmentation = 1e4;
-constexpr std::array other_face_augmentations{1e3, 3e4, 300.0, 1e5};
+// (Three corners at one seam bear nearly redundant forces, which follow slowly where springs are softer than 1e6.)
+constexpr std::array other_face_augmentations{1e6, 1e7, 1e3, 3e4};
 // On stiff springs a Newton step ends at the first points that change their piece. Penalty continuation from soft
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
@@ -61,8 +62,36 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     // on ramps of secant unloading the active set found other solutions with friction than the method of multipliers
     kind_.has_pieces =
         sweeps_ && std::ranges::none_of(points, [](const ActivePoint& p) { return p.law.holds_cohesion(); });
-    pieces_ = ActiveSet::Result::cycling;
+    return (kind_.faces && solve_with_cohesion_kept(effort, precision)) || solve_from_first(effort, precision);
+}
 
+/// With the cohesion of its start the law of a point is friction. What solves these laws is the solution of the step
+/// where no opening asks for less cohesion, and the first guess where one does. (Where contacts cycle, an iterate may
+/// open far; from there a point ended broken, with several solutions, that could have held.)
+bool AugmentedLagrangian::solve_with_cohesion_kept(Effort effort, Precision precision) {
+    if (std::ranges::none_of(first_.points, [](const ActivePoint& p) { return p.law.may_soften(); })) return false;
+    keep_cohesion(true);
+    const bool solved = solve_from_first(effort, precision);
+    keep_cohesion(false);
+    if (!solved) {
+        begin_again();
+        return false;
+    }
+    complete_and_evaluate();
+    if (std::ranges::none_of(newton_.x.points, [](const ActivePoint& p) { return p.response.loses_cohesion(); }))
+        return true;
+    first_ = newton_.x;
+    return false;
+}
+
+void AugmentedLagrangian::keep_cohesion(bool keeps) {
+    for (Iterate* iterate : {&newton_.x, &first_})
+        for (ActivePoint& point : iterate->points) point.law.keeps_cohesion = keeps;
+}
+
+bool AugmentedLagrangian::solve_from_first(Effort effort, Precision precision) {
+    const std::vector<ActivePoint>& points = newton_.x.points;
+    pieces_ = ActiveSet::Result::cycling;
     newton_.precision = Precision::full;
     if (kind_.has_pieces && solve_on_points_alone()) return true;
     newton_.system.begin(points);

@@ -86,6 +86,9 @@ private:
         bool has_pieces = false;  // the active set is tried
     };
 
+    bool solve_with_cohesion_kept(Effort effort, Precision precision);
+    void keep_cohesion(bool keeps);
+    bool solve_from_first(Effort effort, Precision precision);
     bool solve_on_points_alone();
     bool solve_by_pieces();
     bool solve_from_inside();
