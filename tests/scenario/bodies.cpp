@@ -100,7 +100,7 @@ TEST_CASE("bodies: what cannot be") {
     reports(scene(two) + "[[load]]\non = \"a\"\ntraction = [1, 0]\n", "unknown-name", "on = { body = \"a\" }");
     reports(scene(two) + "[[load]]\non = { body = \"c\" }\nacceleration = [1, 0]\n", "unknown-name", "known: a, b");
     reports(scene(two) + "[[initial]]\nbody = \"c\"\nspin = 1\n", "unknown-name", "there is no body `c`");
-    reports(scene(two) + "[[initial]]\nbody = \"a\"\n", "missing-key", "has no velocity, spin or strain_rate");
+    reports(scene(two) + "[[initial]]\nbody = \"a\"\n", "missing-key", "has no velocity, spin, strain_rate or stress");
     reports(scene(two) + "[[joints]]\ndirection = 0\nspacing = 0.01\n", "missing-key", "the name of a body: a, b");
     reports(scene(two + "material = \"glas\"\n"), "unknown-name", "did you mean `glass`?");
     reports(scene("[[body]]\nsize = [1, 1]\n"), "missing-key", "`body[0].shape` is missing");

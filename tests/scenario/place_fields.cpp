@@ -126,13 +126,13 @@ TEST_CASE("place fields: what is no formula is reported at its key") {
     CHECK(first("[[initial]]\nstress = [\"2*z\", 0, 0]\n").code == "bad-formula");
     CHECK(first("[[initial]]\nstress = [\"-(1 - y) mm\", 0, 0]\n").code == "bad-formula");
     CHECK(first("[[initial]]\nstress = [\"5 mm\", 0, 0]\n").code == "wrong-unit");
-    CHECK(first("[[initial]]\nstress = [\"5 MPx\", 0, 0]\n").code == "wrong-unit");
+    CHECK(first("[[initial]]\nstress = [\"5 MPx\", 0, 0]\n").code == "bad-formula");
     CHECK(first("[[initial]]\nstress = [\"t\", 0, 0]\n").code == "bad-formula");  // it does not change with time
     CHECK(first("[[initial]]\nstress = [1, 2]\n").code == "wrong-type");
     CHECK(first("[[initial]]\nbox = [0, 0, 1, 1]\n").code == "missing-key");
     CHECK(first("[[initial]]\nstress = \"none.csv\"\n").code == "missing-file");
-    CHECK(first("[[load]]\non = \"top\"\nacceleration = [0, \"2*x\"]\n").code == "wrong-unit");
-    CHECK(first("[[load]]\non = \"top\"\ntraction = [0, \"2*\"]\n").line == 16);
+    CHECK(first("[[load]]\nacceleration = [0, \"2*x\"]\n").code == "wrong-unit");
+    CHECK(first("[[load]]\non = \"top\"\ntraction = [0, \"2*\"]\n").line == 18);
 }
 
 }  // namespace place_fields_test

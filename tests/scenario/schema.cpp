@@ -78,7 +78,7 @@ TEST_CASE("schema: an editor takes of each kind of unit what the program takes a
           "2 J m-2", "4 kg/s2",   "1 J /m2",     "3 W s/m2",   "3 J/m/m",      "3 Jm",       "3 J/m2 x",   "3 J/m2 x y",
           "J/m2",    "25 kN/m3",  "2.45 g/cm3",  "2450 kg/m3", "2450 kg/m2",   "-10 C",      "263 K",      "1e-5 1/K",
           "1e-5 /K", "2 W/m/K",   "2 W/m K",     "2 W/m2/K",   "50 W m-2 K-1", "800 J/kg/K", "334 kJ/kg",  "100 W/m2",
-          "3 W/m3",  "0.4 cR",    "20 CFL",      "20 cfl"}) {
+          "3 W/m3",  "0.4 cR",    "20 CFL",      "20 cfl",     "1e-9 m2/Pa",   "2 m2/s"}) {
         const Quantity read = parse_quantity(text);
         CAPTURE(text);
         for (const auto& [unit, pattern] : patterns) {
@@ -123,7 +123,7 @@ TEST_CASE("schema: every quantity of the built-in scenarios has the pattern of i
     int n = 0;
     const std::function<void(const Key&, const Node&)> check = [&](const Key& key, const Node& node) {
         for (const Node& child : node.children) check(key, child);
-        if (node.type != Node::Type::text || is_word(key.words, node.text)) return;
+        if (node.type != Node::Type::text || is_word(key.words, node.text) || key.takes_formulas) return;
         CAPTURE(key.path);
         CAPTURE(node.text);
         ++n;

@@ -122,7 +122,9 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
         if (file.extension() == ".csv") check_header(file, file.filename().string());
     for (const OutputTable& table : output_tables())  // of the tables of a run, all
         if (table.name.ends_with(".csv") && table.name != "study.csv" && table.name != "sweep.csv" &&
-            table.name != "statistics.csv" &&
+            table.name != "statistics.csv" && table.name != "safety.csv" &&
+            table.name != "fluids.csv" &&  // of injected fluids
+
             table.name != "trajectories.csv")  // that is in place of fragment_paths.csv
             CHECK_MESSAGE(fs::exists(made / table.name), table.name);
     for (const fs::path& file : fs::directory_iterator(made))
