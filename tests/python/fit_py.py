@@ -417,10 +417,25 @@ class Quick(unittest.TestCase):
 
     @needs_libraries
     def test_as_many_numbers_as_parameters_judge_no_misfit(self):
-        fit = inferred(study("unjudged", {"x": 2, "y": 9}, lambda a, b, seed: Answer(x=a, y=b)))
+        fit = inferred(study("unjudged", {"x": 2, "y": 3}, lambda a, b, seed: Answer(x=a, y=b)))
         self.assertTrue(np.isnan(fit.p))
+        self.assertEqual(fit.determined(), ["yes", "yes"])
         report.write(fit)
         self.assertIn("cannot be judged", (directory / "unjudged" / "report.html").read_text())
+
+    @needs_libraries
+    def test_one_number_out_of_reach_is_a_contradiction(self):
+        """y lies 100 deviations above all that the model has: whatever the count of numbers, no parameter is determined."""
+        for numbers in ({"x": 2, "y": 9}, {"y": 9}):
+            fit = inferred(study("beyond", numbers, lambda a, b, seed: Answer(x=a, y=b)))
+            self.assertLess(fit.p, 1e-10)
+            self.assertNotIn("yes", fit.determined())
+            report.write(fit)
+            self.assertIn("THE MODEL CANNOT MEET", (directory / "beyond" / "report.html").read_text())
+        fit = inferred(study("beyond", {"y": 0.01, "x": 2}, lambda a, b, seed: Answer(x=a, y=b), scatter=1e-4))
+        self.assertEqual(fit.determined(), ["no", "no"])  # 100 times the level of y: no model error takes that up
+        report.write(fit)
+        self.assertIn("THE MODEL ERROR REACHES ITS LARGEST, 100 %", (directory / "beyond" / "report.html").read_text())
 
     @needs_libraries
     def test_data_that_contradict_the_model_say_so(self):
@@ -434,6 +449,7 @@ class Quick(unittest.TestCase):
         self.assertGreater(np.percentile(fit.posterior.tau, 5), 0.05)
         self.assertGreater(fit.posterior.widths()[1], 3 * agrees.posterior.widths()[1])  # parameters are not bent with false confidence
         report.write(fit)
+        self.assertNotIn("yes", fit.determined())
         self.assertIn("THE MODEL CANNOT MEET", (directory / "contradicts" / "report.html").read_text())
 
     @needs_libraries

@@ -10,6 +10,7 @@ from .runs import Stop, table
 
 _unmeasurable = ("law_", "interface_", "measured_", "scheme_", "unresolved_", "overlap_", "largest_penetration", "crossing_",
                  "cohesive_")  # in no test
+_contradiction = 0.01  # probability of a misfit below which the model cannot meet the data
 _floor = 1e-3  # of the level of a measurement: smaller differences count as none
 
 
@@ -187,9 +188,13 @@ class Fit:
         self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, self.with_error)
         drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         z = np.hstack([z[0] for z, _ in self.likelihood.terms(drawn[0][[np.argmax(drawn[2])]], np.zeros(1))])
-        freedom = len(z) - len(self.problem.parameters)
-        self.p = float(stats.chi2.sf(z @ z, freedom)) if freedom > 0 else np.nan
-        if self.problem.options["model_error"] == "auto" and self.p < 0.01:
+        # chi-squared of all residuals, and twice the tail beyond the largest one, times their number: one number alone may contradict
+        freedom, largest = len(z) - len(self.problem.parameters), float(2 * len(z) * stats.norm.sf(np.abs(z).max()))
+        if freedom > 0:
+            self.p = min(float(stats.chi2.sf(z @ z, freedom)), largest)
+        else:
+            self.p = largest if largest < _contradiction else np.nan
+        if self.problem.options["model_error"] == "auto" and self.contradicted:
             self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, True)
             drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         self.posterior = Posterior(self.problem, *drawn)
@@ -227,10 +232,21 @@ class Fit:
         grid = np.linspace(0.0005, 0.9995, 1000)
         return np.sqrt([np.cov(grid, aweights=np.exp(parameter.log_prior(grid)), ddof=0) for parameter in self.problem.parameters])
 
+    @property
+    def contradicted(self):
+        """Whether the model cannot meet the data."""
+        return self.p < _contradiction
+
+    @property
+    def beyond_error(self):
+        """Whether the model misses more of the data than its largest error term takes up."""
+        return self.contradicted and (not self.posterior.tau.any() or np.percentile(self.posterior.tau, 95) > 0.9)
+
     def determined(self):
-        """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no"."""
-        part = self.posterior.u.std(axis=0) / self.prior_deviation()
-        return ["yes" if x < 0.4 else "partly" if x < 0.75 else "no" for x in part]
+        """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no". Parameters of
+        a model that cannot meet the data are at most "partly" determined, and "no" where no error term takes up the misfit."""
+        part, yes = self.posterior.u.std(axis=0) / self.prior_deviation(), "partly" if self.contradicted else "yes"
+        return ["no" if self.beyond_error else yes if x < 0.4 else "partly" if x < 0.75 else "no" for x in part]
 
     def combinations(self):
         """Texts: parameters that the data determine together only, by the directions of the posterior's covariance whose

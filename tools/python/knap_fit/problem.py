@@ -254,7 +254,9 @@ def markdown():
              "have the units of scenarios, in SI where none is written.", "", "Exit codes of knap-fit and knap-sensitivity: 0 success, also where command lines were "
              "printed; 2 a mistake in FILE, found before the runs or by the first one, or a library that is missing; 3 the runs or the data give no answer; "
              "4 a value of `[expect]` is missed; 130 interrupted (the same command goes on). With `--print-commands` stdout has command lines alone, or "
-             "nothing where no run is left; messages are on stderr."]
+             "nothing where no run is left; messages are on stderr.", "", "`determined` of a parameter: yes, where its standard deviation in its scale is below 0.4 of "
+             "the one that it had before the data (bounds and `normal`); partly, below 0.75; no. Where the model cannot meet the data (misfit of a probability below "
+             "1 %, or a residual that alone is as improbable) it is at most partly, and no where even the largest model error does not take up the misfit."]
     for kind, rows in keys.items():
         lines += ["", f"## {heads.get(kind, f'[{kind}]')}", "", "| key | value | default | meaning |", "|---|---|---|---|"]
         for name, key in rows.items():

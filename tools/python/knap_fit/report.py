@@ -86,7 +86,8 @@ def said(fit, further, predictions):
     notes = [f"{fit.runs.counted()}; {fit.stopped}."]
     if np.isfinite(fit.p):
         notes.append(f"Misfit: probability {fit.p:.2g} if the model were true." + (
-            "" if fit.p >= 0.01 else " THE MODEL CANNOT MEET THESE DATA with any of its parameters, or their scatter and noise are larger than stated."))
+            "" if not fit.contradicted else " THE MODEL CANNOT MEET THESE DATA with any of its parameters, or their scatter and noise are larger than stated; "
+            "none of its parameters counts as determined."))
     else:
         notes.append("There are no more numbers than parameters: whether the model can meet the data cannot be judged, and no model error is found. "
                      "See the residuals.")
@@ -94,6 +95,9 @@ def said(fit, further, predictions):
         tau = np.percentile(fit.posterior.tau, [5, 50, 95]) * 100
         notes.append(f"A model error of {tau[1]:.2g} % ({tau[0]:.2g} to {tau[2]:.2g} %) of the largest value of each measurement is part of the "
                      "intervals.")
+    if fit.beyond_error:
+        notes.append("THE MODEL ERROR REACHES ITS LARGEST, 100 % of the largest value of each measurement: the model may miss more, and the intervals are too narrow."
+                     if fit.posterior.tau.any() else "There is no model error (model_error): the intervals are too narrow.")
     notes += [f"{p.name} is {'only partly' if s == 'partly' else 'not'} determined by these data." for p, s in zip(parameters, states) if s != "yes"]
     notes += [text[0].upper() + text[1:] + "." for text in fit.combinations()]
     for title, narrowed in further:
