@@ -142,6 +142,7 @@ class Quick(unittest.TestCase):
         problem = files.read(file)
         self.assertEqual([[name for name in problem.set_of(test, [0, 0.5]) if "G_c" in name] for test in problem.tests], [["interface.left-right.G_c"]] * 2)
         self.assertEqual([problem.set_of(test, [0, 1])["interface.left-right.G_c"] for test in problem.tests], ["1.5 J/m2", "4 J/m2"])
+        self.assertEqual(problem.keys_of(*problem.tests), {"bar:interface.left-right.G_c": 0, "other:interface.left-right.G_c": 1})  # no column is lost
         file.write_text(text.replace("other:interface", "interface"))
         with self.assertRaisesRegex(files.Mistakes, "which the parameter own has, too"):
             files.read(file, check_scenarios=False)
@@ -209,6 +210,14 @@ class Quick(unittest.TestCase):
                     except files.Mistakes:
                         refused += 1
         self.assertGreater(refused, 100)
+        for text, words in (("0.1,5\n0.2,6\n0.3,7\n", "'0.1' in its first line"), ("u (mm),F [N]\n1,2\n2,3\n", "'u (mm)' in its first line"), (None, "does not exist")):
+            (directory / "beam.csv").unlink()
+            if text:
+                (directory / "beam.csv").write_text(text)
+            file.write_text("\n".join(lines))
+            number = next(k for k, line in enumerate(lines, 1) if line.startswith("curve"))
+            with self.assertRaisesRegex(files.Mistakes, f"(?s){re.escape(words)}.*strange.toml:{number}\n.*square brackets"):
+                files.read(file, check_scenarios=False)
         for text in ("", "a,b\n1,x\n2,3\n", "a,b\n1,2\n", "a,b\n2,1\n1,2\n", "a [s],b [N]\n1,2\n2,3\n", "a,b\n1\n2,3\n"):
             (directory / "beam.csv").write_text(text)
             file.write_text("\n".join(lines))

@@ -203,9 +203,12 @@ class Problem:
         return tuple(float(f"{value:.6g}") for value in self.values(u))
 
     def keys_of(self, *tests):
-        """{key of the scenarios of these tests: number of the parameter that sets it}."""
-        keys = [(key.rpartition(":"), i) for i, parameter in enumerate(self.parameters) for key in parameter.keys]
-        return {plain: i for (of, _, plain), i in keys if of in ("", *(test.name for test in tests))}
+        """{key of the scenarios of these tests: number of the parameter that sets it}; TEST:KEY where several parameters do, each in a
+        test of its own."""
+        names = ("", *(test.name for test in tests))
+        keys = [(*key.rpartition(":"), i) for i, parameter in enumerate(self.parameters) for key in parameter.keys if key.rpartition(":")[0] in names]
+        owners = {plain: {i for _, _, other, i in keys if other == plain} for _, _, plain, _ in keys}
+        return {plain if len(owners[plain]) == 1 else f"{of}:{plain}": i for of, _, plain, i in keys}
 
     def set_of(self, test, u):
         """KEY=VALUE of a run of a test."""
@@ -377,7 +380,7 @@ class _Reader:
             return found
         found.low, found.high, found.unit = low, high, unit
         found.normal, found.start = (table[key] and table[key][0] for key in ("normal", "start"))
-        for key, good in (("normal", lambda value: value[1] > 0), ("start", lambda value: low <= value <= high)):
+        for key, good in (("normal", lambda value: low <= value[0] <= high and value[1] > 0), ("start", lambda value: low <= value <= high)):
             if table[key] and not (table[key][1] == unit and good(table[key][0])):
                 self.refuse("parameter", key, path, given)
         return found
@@ -456,8 +459,15 @@ class _Reader:
         if table["curve"]:
             try:
                 read = knap.read_csv(self.file.parent / table["curve"])
+                wrong = next((name for name in read if quantity(name) or (name.endswith(")") and not read.units[name])), None)
+                if wrong is not None:
+                    self.error(f"{path}.curve", f"= {table['curve']!r} has {wrong!r} in its first line", allowed(keys["measured"]["curve"]))
+                    return None
                 own = [read.units[name] or unit for name, unit in zip(read, own)]
                 points = np.array(list(read.values())[:2], float).T
+            except FileNotFoundError:
+                self.error(f"{path}.curve", f"= {table['curve']!r} does not exist", allowed(keys["measured"]["curve"]))
+                return None
             except (OSError, ValueError, StopIteration, AttributeError):
                 points = np.zeros((0, 0))
         if points.shape[1:] != (2,) or len(points) < 2 or not (np.diff(points[:, 0]) > 0).all():
