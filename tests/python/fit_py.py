@@ -134,6 +134,18 @@ class Quick(unittest.TestCase):
         self.assertIn("sigma_x` is not a key of a scenario", text)
         self.assertTrue(text.endswith("15 errors, nothing was run."), text)
 
+    def test_what_cannot_be_is_found_before_the_runs(self):
+        file = directory / "impossible.toml"
+        for old, new, line, words in (('"dissipated"\nvalues = ["12 mJ"]', '"strength"\nvalues = ["1 MPa"]', "number =", "needs a [specimen]"), ("budget = 20", "budget = 20\nfirst = 21", "first", "the budget of 20"),
+                                      ("budget = 20", "budget = 3\nseeds = 4", "budget", "4 runs for each point"),
+                                      ('scale = "log"', 'normal = ["5 J/m2", "1 J/m2"]', "normal", "a mean between the bounds")):
+            file.write_text(text := bar.replace(old, new))
+            number = next(k for k, found in enumerate(text.splitlines(), 1) if found.startswith(line))
+            with self.assertRaises(files.Mistakes) as caught:
+                files.read(file)
+            self.assertIn(f"impossible.toml:{number}\n", str(caught.exception))
+            self.assertIn(words, str(caught.exception))
+
     def test_one_key_of_two_tests_may_have_two_parameters(self):
         file = directory / "two_tests.toml"
         text = bar.replace("G_c]", "own]").replace("interface.left", "bar:interface.left") + bar[bar.index("[parameter"):].replace(
@@ -288,6 +300,13 @@ class Quick(unittest.TestCase):
         np.testing.assert_allclose([points["a"], points["b"]], [[1.3, 3.7], [2.5, 2.5]])
         np.testing.assert_array_equal(Runs(fit.problem, directory / "again").points, fit.runs.points)
         self.assertEqual((fit.runs.at(fit.runs.points[::-1]), len(started)), ([1, 0], 4))
+        fit.problem.parameters[0].high, fit.problem.parameters[0].low = 9.0, 1.2  # wider and narrower bounds around the points keep their runs
+        np.testing.assert_allclose(Runs(fit.problem, directory / "again").points[:, 0], [0.1 / 7.8, 2.5 / 7.8])
+        self.assertTrue((directory / "again" / "points.csv").exists())
+        fit.problem.parameters[0].low = 1.4
+        with self.assertRaisesRegex(Stop, "outside of these bounds"):
+            Runs(fit.problem, directory / "again")
+        self.assertTrue((directory / "again" / "points.csv").exists())
         with self.assertRaisesRegex(Stop, "other parameters"):
             Runs(Problem("again", fit.problem.parameters[:1], fit.problem.tests, {}), directory / "again")
 

@@ -426,7 +426,7 @@ class _Reader:
                 found.shown = unit or found.shown
         if any((other.name, other.use) == (found.name, found.use) for other in test.measured):
             self.error(path, f"is the second one of {found.name} in this test", "values = [...] of several specimens; another test; another `use`")
-        found.where = f"{self.file}:{self.line(path)[0]}"
+        found.where, found.path = f"{self.file}:{self.line(path)[0]}", f"{path}.{kinds[0]}"
         test.measured.append(found)
 
     def one_number(self, test, table, path, given):
@@ -515,6 +515,10 @@ def read(file, check_scenarios=True, fit=True):
     for name in options["numbers"]:
         reader.number(name, "sensitivity.numbers")
     problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options)
+    per_point = sum(test.seeds for test in tests)
+    if fit and options["budget"] < per_point * max(options["first"], 1):
+        reader.error("fit.first" if options["first"] else "fit.budget", f"needs more runs than the budget of {options['budget']}",
+                     f"{per_point} runs for each point: the number of tests times seeds")
     for name, table in top["test"].items():
         if not (isinstance(table, dict) and table.get("measured")) and (fit or not options["numbers"]):
             reader.error(f"test.{name}", "has nothing measured", f"[[test.{name}.measured]]" + "; [sensitivity] numbers" * (not fit))
@@ -528,14 +532,21 @@ def read(file, check_scenarios=True, fit=True):
 
 
 def _check_scenarios(reader, problem):
-    """What the program says of every scenario with its parameters at both bounds."""
-    for test in problem.tests:
-        for u in (0.0, 1.0) if test.scenario else ():
-            with tempfile.TemporaryDirectory() as folder:
-                command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "-o", folder]
-                for key, value in problem.set_of(test, [u] * len(problem.parameters)).items():
-                    command += ["-s", f"{key}={value}"]
-                done = subprocess.run(command, capture_output=True, text=True)
-            if done.returncode:
-                reader.error(f"test.{test.name}", f"with all parameters at their {'upper' if u else 'lower'} bounds:\n{done.stderr.strip()}")
-                break
+    """What the program says of every scenario with its parameters at both bounds, and of every number that it would not have."""
+    def said(test, u, *more):
+        with tempfile.TemporaryDirectory() as folder:
+            command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "-o", folder]
+            for key, value in [*problem.set_of(test, [u] * len(problem.parameters)).items(), *more]:
+                command += ["-s", f"{key}={value}"]
+            done = subprocess.run(command, capture_output=True, text=True)
+        return done.stderr.strip() if done.returncode else ""
+
+    for test in (test for test in problem.tests if test.scenario):
+        wrong = next((u for u in (0.0, 1.0) if said(test, u)), None)
+        if wrong is not None:
+            reader.error(f"test.{test.name}", f"with all parameters at their {'upper' if wrong else 'lower'} bounds:\n{said(test, wrong)}")
+            continue
+        for m in (m for m in test.measured if m.x is None and m.unit is not None):
+            text = said(test, 0.0, ("expect", f'{{ {m.name} = {{ below = "1 {m.unit}" }} }}' if m.unit else f"{{ {m.name} = {{ below = 1 }} }}"))
+            if text.startswith("error[nothing-to-expect]"):
+                reader.error(m.path, f"= {m.name!r} is no number of {test.scenario}: {text.splitlines()[0].split('` ', 1)[-1]}")
