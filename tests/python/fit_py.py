@@ -238,6 +238,7 @@ class Quick(unittest.TestCase):
 
     def test_a_missing_library_is_named_without_a_traceback(self):
         file = directory / "missing.toml"
+        shutil.rmtree(directory / "missing", ignore_errors=True)
         file.write_text(bar.replace('"least squares"', '"posterior"').replace("budget = 20", "budget = 4"))
         for gone, package in (("numpy", "numpy"), ("scipy", "scipy"), ("sklearn", "sklearn"), ("emcee", "emcee")):
             if gone != "numpy" and missing:
@@ -247,6 +248,13 @@ class Quick(unittest.TestCase):
             self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
             self.assertIn(f"apt install python3-{package}\n", done.stderr)
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+        start = (f"import sys; sys.path.insert(0, {str(tools)!r}); sys.argv[0] = 'knap-sensitivity'\nfor name in {{}}: sys.modules[name] = None\n"
+                 "from knap_fit.command import {}; {}()")
+        for gone, program, words in ((["scipy", "sklearn", "emcee"], "fit", "apt install python3-scipy python3-sklearn python3-emcee\n"),
+                                     (["scipy", "sklearn"], "sensitivity", "error: knap-sensitivity needs scipy.optimize, sklearn: apt install python3-scipy python3-sklearn\n"),
+                                     (["numpy"], "sensitivity", "error: knap-sensitivity needs numpy: apt install python3-numpy\n")):
+            done = subprocess.run([sys.executable, "-c", start.format(gone, program, program), file, "-q", "-o", directory / "missing" / program], capture_output=True, text=True)
+            self.assertEqual((done.returncode, done.stderr[-len(words):]), (2, words))
 
     def test_fits_of_the_scenarios_are_right(self):
         found = {file.stem: files.read(file) for file in sorted(fits.glob("*.toml")) if "knap_fit" in file.read_text()}
@@ -327,6 +335,12 @@ class Quick(unittest.TestCase):
         printed = subprocess.run([*command, "--print-commands"], capture_output=True, text=True)  # no run is left: what is found is a message
         self.assertEqual((printed.stdout, printed.returncode), ("", 0), printed.stderr)
         self.assertIn("G_c = ", printed.stderr)
+        for text, code, words in ((bar + expect.format("3 J/m2"), 0, "expect G_c 3"), (bar + expect.format("2 J/m2"), 4, "FAILED"),
+                                  (bar.replace("budget = 20", "budget = 2").replace('"2 mm"', '"2.5 mm"'), 3, "the best so far: G_c = ")):
+            file.write_text(text)
+            done = subprocess.run([*command, *["--force"] * (code == 3)], capture_output=True, text=True)
+            self.assertEqual(done.returncode, code, done.stderr)
+            self.assertIn(words, done.stdout + done.stderr)
         file.write_text(bar.replace('"2 mm"', '"3 mm"'))
         printed = subprocess.run([*command, "--print-commands"], capture_output=True, text=True)
         self.assertEqual((printed.stdout, printed.returncode), ("", 3), printed.stderr)
@@ -677,6 +691,9 @@ budget = 20
 number = "dissipated"
 values = ["12 mJ"]
 scatter = "1 %"
+"""
+expect = """[expect]
+G_c = {{ value = "{}", within = "2 %" }}
 """
 slow_bar = bar.replace('method = "least squares"\nbudget = 20', "budget = 9\nfirst = 5\nbatch = 2\nshrink = 0").replace('"2 mm"', '"0.5 mm"') + """
 [sensitivity]

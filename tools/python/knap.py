@@ -448,7 +448,10 @@ def settings(file):
 
 def plot_over(runs, x, y, labels=None, axis=None):
     """Curves of several runs over each other, by matplotlib: `x`, `y` as "stress_strain.stress". Returns the axis."""
-    import matplotlib.pyplot as plt
+    try:
+        import matplotlib.pyplot as plt
+    except ImportError:
+        raise KnapError("plot_over needs matplotlib: apt install python3-matplotlib") from None
     axis = axis or plt.subplots()[1]
     for k, run in enumerate(runs):
         run = run if isinstance(run, Run) else Run(run)

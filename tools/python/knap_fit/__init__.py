@@ -12,10 +12,19 @@ All parameters are places in the unit cube, u = 0 and 1 at their bounds, linear 
 import sys
 
 
-def need(module, package, what):
-    """A library that only a part needs; without it the program names the Debian package and ends with exit code 2."""
-    try:
-        return __import__(module, fromlist=["*"])
-    except ImportError:
-        print(f"error: {what} needs {module}: apt install {package}", file=sys.stderr)
-        raise SystemExit(2) from None
+def need(module, package, what, *more):
+    """A library that only a part needs. Without it, or one of the pairs of `more`, the program names the Debian packages of all that
+    are missing, and ends with exit code 2."""
+    missing, found = [], None
+    for name, of in ((module, package), *more):
+        try:
+            library = __import__(name, fromlist=["*"])
+            found = found or library
+        except ImportError as error:
+            if not missing or (error.name or name).split(".")[0] == name.split(".")[0]:  # not that one library lacks another one
+                missing.append((name, of))
+    if missing:
+        names, packages = zip(*missing)
+        print(f"error: {what} needs {', '.join(names)}: apt install {' '.join(packages)}", file=sys.stderr)
+        raise SystemExit(2)
+    return found

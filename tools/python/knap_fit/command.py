@@ -10,7 +10,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: sums of seve
 
 from . import need  # noqa: E402
 
-need("numpy", "python3-numpy", "knap-fit")
+_libraries = (("scipy.optimize", "python3-scipy"), ("sklearn", "python3-sklearn"), ("emcee", "python3-emcee"))
+need("numpy", "python3-numpy", pathlib.Path(sys.argv[0]).name or "knap-fit")
 import knap  # noqa: E402
 
 from . import problem as files  # noqa: E402
@@ -63,6 +64,7 @@ def fit(arguments=None):
     def work(found, runs, log):
         from . import inference, report
         if found.options["method"] == "posterior":
+            need(*_libraries[0], "knap-fit", *_libraries[1:])
             return report.write(inference.Fit(found, runs, log).run())
         return report.write_least_squares(found, runs, *inference.least_squares(found, runs, log))
 
@@ -75,6 +77,11 @@ parameters.tex and report.html.""", work, arguments)
 def sensitivity(arguments=None):
     """knap-sensitivity"""
     from . import sensitivity as part
+
+    def work(found, runs, log):
+        need(*_libraries[0], "knap-sensitivity", _libraries[1])
+        return part.write(found, runs)
+
     _main("knap-sensitivity", "sensitivities", """Which parameters the numbers of a run depend on. FILE is one of knap-fit; [sensitivity]
 numbers names numbers of the summary of all its tests. Effects of single steps by Morris, from trajectories of runs; parts of
-the variance by Sobol, from an emulator of the same runs.""", lambda found, runs, log: part.write(found, runs), arguments)
+the variance by Sobol, from an emulator of the same runs.""", work, arguments)

@@ -327,11 +327,13 @@ class Fit:
 def least_squares(problem, runs, log=lambda text: None):
     """(values, residuals in standard deviations): bounded least squares from the starts by scipy, a step of 0.05 of the
     bounds for slopes, so that rough answers do not mislead them."""
-    optimize = need("scipy.optimize", "python3-scipy", "least squares")
+    optimize, best = need("scipy.optimize", "python3-scipy", "least squares"), (np.inf, "")
 
     def residuals(u):
+        nonlocal best
         if problem.rounded(u) not in runs.values and runs.n_runs + runs.per_point > problem.options["budget"]:
-            raise Stop(f"the budget of {problem.options['budget']} runs is used up")
+            raise Stop(f"the budget of {problem.options['budget']} runs is used up; the best so far: {best[1]} "
+                       f"(root of the sum of squares {best[0]:.3g} deviations)")
         if not runs.values:
             runs.add([u])
             problem.check_first(runs)
@@ -343,7 +345,9 @@ def least_squares(problem, runs, log=lambda text: None):
                 raise Stop(f"{m.title}: no value at {where}")
             found.append((values.mean(axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
         log(f"{where}: " + ", ".join(f"{m.title} {m.in_file(runs.of(m)[k].mean()):.6g} {m.shown}" for m in problem.fitted if m.x is None))
-        return np.concatenate(found)
+        found = np.concatenate(found)
+        best = min(best, (float(np.sqrt(found @ found)), where))
+        return found
 
     start = np.array([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters])
     found = optimize.least_squares(residuals, np.clip(start, 0.01, 0.99), bounds=(0, 1), diff_step=0.05, xtol=2e-3, ftol=1e-4, x_scale=1.0)

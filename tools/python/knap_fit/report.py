@@ -55,12 +55,15 @@ def write(fit):
     print("\n".join(notes))
     _page(out / "report.html", problem.name, notes, [(title, *rest) for title, _, *rest in tables], draw(fit, curves))
     print(f"fit:     {out}")
-    missed = False
+    return meets(problem, dict(zip(names, values.mean(axis=0))))
+
+
+def meets(problem, values):
+    """Whether these values of the parameters are those of [expect]; prints each."""
+    missed = {name: abs(values[name] - value) > within for name, (value, within) in problem.options.get("expect", {}).items()}
     for name, (value, within) in problem.options.get("expect", {}).items():
-        mean = float(values[:, names.index(name)].mean())
-        missed |= abs(mean - value) > within
-        print(f"expect {name} {mean:.5g}, {value:g} within {within:.3g}: {'FAILED' if abs(mean - value) > within else 'ok'}")
-    return not missed
+        print(f"expect {name} {values[name]:.5g}, {value:g} within {within:.3g}: {'FAILED' if missed[name] else 'ok'}")
+    return not any(missed.values())
 
 
 def against_data(fit, curves):
@@ -123,7 +126,7 @@ def write_least_squares(problem, runs, u, residuals):
     for p, x in zip(problem.parameters, u):
         print(f"{p.name} = {p.text(x)}")
     print(f"{runs.counted()}; root of the sum of squares {np.sqrt((residuals**2).sum()):.3g} deviations\nfit:     {runs.directory}")
-    return True
+    return meets(problem, {p.name: float(value) for p, value in zip(problem.parameters, values)})
 
 
 def _page(file, name, notes, tables, pictures):
