@@ -502,6 +502,27 @@ class Quick(unittest.TestCase):
         self.assertIn("t: y (left out): no value at 8 of 16 points", (directory / "lost" / "report.html").read_text())
 
     @needs_libraries
+    def test_report_says_which_gate_ended_runs(self):
+        def model(a, b, seed):
+            if b > 2.5:
+                raise knap.KnapError("gate law_lag violated at t = 480 us")
+            return Answer(x=a)
+        report.write(inferred(study("gates", {"x": 2}, model)))
+        self.assertIn("t: 8 of these runs ended at a gate (law_lag 8)", (directory / "gates" / "report.html").read_text())
+
+    @needs_libraries
+    def test_median_leads_and_a_peak_outside_of_the_interval_is_said(self):
+        fit = inferred(study("peak", {"x": 2}, lambda a, b, s: Answer(x=a)))
+        fit.posterior.best = np.array([0.99, 0.5])
+        report.write(fit)
+        found = knap.read_csv(directory / "peak" / "parameters.csv")
+        self.assertAlmostEqual(found["median"][0], 2, delta=0.05)
+        self.assertAlmostEqual(found["most likely"][0], 3.97, delta=1e-4)
+        page = (directory / "peak" / "report.html").read_text()
+        self.assertIn("a: the most likely value, 3.97, lies outside of the interval", page)
+        self.assertNotIn("b: the most likely value", page)
+
+    @needs_libraries
     def test_few_points_are_chosen_where_runs_have_no_value(self):
         """The data lead to the border of a region in which no run has a value; before points were chosen by the probability of a
         value, 81 to 94 % of them lay in it."""

@@ -29,8 +29,9 @@ def write(fit):
     """All files of a fit, and what a terminal shows; whether the values of [expect] are met."""
     problem, posterior, out, level = fit.problem, fit.posterior, fit.runs.directory, f"{100 * fit.problem.options['interval']:g} %"
     names, values = [p.name for p in problem.parameters], problem.values(posterior.u)
-    numbers = [problem.values(posterior.best), *posterior.interval(), values.mean(axis=0), values.std(axis=0), posterior.u.std(axis=0) / fit.prior_deviation()]
-    head = ["parameter", "unit", "best", f"low {level}", f"high {level}", "mean", "deviation", "deviation over that before", "determined"]
+    numbers = [np.median(values, axis=0), *posterior.interval(), values.mean(axis=0), values.std(axis=0), posterior.u.std(axis=0) / fit.prior_deviation(),
+               problem.values(posterior.best)]
+    head = ["parameter", "unit", "median", f"low {level}", f"high {level}", "mean", "deviation", "deviation over that before", "most likely", "determined"]
     rows = [[p.name, p.unit, *map(float, row), state] for p, row, state in zip(problem.parameters, np.transpose(numbers), fit.determined())]
     correlations = [[name, *map(float, row)] for name, row in zip(names, np.atleast_2d(np.corrcoef(posterior.u.T)))]
     drawn = {"posterior.csv": problem.keys_of(*problem.tests)}  # a sweep takes the keys of its scenario alone
@@ -101,6 +102,9 @@ def said(fit, further, predictions):
     if fit.beyond_error:
         notes.append("THE MODEL ERROR REACHES ITS LARGEST, 100 % of the largest value of each measurement: the model may miss more, and the intervals are too narrow."
                      if fit.posterior.tau.any() else "There is no model error (model_error): the intervals are too narrow.")
+    notes += [f"{p.name}: the most likely value, {p.text(u)}, lies outside of the interval: that of all parameters together is a narrow peak, "
+              "while most of the probability lies elsewhere. Take the draws of posterior.csv, not one value."
+              for p, u, low, high in zip(parameters, fit.posterior.best, *fit.posterior.interval()) if not low <= p.value(u) <= high]
     notes += [f"{p.name} is {'only partly' if s == 'partly' else 'not'} determined by these data." for p, s in zip(parameters, states) if s != "yes"]
     notes += [text[0].upper() + text[1:] + "." for text in fit.combinations()]
     for title, narrowed in further:
@@ -117,6 +121,10 @@ def said(fit, further, predictions):
         if works.mean() < 0.95:
             notes.append(f"{m.title}: no value at {(~works).sum()} of {len(works)} points, where a run failed or ended too early (time.end); "
                          + "the fit takes parameters there for impossible, and " * (m.use == "fit") + "its interval is that of the others.")
+            gates = fit.runs.gates(m.test)
+            if gates:
+                notes.append(f"{m.test.name}: {sum(gates.values())} of these runs ended at a gate ({', '.join(f'{name} {n}' for name, n in gates.items())}), which shows "
+                             "what the run could not resolve, not that its parameters are impossible: a smaller step or a finer mesh may have the value.")
     return notes + [text[0].upper() + text[1:] + "." for text in surpluses(fit.runs)]
 
 

@@ -1,10 +1,12 @@
 """Runs the tests of a problem at points of its parameters, with all seeds, and goes on where it was stopped."""
+import collections
 import concurrent.futures
 import csv
 import hashlib
 import json
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import subprocess
@@ -58,6 +60,11 @@ class Runs:
     def counted(self):
         failed = [why for why in self.why.values() if why]
         return f"{len(self.why)} runs, {len(failed)} failed" + (f" (the first: {failed[0][:120]})" if failed else "")
+
+    def gates(self, test):
+        """{gate: runs of a test that it ended}."""
+        found = [re.match(r"gate (\w+)", why) for (_, of, _), why in self.why.items() if of is test]
+        return collections.Counter(gate[1] for gate in found if gate)
 
     @property
     def per_point(self):
@@ -126,8 +133,8 @@ class Runs:
         info = json.loads(file.read_text()) if file.exists() else {}
         if info.get("status") not in ("done", "failed"):
             return None
-        good = info["status"] == "done" and all(gate["pass"] for gate in info["gates"])
-        return "" if good else info.get("reason") or "a gate"
+        missed = [gate["name"] for gate in info["gates"] if not gate["pass"]] if info["status"] == "done" else []
+        return f"gate {', '.join(missed)}" if missed else "" if info["status"] == "done" else info.get("reason") or "no reason given"
 
     def _run(self, job):
         """Does a run; returns its exit code and what it said."""
