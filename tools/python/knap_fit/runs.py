@@ -77,18 +77,20 @@ class Runs:
 
     def _start(self, force):
         self.directory.mkdir(parents=True, exist_ok=True)
-        described = [self.own_seeds, *([p.name, p.keys, p.unit] for p in self.problem.parameters)]
+        described = [self.own_seeds, *([p.name, p.keys, p.low, p.high, p.unit, p.log] for p in self.problem.parameters)]
         for test in self.problem.tests:
             file = pathlib.Path(test.scenario)
             text = hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else test.scenario
             described.append([test.name, text, test.set, test.seeds, test.first_seed])
         data = [[m.title, m.use, m.n, m.scatter, np.ravel(m.values).tolist()] for m in self.problem.measured if m.values is not None]
-        data += [[p.low, p.high, p.log] for p in self.problem.parameters] + [self.problem.options[key] for key in ("interval", "model_error", "seed")]
+        data += [self.problem.options[key] for key in ("interval", "model_error", "seed")]
         mark, points = self.directory / "problem.json", self.directory / "points.csv"
         old = json.loads(mark.read_text()) if mark.exists() else [described, data]
         if points.exists() and not force:
             self.values = list(zip(*(map(float, column) for column in knap.read_csv(points).values())))
-        same = old[0] == described and bool(((self.points > -1e-5) & (self.points < 1 + 1e-5)).all())  # other bounds change no run
+        # other bounds and scales change no run
+        one, other = ([[*row[:2], *row[4:5]] if 0 < i <= len(self.problem.parameters) else row for i, row in enumerate(rows)] for rows in (old[0], described))
+        same = one == other and bool(((self.points > -1e-5) & (self.points < 1 + 1e-5)).all())
         if not same and not force:
             raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these bounds; -o for another directory, "
                        "--force to delete them and begin anew")
