@@ -30,11 +30,13 @@ for url, related in zip(cited, zenodo["related_identifiers"], strict=True):
     assert url in readme, url
 works = [f"https://doi.org/{doi}" for doi in re.findall(r"doi: (\S+)", cff)] + re.findall(r"^    url: (\S+)", cff, re.MULTILINE)
 assert sorted(works) == sorted(cited), works
+seminar = re.search(r"\*([^*]+)\*, seminar", readme)[1].split()
+assert " ".join(seminar) in cff, seminar  # the first work that the README names; it has no address
 
 # https://github.com/citation-file-format/citation-file-format/blob/1.2.0/schema.json, what this file uses of it
 general = {"cff-version", "message", "type", "title", "abstract", "version", "date-released", "license", "keywords", "authors",
            "preferred-citation", "references"}
-of_work = {"type", "authors", "title", "journal", "volume", "year", "start", "doi", "url", "status"}
+of_work = {"type", "authors", "title", "journal", "volume", "year", "start", "doi", "url", "status", "institution", "notes"}
 of_author = ({"name"}, {"family-names", "given-names"}, {"family-names", "given-names", "orcid"})
 try:
     import yaml
@@ -43,7 +45,7 @@ try:
     assert set(read) == general, set(read) ^ general
     assert (read["cff-version"], read["type"], read["preferred-citation"]["doi"]) == ("1.2.0", "software", "10.1016/j.cma.2022.115545")
     for work in works:
-        assert {"type", "authors", "title"} <= set(work) <= of_work and work["type"] == "article", work
+        assert {"type", "authors", "title"} <= set(work) <= of_work and work["type"] in ("article", "unpublished"), work
         assert work.get("status", "preprint") == "preprint" and isinstance(work.get("year", 2000), int), work
     for orcid in re.findall(r"orcid: (.*)$", cff, re.MULTILINE):  # ISO 7064, modulus 11-2
         digits = re.fullmatch(r'"https://orcid.org/(\d{4}-\d{4}-\d{4}-\d{3}[\dX])"', orcid)[1].replace("-", "")
