@@ -1,13 +1,15 @@
-"""zsh and fish offer what bash is offered: `completion.py KNAP REPOSITORY DIRECTORY`. Exit code 77: neither shell is here."""
+"""zsh and fish offer what bash is offered, as installed and from a clone: `completion.py KNAP REPOSITORY DIRECTORY`. Exit code 77: neither shell is here."""
 import os
 import pathlib
 import shutil
 import subprocess
 import sys
 
-knap, tools, folder = sys.argv[1], pathlib.Path(sys.argv[2]).resolve() / "tools/package", pathlib.Path(sys.argv[3])
+knap, tools, folder = sys.argv[1], pathlib.Path(sys.argv[2]).resolve() / "tools/package", pathlib.Path(sys.argv[3]).resolve()
 shutil.rmtree(folder, ignore_errors=True)
-for place, file in (("bin/knap", knap), ("share/bash-completion/completions/knap", tools / "knap.bash")):  # as packages install them
+fish_file, zsh_file = folder / "share/fish/vendor_completions.d/knap.fish", folder / "share/zsh/vendor-completions/_knap"
+for place, file in (("bin/knap", knap), ("share/bash-completion/completions/knap", tools / "knap.bash"),
+                    (fish_file.relative_to(folder), tools / "knap.fish"), (zsh_file.relative_to(folder), tools / "_knap")):  # as packages install them
     (folder / place).parent.mkdir(parents=True)
     shutil.copy2(file, folder / place)
 environment = {**os.environ, "PATH": f"{folder}/bin:{os.environ['PATH']}"}
@@ -21,14 +23,14 @@ def by_bash(*words):
     return printed("bash", tools / "knap.bash", "offer", str(len(words)), *words)
 
 
-def by_fish(*words):
-    return printed("fish", "--no-config", "-c", f"source '{tools}/knap.fish'; complete -C '{' '.join(words)}'")
+def by_fish(*words, file=fish_file):
+    return printed("fish", "--no-config", "-c", f"source '{file}'; complete -C '{' '.join(words)}'")
 
 
-def by_zsh(*words):
+def by_zsh(*words, file=zsh_file):
     """compadd prints what the editor would show."""
     return printed("zsh", "-f", "-c", "compadd() { while [[ $1 == -* ]]; do [[ $1 == -S ]] && shift; shift; done; (( $# )) && print -l -- $@ }; "
-                   f"words=({' '.join(words)}); CURRENT={len(words)}; source '{tools}/_knap'; true")
+                   f"words=({' '.join(words)}); CURRENT={len(words)}; source '{file}'; true")
 
 
 (folder / "rock.toml").write_text("[material.mica]\nE = 1\n[interface.granite-mica]\nsigma_c = 1\n[interface.granite-mica.scatter]\n")
@@ -41,6 +43,9 @@ for words, offered in ((("knap", "sw"), ["sweep"]), (("knap", "run", "edge_crack
                        (("knap", "render", "--show", "stress_y"), ["stress_yy"]),
                        (("knap", "lcp", "x", "--solver", "lem"), ["lemke"]), (("knap", "run", "-o", "sh"), ["share/"])):
     for shell in [by_bash, *shells]: assert shell(*words) == offered, (shell.__name__, words, shell(*words))
+shutil.rmtree(folder / "share/bash-completion")  # a clone: the files of the shells are beside that of bash
+for shell, file in ((by_fish, "knap.fish"), (by_zsh, "_knap")):
+    if shell in shells: assert shell("knap", "sw", file=tools / file) == ["sweep"], (shell.__name__, file)
 if not shells:
     print("skipped: there is neither zsh nor fish (Debian: zsh, fish)")
     sys.exit(77)
