@@ -107,12 +107,23 @@ sides = re.search(rb"/MediaBox \[0 0 ([0-9.]+) ([0-9.]+)\]", pdf)
 assert sides and abs(float(sides[1]) - 595.3) < 1.5 and abs(float(sides[2]) - 841.9) < 1.5, sides  # [pt] A4
 print("paper", sides[1].decode(), "x", sides[2].decode(), "pt")
 
-live = subprocess.Popen([knap, "run", "edge_cracked_block", "-s", "mesh.size=0.3 mm", "-s", "output.checkpoint_every=1 h", "-s", "figure=[]", "-s", "expect={}", "-o", folder / "live"],
-                        env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+def start_live():
+    return subprocess.Popen([knap, "run", "edge_cracked_block", "-s", "mesh.size=0.3 mm", "-s", "output.checkpoint_every=1 h", "-s", "figure=[]", "-s", "expect={}", "-o", folder / "live"],
+                            env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+page = folder / "live/report.html"
+live = start_live()
 try:
-    page = folder / "live/report.html"
     while not page.exists() and live.poll() is None: time.sleep(0.1)
-    text = page.read_text()
+    text = page.read_text()  # before the first step: no picture
+    assert 'id="live"' in text and "<img" not in text, text[:3000]
+    while "<img" not in text and live.poll() is None: time.sleep(0.1), (text := page.read_text())
+    live.kill(), live.wait()
+    live = start_live()  # again from its start: an open page loads itself, so there must be one at any moment
+    started, earlier = time.time(), text
+    while (text == earlier or "<img" not in text) and live.poll() is None: time.sleep(0.005), (text := page.read_text())
+    print(f"a page at any moment of a second start, the first picture after {time.time() - started:.1f} s")
     page = folder / "live.html"  # as it was at this moment
     page.write_text(text)
     assert 'id="live"' in text and "location.reload()" in text, "no live page"

@@ -183,6 +183,14 @@ std::string scenario_text(const std::string& toml, const RunRecord& record) {
            html_text(toml) + "</pre></details>\n";
 }
 
+/// `state`: progress and picture.
+std::string live_page(const Scenario& scenario, const std::string& toml, const RunRecord& record,
+                      const std::string& state) {
+    return html_page(
+        title_of(scenario), question_of(toml),
+        state + html_section("Warnings", html_list(record.warnings, "warn")) + scenario_text(toml, record));
+}
+
 }  // namespace
 
 std::string quoted_for_shell(const std::string& word) {
@@ -218,6 +226,11 @@ void write_report(const Scenario& scenario, const RunRecord& record, const Recor
     write_whole_file(directory / "report.html", html_page(title_of(scenario), question_of(text), body));
 }
 
+std::string starting_page(const Scenario& scenario, const std::string& toml, const RunRecord& record) {
+    return live_page(scenario, toml, record,
+                     html_live("before its first step", "starts it again", LiveReport::shortest_period));
+}
+
 void LiveReport::write(const std::string& state, const Model& model, const State& now, const RunRecord& record,
                        const Recorder& recorder) {
     const Stopwatch watch;
@@ -237,11 +250,8 @@ void LiveReport::write(const std::string& state, const Model& model, const State
     const std::string text = read_whole_file(directory_ / "scenario.toml"),
                       again = Checkpoints::exist_in(directory_) ? "continues it" : "starts it again";
     try {
-        write_whole_file(
-            directory_ / "report.html",
-            html_page(title_of(scenario_), question_of(text),
-                      html_live(state, again, period_) + picture +
-                          html_section("Warnings", html_list(record.warnings, "warn")) + scenario_text(text, record)));
+        write_whole_file(directory_ / "report.html",
+                         live_page(scenario_, text, record, html_live(state, again, period_) + picture));
     } catch (const OutputError&) {
         // a full disk ends the run where its results are written, not here
     }

@@ -13,6 +13,9 @@ namespace knap {
 void write_report(const Scenario& scenario, const RunRecord& record, const Recorder& recorder,
                   const std::filesystem::path& directory);
 
+/// report.html until the first step: it takes the place of an earlier one, for who looks at that.
+std::string starting_page(const Scenario& scenario, const std::string& toml, const RunRecord& record);
+
 /// report.html while the run goes on, which loads itself again: progress, the present state and the energies so far.
 class LiveReport {
 public:
@@ -24,9 +27,10 @@ public:
     void write(const std::string& state, const Model& model, const State& now, const RunRecord& record,
                const Recorder& recorder);
 
+    static constexpr double shortest_period = 3;  // [s] wall time; a shorter run has none
+
 private:
-    static constexpr double shortest_period = 3,  // [s] wall time; a shorter run has none
-        share_of_live = 0.02;                     // of the processor time, at most
+    static constexpr double share_of_live = 0.02;  // of the processor time, at most
     const Scenario& scenario_;
     std::filesystem::path directory_;
     Stopwatch clock_;

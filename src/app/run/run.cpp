@@ -38,6 +38,11 @@ struct RunSetup {
     RunOrigin& origin;
 };
 
+/// Whether report.html is there while the run goes on.
+bool is_watched(const Scenario& scenario, const RunOptions& options) {
+    return scenario.output.report && !options.quiet;
+}
+
 /// A stepper of the present model, which an interrupt ends.
 void renew(std::optional<MoreauJean>& stepper, const Model& model, const SchemeOptions& scheme,
            const StepLimits& limits) {
@@ -315,7 +320,7 @@ void Run::count(const StepReport& report) {
 
 void Run::step_to_end() {
     progress_.emplace(setup_.options.quiet ? nullptr : stderr, now_, until_);
-    if (setup_.scenario.output.report && !setup_.options.quiet) live_.emplace(setup_.scenario, setup_.directory);
+    if (is_watched(setup_.scenario, setup_.options)) live_.emplace(setup_.scenario, setup_.directory);
     stepping_ = Stopwatch();
     if (setup_.scenario.time.start_in_equilibrium && now_.n_steps == 0) report(start_damage_text(setup_.model, now_));
     states_.skip_to(now_);
@@ -452,7 +457,8 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     for (const NamedFile& file : scenario.files) files.emplace_back(file.name, file.bytes);
 
     const InterruptGuard guard;  // from here on the run ends with complete files
-    RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter);
+    RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter,
+                       is_watched(scenario, options) ? starting_page(scenario, read.source.text(), record) : "");
     try {
         if (!place.resumes())
             place.log().add(warnings + placed_sets_text(scenario) + probes_text(model, scenario.probes));

@@ -136,11 +136,12 @@ void write_record(const fs::path& directory, RunRecord record, const std::string
 }
 
 /// While the files of an earlier run still exist, so that nothing is lost where the new ones cannot be written.
-void write_first(const fs::path& directory, const FirstFiles& files, const RunRecord& record) {
+void write_first(const fs::path& directory, const FirstFiles& files, const std::string& page, const RunRecord& record) {
     const bool vacant = is_vacant(directory);
     try {
         write_record(directory, record, "starting");
         for (const auto& [name, text] : files) write_whole_file(directory / name, text);
+        if (!page.empty()) write_whole_file(directory / "report.html", page);
     } catch (const OutputError& error) {
         if (vacant) throw;
         throw OutputError(
@@ -151,8 +152,9 @@ void write_first(const fs::path& directory, const FirstFiles& files, const RunRe
 }
 
 /// Removes what an earlier run made, except its record, its log and the files with which this one started.
-void clear(const fs::path& directory, const FirstFiles& kept) {
+void clear(const fs::path& directory, const FirstFiles& kept, bool keeps_page) {
     std::set<fs::path> names{"run.json", "log.txt"};
+    if (keeps_page) names.insert("report.html");
     for (const auto& file : kept) names.insert(file.first);
     std::vector<fs::path> old;
     for (const fs::path& path : fs::directory_iterator(directory))
@@ -224,15 +226,15 @@ bool holds_only(const fs::path& directory, const std::vector<std::string>& names
 }
 
 RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, const RunRecord& record, bool force,
-                           const std::optional<FirstFiles>& shorter) {
+                           const std::optional<FirstFiles>& shorter, const std::string& page) {
     continues_in(directory, files, force, shorter);
     std::error_code error;
     if (fs::create_directories(directory, error); error) throw cannot("make", directory, error);
     log_.emplace(open_log(directory / "log.txt"));
     resumes_ = continues_in(directory, files, force, shorter);
     if (!resumes_) {
-        write_first(directory, files, record);
-        clear(directory, files);
+        write_first(directory, files, page, record);
+        clear(directory, files, !page.empty());
         log_->truncate(0);
     }
     for (const char* part : {"fields", "figures"})

@@ -48,9 +48,10 @@ public:
     /// starts again where it has no checkpoint yet. Anything else in the directory is refused (UserError) unless
     /// `force`, and even then it must be an earlier run (with a run.json, or the same resolved.toml) that is not under
     /// way. Only files and directories with the names that runs use are removed. `shorter`: first files of a run with
-    /// an earlier end that this one may continue; they are then replaced by `files`.
+    /// an earlier end that this one may continue; they are then replaced by `files`. `page`: report.html of a run that
+    /// starts, in place of an earlier one, which a browser may show; "": none.
     RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force,
-                 const std::optional<FirstFiles>& shorter = std::nullopt);
+                 const std::optional<FirstFiles>& shorter = std::nullopt, const std::string& page = "");
 
     bool resumes() const { return resumes_; }  // from a checkpoint
     AppendedFile& log() { return *log_; }
