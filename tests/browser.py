@@ -1,7 +1,7 @@
 """report.html in headless Chromium: `browser.py KNAP DIRECTORY`. At the widths of a phone, a tablet and a screen nothing is wider than the
 page; text stands off from the page in light and in dark mode; paper is A4; a live page loads itself, and says when its run was killed.
-`browser.py --site SITE DIRECTORY`: no page of the site (tools/site/build) is wider than a phone; wide tables scroll. Exit code 77: no
-Chromium, or no site."""
+`browser.py --site SITE DIRECTORY`: no page of the site (tools/site/build) is wider than a phone, which may zoom; wide tables scroll; the
+search is above the page and leads to the words. Exit code 77: no Chromium, or no site."""
 import json
 import os
 import pathlib
@@ -54,26 +54,39 @@ document.getElementById("f").onload = () => {{
 
 
 def check_site(site, width):
-    """All pages, one after the other in a frame of this width: no sideways scroll but of what is too wide itself."""
+    """All pages, one after the other in a frame of this width: no sideways scroll but of what is too wide itself. Then a search."""
     pages = [page.as_uri() for page in sorted(site.rglob("*.html"))]
     harness = folder / "harness.html"
     harness.write_text(f"""<iframe id="f" style="width:{width}px;height:800px;border:0"></iframe><pre id="out"></pre><script>
 (async () => {{
-  const frame = document.getElementById("f"), found = [];
+  const frame = document.getElementById("f"), found = [], open = page => new Promise(resolve => {{ frame.onload = resolve, frame.src = page; }});
+  const wait = async what => {{ for (let i = 0; i < 200 && !what(); ++i) await new Promise(resolve => setTimeout(resolve, 50)); return what(); }};
   for (const page of {json.dumps(pages)}) {{
-    await new Promise(resolve => {{ frame.onload = resolve, frame.src = page; }});
-    const d = frame.contentDocument;
-    found.push([page, d.documentElement.scrollWidth, [...d.querySelectorAll("table")].filter(t => t.scrollWidth > t.clientWidth).length]);
+    await open(page);
+    const d = frame.contentDocument, top = e => e.getBoundingClientRect().top, search = d.getElementById("searchbox");
+    found.push([page, d.documentElement.scrollWidth, [...d.querySelectorAll("table")].filter(t => t.scrollWidth > t.clientWidth).length,
+                [...d.querySelectorAll("meta[name=viewport]")].map(m => m.content), !search || top(search) < top(d.querySelector("div.body"))]);
   }}
+  await open({json.dumps((site / "search.html").as_uri() + "?q=thaws")});
+  const hit = await wait(() => frame.contentDocument.querySelector("#search-results li a"));
+  await open(hit.href);
+  const inView = () => {{
+    const word = frame.contentDocument.querySelector("span.highlighted"), box = word && word.getBoundingClientRect();
+    return box && frame.contentWindow.scrollY > 0 && box.top > 0 && box.bottom < 800 ? word.textContent : "";
+  }};
+  found.push(await wait(inView));
   document.getElementById("out").textContent = "MEASURED " + JSON.stringify(found);
 }})();</script>""")
     found = re.search(r"MEASURED (\[.*?\])<", browse(harness, "--window-size=1400,900", "--virtual-time-budget=120000", "--dump-dom"), re.DOTALL)
     assert found, "the site was not measured"
-    measured = json.loads(found[1])
+    *measured, word = json.loads(found[1])
     assert len(measured) == len(pages) > 20, len(measured)
-    wide = [(page, needed) for page, needed, _ in measured if needed > width]
+    wide = [(page, needed) for page, needed, *_ in measured if needed > width]
     assert not wide, wide
-    n_scrolling = sum(n for *_, n in measured)
+    assert all(viewports in ([], ["width=device-width, initial-scale=1.0"]) for *_, viewports, _ in measured), measured  # index.html: none
+    assert all(search_is_first for *_, search_is_first in measured), measured
+    assert word.lower().startswith("thaw"), word  # which is far below the top of its page
+    n_scrolling = sum(n for _, _, n, *_ in measured)
     assert n_scrolling > 10, n_scrolling  # keys and outputs have wide tables
     print(f"{len(pages)} pages fit {width} px, where {n_scrolling} tables scroll by themselves")
 

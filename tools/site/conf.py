@@ -12,7 +12,9 @@ exclude_patterns = ["_build"]
 root_doc = "README"
 html_theme = "alabaster"
 html_theme_options = {"description": "2D dynamic fracture", "page_width": "75em", "sidebar_width": "16em", "font_family": "system-ui, sans-serif"}
-html_static_path = html_css_files = ["narrow.css"]
+html_css_files, html_js_files = ["narrow.css"], ["found.js"]
+html_static_path = html_css_files + html_js_files
+templates_path = ["templates"]
 html_sidebars = {"**": ["about.html", "searchbox.html", "navigation.html"]}
 html_show_sphinx = html_show_copyright = html_show_sourcelink = html_copy_source = False
 link = re.compile(r"\[((?:`[^`\n]*`|[^\]`])*)\]\(([^)\s]*)\)")
