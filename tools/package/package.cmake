@@ -62,6 +62,8 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS python3-numpy)  # of knap.py
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "python3-scipy, python3-matplotlib, python3-sklearn, python3-emcee")  # of knap-fit
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "fonts-dejavu-core, python3:any")  # the font is found at run time, by name; scripts in share/knap/python
 set(CPACK_PROJECT_CONFIG_FILE ${CMAKE_SOURCE_DIR}/tools/package/generator.cmake)
 include(CPack)
