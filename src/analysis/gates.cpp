@@ -227,7 +227,8 @@ const GateRule rules[] = {
       "crossing loss (slip-reversal loss): energy lost where slips cross zero within a step, over the dissipated "
       "energy",
       "Usual cause: damaged interfaces that vibrate. Try a smaller time.step_cracking or time.safety, mesh.order = 2, "
-      "a load that rises gradually (ramp), or restitution = 0."},
+      "a load that rises gradually (ramp), or a smaller restitution. Pieces that rattle with restitution 0 have it "
+      "with every step: it is a loss, and in the works of the interfaces."},
      {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().crossing_loss); }},
     {{"scheme_dissipation_part", "",

@@ -55,6 +55,16 @@ std::string list_of_texts(const std::string& text) {
 /// The help on an option that sets a key whose values are words; completion reads it, the scenario checks the value.
 std::string words_of(const char* key) { return "TEXT:{" + CLI::detail::join(find_key(key)->words, ",") + "}"; }
 
+/// One of these words; the message names those that were meant.
+struct OneOf : CLI::IsMember {
+    explicit OneOf(const std::vector<std::string>& words) : IsMember(words) {
+        func_ = [words, check = func_](std::string& word) {
+            const std::string fault = check(word), meant = fault.empty() ? "" : did_you_mean(word, words);
+            return meant.empty() ? fault : "`" + word + "` is none of the words here, " + meant;
+        };
+    }
+};
+
 /// Whether a name ends as that of a picture, of a format that knap writes or not.
 bool is_picture(const std::filesystem::path& name) {
     static constexpr std::string_view endings[] = {".png", ".svg", ".pdf",  ".webp", ".gif",  ".mp4", ".eps",
@@ -306,6 +316,9 @@ private:
                 throw UserError("no-effect",
                                 "`--animate` draws an animation, and `" + figure_.file + "` is a picture by its name",
                                 "a name that ends in .webp, .gif or .mp4");
+            if (const auto picture = directory / figure_.file; std::filesystem::is_directory(picture))
+                throw UserError("not-a-file", "`" + picture.string() + "` is a directory, and a picture by its name",
+                                "another name");
             if (animates) figure_.width = animation_width;
             if (const Quantity width = parse_quantity(width_); !width_.empty() && width.unit.empty())
                 figure_.width = static_cast<int>(std::clamp(quantity(width_, ""), -1e9, 1e9));
@@ -334,13 +347,13 @@ private:
                 "subject; `list` or none: the subjects with a line each; without it the figures of the scenario, in a "
                 "named picture cracks")
             ->expected(0, 1)
-            ->check(CLI::IsMember(subjects));
+            ->check(OneOf(subjects));
         command->add_option("--file", figure_.file,
                             "name of the picture: .png, .svg, .pdf, of an animation .webp, .gif, .mp4");
         command->add_option("--at", at_, "times, as in 40us");
-        command->add_option("--colour", figure_.colour, "of cracks")->check(CLI::IsMember(figure_colours()));
+        command->add_option("--colour", figure_.colour, "of cracks")->check(OneOf(figure_colours()));
         command->add_option("--over", figure_.over, "abscissa of reactions or probes")
-            ->check(CLI::IsMember(figure_abscissas()));
+            ->check(OneOf(figure_abscissas()));
         command->add_option("--aspect", figure_.aspect, "magnification of the short side relative to the long one");
         command->add_option("--deform", figure_.deform, "magnification of the displacement");
         command->add_option("--range", range_, "colour range, two values with units")->expected(2);
@@ -353,7 +366,7 @@ private:
                          "simulated time over its time: 1e-5 shows 10 us in a second; default all in 8 s")
             ->check(CLI::PositiveNumber);
         command->add_option("--curves", figure_.curves, "curves that grow below the body")
-            ->check(CLI::IsMember(growing_subjects()));
+            ->check(OneOf(growing_subjects()));
         command->add_option("--width", width_, "pixels, or on paper (.svg, .pdf), as in 84mm");
         command->add_option("--font-size", figure_.font_size, "of labels on paper, in points; default with a width 8")
             ->check(CLI::Range(4., 40.));
@@ -407,7 +420,7 @@ private:
         command->add_option("files", problems_, "NAME.L.mtx, NAME.q.mtx (Matrix Market) or NAME alone")->required();
         command->footer(table);
         command->add_option("--solver", solver_, "one of the solvers below, or all; default " + solver_)
-            ->check(CLI::IsMember(names));
+            ->check(OneOf(names));
         command->add_flag("--json", json_, "as JSON");
     }
 

@@ -61,8 +61,13 @@ const std::string* nearest(std::string_view word, const std::vector<std::string>
 }
 
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& candidates) {
-    const std::string* meant = nearest(word, candidates);
-    return meant ? "did you mean `" + *meant + "`?" : "";
+    constexpr std::size_t min_letters = 3, max_meant = 4;
+    std::vector<std::string> meant;
+    if (const std::string* best = nearest(word, candidates)) meant = {"`" + *best + "`"};
+    else if (n_characters(word) >= min_letters)  // those of which it is the beginning
+        for (const std::string& candidate : candidates)
+            if (candidate.starts_with(word)) meant.push_back("`" + candidate + "`");
+    return meant.empty() || meant.size() > max_meant ? "" : "did you mean " + joined(meant, " or ") + "?";
 }
 
 std::size_t n_characters(std::string_view utf8) {

@@ -55,7 +55,7 @@ void add_keys_of_heat(KeyTable& t) {
         "file \"NAME.csv\" with lines `x, y, temperature` or `x, y, t, temperature` in any order, one for each place "
         "of a grid, linear between them and constant outside; prescribed, with conduction that of the start; a "
         "factor over time, by at most one of ramp, table, csv, multiplies its difference to the reference. \"frozen\": "
-        "that of the run from which this one starts, which stays").required();
+        "that of the run from which this one starts, which stays").required().unit = "K";
     add_history(t, "rise time: the factor grows linearly from 0 to 1 and stays 1");
     t.flag("conduction", "temperatures follow from conduction; without it they are prescribed")
         .otherwise("false").to(&Heat::conduction);

@@ -8,14 +8,15 @@ namespace knap {
 namespace {
 
 /// The points of `table` or `csv` again and again up to time.end. Where they end before their period, the last value
-/// stays until its end.
-void repeat(const Table& table, TimeFunction& history) {
+/// stays until its end. `has_points`: they are given, though there are none after an error.
+void repeat(const Table& table, bool has_points, TimeFunction& history) {
     constexpr double max_points = 2e5;
     if (!table.has("table_period")) return;
     const double period = *table.number("table_period"), end = table.reading().table("time").number("end").value_or(0);
     const TimeFunction once = history;
-    if (once.time.empty() || table.has("ramp"))
+    if (!has_points)
         return table.error("missing-key", "table_period", "belongs to the points of a table", "table or csv");
+    if (once.time.empty()) return;
     if (once.time.front() < 0 || once.time.back() > period * (1 + 1e-12))
         return table.error("out-of-range", "table_period",
                            "= " + readable(period, "s", 6) + ", but the table has times from " +
@@ -41,6 +42,7 @@ void repeat(const Table& table, TimeFunction& history) {
 
 TimeFunction read_history(const Table& table) {
     const auto form = table.one_of({"ramp", "table", "csv"}, false);
+    const bool has_points = table.given("table") || table.given("csv");
     TimeFunction history;
     if (form == "ramp" && table.has("ramp")) history = {{0, *table.number("ramp")}, {0, 1}};
     if (form == "table") {
@@ -59,7 +61,7 @@ TimeFunction read_history(const Table& table) {
             history.time.push_back(point.x());
             history.value.push_back(point.y());
         }
-    repeat(table, history);
+    repeat(table, has_points, history);
     return history;
 }
 

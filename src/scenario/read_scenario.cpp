@@ -124,6 +124,30 @@ std::string full_name(std::string begin, const std::vector<std::string>& names) 
     return std::ranges::all_of(names, agrees) ? shortest : "";
 }
 
+/// The scenario files in the folder of a file that does not exist, as the user would name them.
+std::vector<std::string> scenarios_beside(const std::filesystem::path& missing) {
+    namespace fs = std::filesystem;
+    const fs::path folder = missing.parent_path();
+    std::vector<std::string> names;
+    std::error_code none;
+    for (fs::directory_iterator at(folder.empty() ? "." : folder, none), end; !none && at != end; at.increment(none))
+        if (at->path().extension() == ".toml") names.push_back((folder / at->path().filename()).string());
+    std::ranges::sort(names);
+    return names;
+}
+
+/// `files`: others that may be meant.
+const BuiltIn& built_in_or_files(const std::string& name, std::vector<std::string> files) {
+    const auto names = built_in_scenarios();
+    const auto found = std::ranges::find(built_ins(), full_name(name, names), &BuiltIn::name);
+    if (found != built_ins().end()) return *found;
+    files.insert(files.end(), names.begin(), names.end());
+    throw UserError({{.code = "missing-file",
+                      .message = "there is no file and no built-in scenario `" + name + "`",
+                      .hint = did_you_mean(name, files),
+                      .note = "built in: " + joined(names)}});
+}
+
 ReadResult read_text(const std::string& text, const std::string& name, const std::vector<std::string>& overrides,
                      const FileSource& files) {
     ReadResult result{.source = Source(name, text)};
@@ -157,7 +181,7 @@ ReadResult open_scenario(const std::string& file_or_name, const std::vector<std:
         std::filesystem::is_directory(file_or_name, code) && std::ranges::count(built_in_scenarios(), file_or_name) > 0;
     if (std::filesystem::exists(file_or_name, code) && !is_folder_of_name)
         return read_scenario(file_or_name, overrides);
-    const BuiltIn& found = built_in_scenario(file_or_name);
+    const BuiltIn& found = built_in_or_files(file_or_name, scenarios_beside(file_or_name));
     return read_text(found.text, found.name, overrides, {.directory = {}, .in_program = true});
 }
 
@@ -167,15 +191,7 @@ std::vector<std::string> built_in_scenarios() {
     return names;
 }
 
-const BuiltIn& built_in_scenario(const std::string& name) {
-    const auto names = built_in_scenarios();
-    const auto found = std::ranges::find(built_ins(), full_name(name, names), &BuiltIn::name);
-    if (found != built_ins().end()) return *found;
-    throw UserError({{.code = "missing-file",
-                      .message = "there is no file and no built-in scenario `" + name + "`",
-                      .hint = did_you_mean(name, names),
-                      .note = "built in: " + joined(names)}});
-}
+const BuiltIn& built_in_scenario(const std::string& name) { return built_in_or_files(name, {}); }
 
 std::string Scenario::table_of_part(std::size_t body, PlacedSet::Part part, std::size_t i,
                                     const std::string& path) const {

@@ -144,6 +144,15 @@ Json json_kinds() {
     return kinds;
 }
 
+/// A text such as a formula; one that begins as a number with a unit is a quantity of the kind of `unit`.
+Json json_text_or_quantity(std::string_view unit) {
+    const char* const number_and_letter =
+        "^ *[-+]?(?:[0-9]+\\.?[0-9]*|\\.[0-9]+)(?:[eE][-+]?[0-9]+)? *"
+        "(?:[A-DF-Za-df-zµμ]|[eE](?:[^-+0-9]|$))";  // the e of 1e2 is none
+    const Json other{{"type", "string"}, {"not", {{"pattern", number_and_letter}}}};
+    return {{"anyOf", {{{"$ref", "#/$defs/" + name_of_kind(unit)}}, other}}};
+}
+
 Json json_value(const Key& key, std::string_view unit) {
     const Range& range = key.range;
     const auto ranged = [&](const char* type) {
@@ -154,6 +163,7 @@ Json json_value(const Key& key, std::string_view unit) {
     };
     if (key.kind == Kind::boolean) return {{"type", "boolean"}};
     if (key.kind == Kind::integer) return ranged("integer");
+    if (key.kind == Kind::text && !key.unit.empty()) return json_text_or_quantity(key.unit);
     if (key.kind == Kind::text) return key.words.empty() ? Json{{"type", "string"}} : json_words(key.words);
     const char* const sign = range.low < 0 ? "" : range.low > 0 || !range.low_included ? "positive" : "not_negative";
     Json any = Json::array({ranged("number")});
@@ -197,7 +207,8 @@ Json json_key(const Key& key) {
     if (key.kind == Kind::list) return {{"type", "array"}, {"items", json_members(key.path)}};
     if (key.kind == Kind::table) {
         const Json table = json_members(key.path);
-        return key.text_key.empty() ? table : Json{{"anyOf", {{{"type", "string"}}, table}}};
+        if (key.text_key.empty()) return table;
+        return {{"anyOf", {json_form(*find_key(joined_path(key.path, key.text_key))), table}}};
     }
     const Key& row = *find_key(key.path + ".*");
     Json json{{"type", "object"}};

@@ -41,6 +41,8 @@ TEST_CASE("the nearest word is proposed where one is alike") {
     CHECK(meant("") == "");
     CHECK(did_you_mean("sigmac", keys) == "did you mean `sigma_c`?");
     CHECK(did_you_mean("temperature", keys) == "");
+    CHECK(did_you_mean("stres", {"stress_xx", "speed", "stress_yy"}) == "did you mean `stress_xx` or `stress_yy`?");
+    CHECK(did_you_mean("st", {"stress_xx", "stress_yy"}) == "");
 }
 
 TEST_CASE("messages carry no control characters to a terminal") {

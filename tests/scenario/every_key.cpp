@@ -1524,6 +1524,7 @@ TEST_CASE("scenario: a history from a csv file is part of the resolved scenario"
     CHECK_THROWS_WITH_AS(read_scenario(directory / "s.toml"), doctest::Contains("the unit `mm`"), UserError);
 
     write("pulse.csv", "0, 0\n2, 1\n1, 1\nx, y\n");
+    write("s.toml", text + "table_period = \"4 s\"\n");  // which has no error of its own
     try {
         read_scenario(directory / "s.toml");
         FAIL("read");

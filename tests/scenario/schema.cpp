@@ -111,6 +111,26 @@ TEST_CASE("schema: an editor marks numbers with a unit and the wrong sign") {
     CHECK_FALSE(takes(law.at("friction"), "-1 %"));
     const Json& heat = object(root.at("properties").at("heat")).at("properties");
     CHECK(takes(heat.at("reference"), "-10 C"));
+    CHECK(object(root.at("properties").at("toughness")).at("properties").at("meaning").at("enum") ==
+          root.at("properties").at("toughness").at("anyOf").at(0).at("enum"));  // of toughness = "as measured"
+    const Json& temperature = heat.at("temperature").at("anyOf");
+    const auto matches = [](const std::string& text, const Json& pattern) {
+        return std::regex_search(text, std::regex(pattern.get<std::string>()));
+    };
+    for (const auto& [text, is_good] : {std::pair("400 K", true),
+                                        {"-5C", true},
+                                        {"400 kg", false},
+                                        {"4e2m", false},
+                                        {"20", true},
+                                        {"20 + 300*exp(-x/0.01)", true},
+                                        {"1e2*x", true},
+                                        {"-.5*y", true},
+                                        {"map.csv", true},
+                                        {"frozen", true}}) {
+        CAPTURE(text);
+        const bool is_kelvin = matches(text, root.at("$defs").at("K").at("pattern"));
+        CHECK((is_kelvin || !matches(text, temperature.at(1).at("not").at("pattern"))) == is_good);
+    }
 }
 
 TEST_CASE("schema: every quantity of the built-in scenarios has the pattern of its unit") {

@@ -213,6 +213,16 @@ TEST_CASE("bad input ends with 2 and leaves nothing behind") {
     CHECK(run.has("did you mean `size`?"));
     CHECK_FALSE(fs::exists(folder.path / "run"));
     CHECK(command("run nowhere.toml").code == 2);
+    const Answer near = command("run " + folder.in_shell("badd.toml"));
+    CHECK(near.code == 2);
+    CHECK(near.has("did you mean `" + (folder.path / "bad.toml").string() + "`?"));
+    const Answer show = command("render run --show stres");
+    CHECK(show.code == 2);
+    CHECK(show.has("did you mean `stress_xx` or `stress_yy` or `stress_xy` or `stress_strain`?"));
+    fs::create_directory(folder.path / "dir.pdf");
+    const Answer picture = command("render run --show cracks -o " + folder.in_shell("dir.pdf"));
+    CHECK(picture.code == 2);
+    CHECK(picture.has("is a directory, and a picture by its name"));
     CHECK(command("run").code == 2);
     CHECK(command("rum edge_cracked_block").has("did you mean `run`?"));
     const Answer step = command("run " + small_block() + "-s 'time.step=1 us' -o " + folder.in_shell("run"));
