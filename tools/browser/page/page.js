@@ -319,9 +319,16 @@ element("run").addEventListener("click", startRun);
 element("stop").addEventListener("click", stop);
 element("reset").addEventListener("click", () => choose(scene));
 element("sliders").addEventListener("submit", event => event.preventDefault());
+/// What a scene expects is of its own values: of others the program would report it as missed.
+function savedScenario() {
+  const text = element("scenario").value;
+  if (text === knapScenarios[scene.name]) return text;
+  return text.replace(/^\[expect\][^\n]*\n(?:(?!\[)[^\n]*\n?)*/m, "# [expect] was of other values, and is left out\n");
+}
+
 element("download").addEventListener("click", () => {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([element("scenario").value], { type: "application/toml" }));
+  link.href = URL.createObjectURL(new Blob([savedScenario()], { type: "application/toml" }));
   link.download = scene.name + ".toml";
   link.click();
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
