@@ -70,6 +70,10 @@ public:
 private:
     /// The places and units of the columns; false after an error.
     bool read_names(const std::vector<std::string>& cells, int number) {
+        for (const std::string& cell : cells)
+            if (const std::string name(trimmed(cell.substr(0, cell.find('['))));
+                std::ranges::find(names_, name) == names_.end())
+                return report(number, "the first line has a column `" + name + "` that nothing reads"), false;
         for (const std::string& name : names_) {
             std::size_t i = 0, open = 0;
             for (; i < cells.size(); ++i) {

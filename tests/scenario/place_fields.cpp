@@ -114,6 +114,8 @@ TEST_CASE("place fields: mistakes of a csv file are reported at their lines") {
     check("x [mm], y, xx [MPa], yy [MPa], xy [MPa]\n0, 0, 1, 1, 1\n", 1, "`y` has no unit");
     check("x [mm], y [mm], xx [mm], yy [MPa], xy [MPa]\n0, 0, 1, 1, 1\n", 1,
           "the unit `mm` of xx is not one of a pressure");
+    check("x [mm], y [mm], t [ms], xx [MPa], yy [MPa], xy [MPa]\n0, 0, 0, 1, 1, 1\n", 1,
+          "a column `t` that nothing reads");
     check("", 0, "no three points");
 }
 

@@ -1,5 +1,8 @@
 #include "stepper/common/crack_forces.hpp"
 
+#include "base/error.hpp"
+#include "base/formatted.hpp"
+
 #include <algorithm>
 
 namespace knap {
@@ -71,6 +74,24 @@ void CrackForces::follow(const State& state) {
         take_open(state, model_.crack_fluids[f].given.in_process_zone, reached);
         for (const Index p : new_) enter(model_.interface_of(p), reached);
         if (!new_.empty()) std::ranges::sort(reached.points);
+    }
+    if (fluids_.size() > 1 && model_.has_injected_fluids()) keep_apart();
+}
+
+/// An injected fluid is alone in its cracks: its volume is that of all of them.
+void CrackForces::keep_apart() const {
+    for (std::size_t f = 0; f < fluids_.size(); ++f) {
+        if (!model_.crack_fluids[f].given.is_injected()) continue;
+        for (std::size_t g = 0; g < fluids_.size(); ++g) {
+            if (g == f) continue;
+            for (const Index p : fluids_[f].points)
+                if (fluids_[g].is_point[p])
+                    throw SimulationError(
+                        "the fluids of two `[[pressure]]` meet at " +
+                        place_text(model_.mesh.vertices[model_.interfaces[model_.interface_of(p)].vertex[0]]) +
+                        ", and one of them has a `rate`: its volume is that of the whole crack. Give one "
+                        "`[[pressure]]` with the sum of the rates, or end the run before they meet");
+        }
     }
 }
 

@@ -75,6 +75,7 @@ private:
     };
     void take_open(const State& state, bool damaged, Reached& reached);
     void follow(const State& state);
+    void keep_apart() const;
     void enter(Index interface, Reached& reached);
     bool is_passable(Index interface, const Reached& reached) const;
     /// visit(point, offset [Pa]): every point on which a fluid presses, and what the gradient adds to its pressure.

@@ -57,6 +57,16 @@ ModelInput driven(bool large_rotation = false) {
 
 }  // namespace
 
+TEST_CASE("an injected fluid that meets another one ends the run with the place") {
+    for (const double rate : {0.3, 0.0}) {
+        ModelInput input = driven();
+        input.crack_pressures.push_back(input.crack_pressures[0]);
+        input.crack_pressures[1].rate = rate, input.crack_pressures[1].pressure = 1e5;
+        Run run(std::move(input));
+        CHECK_THROWS_WITH_AS(run.step(run.stepper.stable_step()), doctest::Contains("meet at (0"), SimulationError);
+    }
+}
+
 TEST_CASE("the integral of a function of time is that of its straight pieces") {
     CHECK(TimeFunction{}.integral(3) == 3);
     const TimeFunction f{.time = {1, 2, 2, 4}, .value = {2, 4, 0, 6}};
