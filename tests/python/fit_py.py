@@ -138,6 +138,8 @@ class Quick(unittest.TestCase):
         file = directory / "impossible.toml"
         for old, new, line, words in (('"dissipated"\nvalues = ["12 mJ"]', '"strength"\nvalues = ["1 MPa"]', "number =", "needs a [specimen]"), ("budget = 20", "budget = 20\nfirst = 21", "first", "the budget of 20"),
                                       ("budget = 20", "budget = 3\nseeds = 4", "budget", "4 runs for each point"),
+                                      ('["12 mJ"]', '["0 mJ"]', "scatter", "a part of a measured 0"),
+                                      ('"1.5 J/m2"', '"0 J/m2"', "bounds", "`parameter"),
                                       ('scale = "log"', 'normal = ["5 J/m2", "1 J/m2"]', "normal", "a mean between the bounds")):
             file.write_text(text := bar.replace(old, new))
             number = next(k for k, found in enumerate(text.splitlines(), 1) if found.startswith(line))

@@ -377,6 +377,7 @@ class _Reader:
         (low, high), unit = table["bounds"]
         if not low < high or (found.log and low <= 0):
             self.refuse("parameter", "bounds", path, given)
+            found.log = False  # what follows looks for other mistakes between bounds of 0 and 1
             return found
         found.low, found.high, found.unit = low, high, unit
         found.normal, found.start = (table[key] and table[key][0] for key in ("normal", "start"))
@@ -420,7 +421,9 @@ class _Reader:
             elif value is not None:
                 value *= found.level / 100 if unit == "%" else factor(unit, found.unit) or np.nan
                 setattr(found, key, value)
-            if value is not None and not value >= 0:
+            if value is not None and unit == "%" and found.values is not None and not found.level > 0:
+                self.error(f"{path}.{key}", "is a part of a measured 0", f"a {key} in {found.unit or 'the unit of the number'}")
+            elif value is not None and not value >= 0:
                 self.refuse("measured", key, path, given)
             elif value is not None and found.values is None and unit != "%":
                 found.shown = unit or found.shown
