@@ -70,26 +70,22 @@ public:
 private:
     /// The places and units of the columns; false after an error.
     bool read_names(const std::vector<std::string>& cells, int number) {
+        std::vector<ColumnTitle> titles;
         for (const std::string& cell : cells)
-            if (const std::string name(trimmed(cell.substr(0, cell.find('['))));
-                std::ranges::find(names_, name) == names_.end())
-                return report(number, "the first line has a column `" + name + "` that nothing reads"), false;
-        for (const std::string& name : names_) {
-            std::size_t i = 0, open = 0;
-            for (; i < cells.size(); ++i) {
-                open = std::min(cells[i].find('['), cells[i].size());
-                if (trimmed(cells[i].substr(0, open)) == name) break;
-            }
-            if (i == cells.size()) return report(number, "the first line names no column `" + name + "`"), false;
-            if (open == cells[i].size()) return report(number, "the column `" + name + "` has no unit"), false;
-            const std::string unit(trimmed(cells[i].substr(open + 1, cells[i].find(']') - open - 1)));
-            const std::string_view kind = name == "x" || name == "y" ? "m" : "Pa";
-            const Quantity one = parse_quantity("1 " + unit);
-            if (!one.problem.empty() || one.dimension != dimension_of(kind))
-                return report(number,
-                              "the unit `" + unit + "` of " + name + " is not one of " + kind_name(dimension_of(kind))),
+            if (titles.push_back(column_title(cell)); std::ranges::find(names_, titles.back().name) == names_.end())
+                return report(number, "the first line has a column `" + titles.back().name + "` that nothing reads"),
                        false;
-            column_.push_back(i), unit_.push_back(one.value);
+        for (const std::string& name : names_) {
+            const auto title = std::ranges::find(titles, name, &ColumnTitle::name);
+            if (title == titles.end()) return report(number, "the first line names no column `" + name + "`"), false;
+            if (!title->unit) return report(number, "the column `" + name + "` has no unit"), false;
+            const std::string_view kind = name == "x" || name == "y" ? "m" : "Pa";
+            const Quantity one = parse_quantity("1 " + *title->unit);
+            if (!one.problem.empty() || one.dimension != dimension_of(kind))
+                return report(number, "the unit `" + *title->unit + "` of " + name + " is not one of " +
+                                          kind_name(dimension_of(kind))),
+                       false;
+            column_.push_back(title - titles.begin()), unit_.push_back(one.value);
         }
         return true;
     }
@@ -154,9 +150,7 @@ std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std
     for (std::size_t k = 0; k < columns.size(); ++k) {
         const Node& node = given->children[k];
         varies = varies || !node.is_number();
-        field.formulas[k] = node.is_number() ? PlaceField::Formula{Expression(shortest(std::abs(node.number))),
-                                                                   std::copysign(1., node.number)}
-                                             : parse_formula(node.text, "Pa");
+        field.formulas[k] = parse_formula(node.is_number() ? shortest(node.number) : node.text, "Pa");
     }
     return varies ? std::make_shared<const PlaceField>(std::move(field)) : nullptr;
 }

@@ -98,18 +98,16 @@ private:
         std::size_t n_found = 0;
         std::string problem;
         for (std::size_t i = 0; i < names.size(); ++i) {
-            const std::size_t open = std::min(names[i].find('['), names[i].size());
-            const std::string name(trimmed(names[i].substr(0, open)));
+            const auto [name, unit] = column_title(names[i]);
             if (name == "trace") columns.trace = i, ++n_found;
             if (name == property_) columns.kind = i;
             if (name != "x" && name != "y") continue;
             ++n_found;
             double metres = unit_.value_or(0);
-            if (open < names[i].size()) {
-                const std::string unit(trimmed(names[i].substr(open + 1, names[i].find(']') - open - 1)));
-                const Quantity one = parse_quantity("1 " + unit);
+            if (unit) {
+                const Quantity one = parse_quantity("1 " + *unit);
                 metres = one.problem.empty() && one.dimension == dimension_of("m") ? one.value : 0;
-                if (metres == 0) problem = "the unit `" + unit + "` of " + name + " is no length";
+                if (metres == 0) problem = "the unit `" + *unit + "` of " + name + " is no length";
             } else if (metres == 0) {
                 problem = name + " has no unit";
             }

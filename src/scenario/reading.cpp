@@ -43,6 +43,13 @@ std::vector<std::string> cells_of(std::string_view line, std::string_view separa
     }
 }
 
+ColumnTitle column_title(std::string_view cell) {
+    const std::size_t open = std::min(cell.find('['), cell.size()), close = cell.find(']', open);
+    ColumnTitle title{.name = std::string(trimmed(cell.substr(0, open)))};
+    if (close != std::string_view::npos) title.unit = trimmed(cell.substr(open + 1, close - open - 1));
+    return title;
+}
+
 std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     constexpr int max_reports = 5;
     const auto bytes = table.bytes_of("csv");
@@ -60,13 +67,6 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
         lacks_unit = lacks_unit || quantity.unit.empty();
         const bool fits = quantity.problem.empty() && quantity.dimension == dimension_of(file.unit);
         return fits ? std::optional(quantity.value) : std::nullopt;
-    };
-    const auto unit_of_name = [](const std::string& name) {
-        const std::size_t open = name.find('['), close = name.find(']');
-        return open < close && close != std::string::npos ? name.substr(open + 1, close - open - 1) : std::string();
-    };
-    const auto without_unit = [](const std::string& name) {
-        return std::string(trimmed(name.substr(0, name.find('['))));
     };
     /// Columns in the other order would be taken for one another; columns with units must have the names, too.
     const auto fault_of_names = [&](const std::array<std::string, 2>& names) -> std::string {
@@ -94,10 +94,10 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
         lacks_unit = false;
         const auto first = number_in(column_1, 0), second = number_in(column_2, 1);
         if (!std::exchange(has_content, true) && !first && !lacks_unit) {  // names
-            if (!file.unit.empty()) unit = {unit_of_name(column_1), unit_of_name(column_2)};
-            else if (!file.first_unit.empty()) unit[0] = unit_of_name(column_1);
-            if (const std::string fault = fault_of_names({without_unit(column_1), without_unit(column_2)});
-                !fault.empty()) {
+            const ColumnTitle title_1 = column_title(column_1), title_2 = column_title(column_2);
+            if (!file.unit.empty()) unit = {title_1.unit.value_or(""), title_2.unit.value_or("")};
+            else if (!file.first_unit.empty()) unit[0] = title_1.unit.value_or("");
+            if (const std::string fault = fault_of_names({title_1.name, title_2.name}); !fault.empty()) {
                 report(fault);
                 return false;
             }

@@ -149,6 +149,13 @@ void for_each_line(const std::string& text, const Visit& visit) {
 /// The trimmed cells of a line; any of `separators` stands between two of them.
 std::vector<std::string> cells_of(std::string_view line, std::string_view separators);
 
+/// `x [mm]` in the line of names: the name, and the unit where brackets give one.
+struct ColumnTitle {
+    std::string name;
+    std::optional<std::string> unit;
+};
+ColumnTitle column_title(std::string_view cell);
+
 /// What a file of pairs contains, for messages.
 struct PairsFile {
     std::string line;   // "time, factor"

@@ -1,8 +1,8 @@
 // Stresses of the undeformed body, and tractions that vary over place and time: columns under their weight, a tunnel
 // against Kirsch, and impulses.
 #include "mesh/triangulate.hpp"
-#include "support/bodies.hpp"
 #include "support/paths.hpp"
+#include "support/plates.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -216,13 +216,7 @@ TEST_CASE("initial stress: a tunnel in rock under a K0 state moves as that of Ki
         input.loads = {{.kind = Load::Kind::stress,
                         .on = {.boundary = "rim", .box = {}},
                         .field = std::make_shared<PlaceField>(exact)}};
-        for (const int k : {0, 1})  // u_x = 0 at (0, +-L), u_y = 0 at (+-L, 0)
-            for (const double sign : {-1., 1.}) {
-                const Vec2 at = sign * L * Vec2::Unit(1 - k);
-                Load hold{.kind = Load::Kind::displacement, .on = {.box = Box{at.array() - 1e-6, at.array() + 1e-6}}};
-                hold.value[k] = 0;
-                input.loads.push_back(hold);
-            }
+        hold_middles_of_sides(input, L);
         const Model model = make_model(std::move(input));
         State state = initial_state(model);
         MoreauJean(model, {}).start_in_equilibrium(state);

@@ -71,6 +71,7 @@ struct Variant {
     std::vector<std::string> overrides;  // KEY=VALUE
     std::size_t line = 0;                // of a study
     double level = 1;                    // of a study
+    bool only_shows = false;             // of a search: the mechanism, from rest; whether it stands decides nothing
 };
 
 /// A search for the factor of safety.

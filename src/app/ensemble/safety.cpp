@@ -55,8 +55,8 @@ void add_factor(Ensemble& safety, const ReadResult& read, double F, bool from_re
     Variant variant{.name = "F" + shortest(F) + (from_rest ? "_from_rest" : ""),
                     .values = {shortest(F)},
                     .overrides = safety.safety->common,
-                    .line = from_rest ? 1U : 0U,
-                    .level = F};
+                    .level = F,
+                    .only_shows = from_rest};
     for (const std::string& name : safety.safety->options.laws) {
         const Texts set = divided(read, *std::ranges::find(read.scenario.laws, name, &NamedLaw::name), F);
         variant.overrides.insert(variant.overrides.end(), set.begin(), set.end());
@@ -77,7 +77,8 @@ void add_middles(Ensemble& safety, const ReadResult& read, double low, double hi
 /// The run of a factor that the scenario's own start has; null where there is none yet.
 const EnsembleRun* run_at(const Ensemble& safety, double F) {
     for (const EnsembleRun& run : safety.runs)
-        if (const Variant& variant = safety.variants[run.variant]; variant.level == F && variant.line == 0) return &run;
+        if (const Variant& variant = safety.variants[run.variant]; variant.level == F && !variant.only_shows)
+            return &run;
     return nullptr;
 }
 
@@ -133,7 +134,7 @@ Ensemble plan_safety(const std::string& scenario, const Texts& overrides) {
 std::string verdict_of(const Ensemble& safety, const EnsembleRun& run) {
     const SafetyOptions& options = safety.safety->options;
     const RunResult& result = run.result;
-    if (safety.variants[run.variant].line != 0) return "shows the mechanism";
+    if (safety.variants[run.variant].only_shows) return "shows the mechanism";
     if (result.status == "failed" && result.reason.starts_with("no equilibrium")) return result.reason;
     if (!result.gates_hold) return "runs away: " + result.reason;
     if (result.status != "done") return "";
@@ -144,23 +145,23 @@ std::string verdict_of(const Ensemble& safety, const EnsembleRun& run) {
 
 bool continue_search(Ensemble& safety, const std::string& scenario, int n_at_once) {
     SafetySearch& search = *safety.safety;
+    const auto ends = [&](const std::string& failure) {
+        search.failure = failure;
+        return false;
+    };
     for (const EnsembleRun& run : safety.runs)
-        if (verdict_of(safety, run).empty()) {
-            search.failure = "the run at factor " + safety.variants[run.variant].values[0] +
-                             " tells nothing: " + run.result.trouble();
-            return false;
-        }
+        if (verdict_of(safety, run).empty())
+            return ends("the run at factor " + safety.variants[run.variant].values[0] +
+                        " tells nothing: " + run.result.trouble());
     const auto does_stand = [&](double F) { return verdict_of(safety, *run_at(safety, F)) == stands; };
     auto [low, high] = search.options.factors;
     if (!does_stand(low))
-        return search.failure = "the body does not stand at factor " + shortest(low) + ": " +
-                                verdict_of(safety, *run_at(safety, low)) +
-                                "; study.safety.factors from a smaller one on, or a longer time.end",
-               false;
+        return ends("the body does not stand at factor " + shortest(low) + ": " +
+                    verdict_of(safety, *run_at(safety, low)) +
+                    "; study.safety.factors from a smaller one on, or a longer time.end");
     if (does_stand(high))
-        return search.failure = "the body stands at factor " + shortest(high) +
-                                ", the largest one; study.safety.factors up to a larger one",
-               false;
+        return ends("the body stands at factor " + shortest(high) +
+                    ", the largest one; study.safety.factors up to a larger one");
     double middle = 0.5 * (low + high);
     for (; high - low > search.options.tolerance * low && run_at(safety, middle); middle = 0.5 * (low + high))
         (does_stand(middle) ? low : high) = middle;
@@ -171,7 +172,7 @@ bool continue_search(Ensemble& safety, const std::string& scenario, int n_at_onc
         int n_bisections = 1;
         while ((2 << n_bisections) - 1 <= n_at_once) ++n_bisections;
         add_middles(safety, read, low, high, n_bisections);
-    } else if (run_at(safety, high)->result.steps == 0 && safety.variants.back().line == 0) {
+    } else if (run_at(safety, high)->result.steps == 0 && !safety.variants.back().only_shows) {
         add_factor(safety, read, high, true);  // it failed before its first step and shows no mechanism
     }
     if (safety.variants.size() == n_before) return false;

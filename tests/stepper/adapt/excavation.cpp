@@ -4,7 +4,7 @@
 
 #include "mesh/triangulate.hpp"
 #include "model/successor.hpp"
-#include "support/bodies.hpp"
+#include "support/plates.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -379,13 +379,7 @@ TEST_CASE("excavation: a round hole converges to the displacements of Kirsch wit
         ModelInput input =
             body_with(triangulate(shape, {.size = size}), {.density = 1, .E = E, .nu = nu}, CohesiveLaw::unbreakable());
         input.plane = PlaneModel::stress;
-        for (const int k : {0, 1})  // u_x = 0 at (0, +-L), u_y = 0 at (+-L, 0)
-            for (const double sign : {-1., 1.}) {
-                const Vec2 at = sign * L * Vec2::Unit(1 - k);
-                Load hold{.kind = Load::Kind::displacement, .on = {.box = Box{at.array() - 1e-6, at.array() + 1e-6}}};
-                hold.value[k] = 0;
-                input.loads.push_back(hold);
-            }
+        hold_middles_of_sides(input, L);
         Model model = make_model(std::move(input));
         const Index history = static_cast<Index>(model.histories.size());
         model.histories.emplace_back();

@@ -2,7 +2,7 @@
 #include "mesh/triangulate.hpp"
 #include "model/make_model.hpp"
 #include "stepper/common/crack_forces.hpp"
-#include "support/bodies.hpp"
+#include "support/plates.hpp"
 #include "support/verification.hpp"
 
 #include <doctest/doctest.h>
@@ -19,22 +19,7 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr double pressure = 2e6, thickness = 0.5;  // [Pa], [m]
-
-/// A block of 1 m x 1 m with cracks that the mesh follows, under the pressure of a fluid.
-ModelInput block(std::vector<Crack> cracks, const CrackPressure& fluid, double size = 0.1, Index order = 1,
-                 const std::vector<RefinedPlace>& refine = {}) {
-    Shape shape;
-    shape.outer = {.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
-    shape.boundary_names = {"bottom", "right", "top", "left"};
-    shape.cracks = std::move(cracks);
-    ModelInput input = body_with(triangulate(shape, {.size = size, .refine = refine, .seed = 2}),
-                                 {.density = 2500, .E = 30e9, .nu = 0.2}, {.sigma_c = 1e9, .G_c = 1e7, .gamma = 1});
-    input.mesh.order = order;
-    input.thickness = thickness;
-    input.crack_pressures = {fluid};
-    return input;
-}
+constexpr double pressure = 2e6, thickness = thickness_of_block;  // [Pa], [m]
 
 CrackPressure from_the_left() {
     return {.pressure = pressure, .from = Selection{.boundary = "left", .box = {}, .body = ""}};
@@ -74,10 +59,10 @@ void break_within(const Box& box, const Model& model, State& state) {
 TEST_CASE("a fluid enters the cracks that begin at its source and follows them where they break") {
     for (const Index order : {1, 2}) {
         // two cracks in line with 0.2 m between them; a third one elsewhere
-        const Model model = make_model(block({{.points = {{0, 0.5}, {0.4, 0.5}}},
-                                              {.points = {{0.6, 0.5}, {0.8, 0.5}}},
-                                              {.points = {{0.3, 0.8}, {0.7, 0.8}}}},
-                                             from_the_left(), 0.1, order));
+        const Model model = make_model(pressed_block({{.points = {{0, 0.5}, {0.4, 0.5}}},
+                                                      {.points = {{0.6, 0.5}, {0.8, 0.5}}},
+                                                      {.points = {{0.3, 0.8}, {0.7, 0.8}}}},
+                                                     from_the_left(), 0.1, order));
         State state = initial_state(model);
         CrackForces forces(model);
         const double of_1_m = 2 * pressure * thickness;
@@ -107,7 +92,7 @@ TEST_CASE("a fluid enters the cracks that begin at its source and follows them w
 TEST_CASE("a fluid without a source is in every crack and the one of a joint set also where the joint holds") {
     const std::vector<Crack> cracks{{.points = {{0.2, 0.5}, {0.6, 0.5}}},
                                     {.points = {{0.3, 0.8}, {0.6, 0.8}}, .joint = 0}};
-    ModelInput everywhere = block(cracks, {.pressure = pressure}), in_joints = everywhere;
+    ModelInput everywhere = pressed_block(cracks, {.pressure = pressure}), in_joints = everywhere;
     everywhere.law_of_joint = in_joints.law_of_joint = {0};
     in_joints.crack_pressures = {{.pressure = pressure, .joint_law = 0}};
     const double of_1_m = 2 * pressure * thickness;
@@ -118,7 +103,7 @@ TEST_CASE("a fluid without a source is in every crack and the one of a joint set
 
 TEST_CASE("a free block whose crack a fluid drives through keeps its momentum and its energy balance") {
     for (const bool large_rotation : {false, true}) {
-        ModelInput input = block({{.points = {{0, 0.5}, {0.3, 0.45}}}}, from_the_left(), 0.06);
+        ModelInput input = pressed_block({{.points = {{0, 0.5}, {0.3, 0.45}}}}, from_the_left(), 0.06);
         input.laws = {{.sigma_c = 3e6, .G_c = 20, .gamma = 1}};
         input.large_rotation = large_rotation;
         input.crack_pressures[0].history = {{0, 1e-4}, {0, 1}};
@@ -142,7 +127,7 @@ TEST_CASE("a free block whose crack a fluid drives through keeps its momentum an
 
 TEST_CASE("the pressure in a crack follows its faces where the pieces have turned and opened") {
     for (const double turn : {0.0, 0.7, 2.5}) {  // [rad]
-        ModelInput input = block({{.points = {{0, 0.5}, {1, 0.5}}}}, from_the_left());
+        ModelInput input = pressed_block({{.points = {{0, 0.5}, {1, 0.5}}}}, from_the_left());
         input.large_rotation = true;
         input.materials[0].E = 1e-3;  // nothing but the fluid acts
         Run run(std::move(input));
@@ -181,7 +166,7 @@ TEST_CASE("the pressure in a crack follows its faces where the pieces have turne
 
 TEST_CASE("a fluid that drives a crack gives the same bits after a resume and with several threads") {
     const auto input = [] {
-        ModelInput made = block({{.points = {{0, 0.5}, {0.3, 0.45}}}}, from_the_left(), 0.02);
+        ModelInput made = pressed_block({{.points = {{0, 0.5}, {0.3, 0.45}}}}, from_the_left(), 0.02);
         made.laws = {{.sigma_c = 3e6, .G_c = 20, .gamma = 1}};
         return made;
     };
@@ -210,8 +195,8 @@ TEST_CASE("E26 a crack under pressure has the stress intensity p sqrt(pi a)") {
         "that K = sqrt(E' U/a) = p sqrt(pi a).");
     on_path("equilibrium, implicit");
     constexpr double a = 0.05;
-    ModelInput input = block({{.points = {{0.5 - a, 0.5}, {0.5 + a, 0.5}}}}, {.pressure = pressure}, 0.05, 2,
-                             {{{{0.4, 0.4}, {0.6, 0.6}}, 0.01}});
+    ModelInput input = pressed_block({{.points = {{0.5 - a, 0.5}, {0.5 + a, 0.5}}}}, {.pressure = pressure}, 0.05, 2,
+                                     {{{{0.4, 0.4}, {0.6, 0.6}}, 0.01}});
     const auto held_at = [](const Box& box, std::optional<double> x) {
         return Load{.kind = Load::Kind::displacement, .on = {.boundary = "", .box = box, .body = ""}, .value = {x, 0}};
     };

@@ -3,7 +3,7 @@
 #include "mesh/triangulate.hpp"
 #include "model/make_model.hpp"
 #include "stepper/common/crack_forces.hpp"
-#include "support/bodies.hpp"
+#include "support/plates.hpp"
 
 #include <doctest/doctest.h>
 
@@ -17,22 +17,7 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr double thickness = 0.5;  // [m]
-
-/// A block of 1 m x 1 m with a crack that the mesh follows.
-ModelInput block(const std::vector<Vec2>& crack, const CrackPressure& fluid, double size = 0.1, Index order = 1,
-                 const std::vector<RefinedPlace>& refine = {}) {
-    Shape shape;
-    shape.outer = {.points = {{0, 0}, {1, 0}, {1, 1}, {0, 1}}, .boundary = {0, 1, 2, 3}};
-    shape.boundary_names = {"bottom", "right", "top", "left"};
-    shape.cracks = {{.points = crack}};
-    ModelInput input = body_with(triangulate(shape, {.size = size, .refine = refine, .seed = 2}),
-                                 {.density = 2500, .E = 30e9, .nu = 0.2}, {.sigma_c = 1e9, .G_c = 1e7, .gamma = 1});
-    input.mesh.order = order;
-    input.thickness = thickness;
-    input.crack_pressures = {fluid};
-    return input;
-}
+constexpr double thickness = thickness_of_block;  // [m]
 
 Load held_at(const Box& box, std::optional<double> x) {
     return {.kind = Load::Kind::displacement, .on = {.boundary = "", .box = box, .body = ""}, .value = {x, 0}};
@@ -47,9 +32,9 @@ SchemeOptions implicit(double theta = 0.5) {
 
 /// A crack from the left that water drives through a weak block.
 ModelInput driven(bool large_rotation = false) {
-    ModelInput input =
-        block({{0, 0.5}, {0.3, 0.45}},
-              {.rate = 0.3, .storage = 3e-12, .from = Selection{.boundary = "left", .box = {}, .body = ""}}, 0.06);
+    ModelInput input = pressed_block(
+        {{.points = {{0, 0.5}, {0.3, 0.45}}}},
+        {.rate = 0.3, .storage = 3e-12, .from = Selection{.boundary = "left", .box = {}, .body = ""}}, 0.06);
     input.laws = {{.sigma_c = 3e6, .G_c = 20, .gamma = 1}};
     input.large_rotation = large_rotation;
     return input;
@@ -83,7 +68,7 @@ TEST_CASE("a fluid between two blocks is a spring of its storage") {
     for (const bool is_implicit : {false, true}) {
         CAPTURE(is_implicit);
         CrackPressure fluid{.rate = 1e-3, .storage = 1e-8};
-        ModelInput input = block({{0, 0.5}, {1, 0.5}}, fluid, 0.25);
+        ModelInput input = pressed_block({{.points = {{0, 0.5}, {1, 0.5}}}}, fluid, 0.25);
         const double mass = 2500 * 0.5 * thickness, C = fluid.storage * thickness, A = thickness,
                      omega = A * std::sqrt(2 / (mass * C)), Q = fluid.rate * thickness,
                      period = 2 * std::numbers::pi / omega;
@@ -108,7 +93,7 @@ TEST_CASE("a fluid between two blocks is a spring of its storage") {
 TEST_CASE("an explicit step beyond the limit of the fluid is refused and below it the pressure stays bounded") {
     // nothing but the fluid acts: every corner at the crack moves by itself
     CrackPressure fluid{.rate = 1e-3, .storage = 1e-10};
-    ModelInput input = block({{0, 0.5}, {1, 0.5}}, fluid, 0.25);
+    ModelInput input = pressed_block({{.points = {{0, 0.5}, {1, 0.5}}}}, fluid, 0.25);
     input.materials[0].E = 1e-3;
     Run run(std::move(input));
     CrackForces forces(run.model);
@@ -171,7 +156,8 @@ TEST_CASE("a volume of fluid opens a crack by 2 pi p a^2/E'") {
     constexpr double a = 0.05, E = 30e9 / (1 - 0.2 * 0.2), exact = 2 * std::numbers::pi * a * a / E;  // [m2/Pa]
     const double volume = 2e6 * exact;                                                                // [m2]
     const CrackPressure fluid{.rate = volume / 1e-3, .storage = 0.1 * exact, .history = {{0, 1e-3, 1e-3}, {1, 1, 0}}};
-    ModelInput input = block({{0.5 - a, 0.5}, {0.5 + a, 0.5}}, fluid, 0.05, 2, {{{{0.4, 0.4}, {0.6, 0.6}}, 0.01}});
+    ModelInput input = pressed_block({{.points = {{0.5 - a, 0.5}, {0.5 + a, 0.5}}}}, fluid, 0.05, 2,
+                                     {{{{0.4, 0.4}, {0.6, 0.6}}, 0.01}});
     input.loads = {held_at({{-1, -1}, {1e-6, 1e-6}}, 0), held_at({{1 - 1e-6, -1}, {2, 1e-6}}, {})};
     Run run(std::move(input), implicit(1));
     for (int i = 0; i < 30; ++i) REQUIRE(run.step(1e-3).rejection == Rejection::none);
@@ -187,7 +173,7 @@ TEST_CASE("a volume of fluid opens a crack by 2 pi p a^2/E'") {
 
 TEST_CASE("a water table presses with the depth below it") {
     const auto force_on_right = [](const CrackPressure& fluid) {
-        const Model model = make_model(block({{0.5, 0.2}, {0.5, 0.8}}, fluid));
+        const Model model = make_model(pressed_block({{.points = {{0.5, 0.2}, {0.5, 0.8}}}}, fluid));
         CrackForces forces(model);
         double sum = 0;
         for (const CornerLoad& at : forces.find(initial_state(model)))
