@@ -113,6 +113,20 @@ void Islands::find_part() {
     now_ = {}, next_ = {};
 }
 
+/// What overlaps after the large step before has a contact of this step: without it, the micro steps would take a deep
+/// vertex for the back of a body (contact/README.md, rule 5).
+void Islands::add_contacts_of_trial() {
+    std::vector<FaceContactState>& contacts = start_.face_contacts;
+    const auto place = [](const FaceContactState& at) { return std::pair(at.vertex, at.edge); };
+    const auto known = static_cast<std::ptrdiff_t>(contacts.size());
+    rigid_.contacts().for_overlapping_deformable(rigid_.bodies(), [&](Index vertex, Index edge, Index entering) {
+        const FaceContactState at{part_.in_part(vertex), part_.in_part(edge), part_.in_part(entering), 0, 0};
+        if (!std::ranges::binary_search(contacts.begin(), contacts.begin() + known, place(at), {}, place))
+            contacts.push_back(at);
+    });
+    std::ranges::sort(contacts, {}, place);
+}
+
 /// Velocities of this moment: what was rigid gets the second half of its last kick.
 void Islands::begin_island(StepReport& report) {
     const State& start = rigid_.start();
@@ -127,6 +141,7 @@ void Islands::begin_island(StepReport& report) {
     }
     std::ranges::stable_sort(forces_, {}, &Force::corner);
     start_ = state_of_part(model_, start, part_);
+    add_contacts_of_trial();
     std::vector<Vec3> after(start.rigid_pieces.size(), Vec3::Zero());
     for (Index p = 0; p < std::ssize(after); ++p) {
         if (!begins(p)) continue;

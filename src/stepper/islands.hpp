@@ -48,6 +48,7 @@ private:
     void find_part();
     void advance(double h, State& end, StepReport& report);
     void begin_island(StepReport& report);
+    void add_contacts_of_trial();
     StepReport take_micro_steps(double h);
     void push(double factor);
     void account_exchange(double kick, StepReport& report);

@@ -452,12 +452,9 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
             case Source::pair: break;
         }
     }
-    const auto is_deformable = [&](Index corner) {
-        return model_.ground_at(corner) == nullptr && bodies[piece_of(corner)].deformable;
-    };
     for (std::size_t i = 0; i < row_of_face_.size(); ++i) {
         const FaceContact& c = faces_.all()[i];
-        if (is_deformable(c.vertex[1]) && is_deformable(c.edge[0])) continue;
+        if (is_deformable(c, bodies)) continue;
         const Vec2 P = row_of_face_[i] < 0 ? Vec2(Vec2::Zero()) : Vec2(lasting * rows_[row_of_face_[i]].impulse);
         end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], P.x(), P.y()});
     }
@@ -488,6 +485,12 @@ void RigidContacts::impulses_on_deformable(const std::vector<MovingBody>& bodies
             }
         }
     }
+}
+
+bool RigidContacts::is_deformable(const FaceContact& c, const std::vector<MovingBody>& bodies) const {
+    return std::ranges::all_of(std::array{c.vertex[1], c.edge[0]}, [&](Index corner) {
+        return model_.ground_at(corner) == nullptr && bodies[piece_of(corner)].deformable;
+    });
 }
 
 void RigidContacts::release_retired(State& end) const {

@@ -56,6 +56,13 @@ public:
         Vec2 impulse;  // [N s]
     };
     void impulses_on_deformable(const std::vector<MovingBody>& bodies, std::vector<CornerImpulse>& impulses) const;
+    /// Calls visit(vertex, edge, entering) (FaceContactState) for what touches or overlaps in deformable pieces.
+    template <class Visit>
+    void for_overlapping_deformable(const std::vector<MovingBody>& bodies, const Visit& visit) const {
+        for (std::size_t i = 0; i < row_of_face_.size(); ++i)
+            if (const FaceContact& c = faces_.all()[i]; c.gap <= 0 && is_deformable(c, bodies))
+                visit(c.vertex[1], c.edge[0], c.vertex[0]);
+    }
     /// Marks [0/1] the pieces that touch deformable ones. Whether there are any, as below.
     bool mark_touching(const std::vector<MovingBody>& bodies, std::vector<std::uint8_t>& marked) const;
     /// Marks those that overlap with deformable ones by more than `allowed` [-] of an edge, and by more than at the
@@ -106,6 +113,8 @@ private:
     void add_row(Row& row, const std::vector<MovingBody>& bodies);
     /// One piece alone does not meet itself.
     bool meets_faces() const { return n_pieces_ > 1 || !model_.ground.vertices.empty(); }
+    /// A contact of deformable pieces, which resolve it themselves.
+    bool is_deformable(const FaceContact& c, const std::vector<MovingBody>& bodies) const;
     Index piece_of(Index corner) const { return begin_->frozen->piece_of_triangle[model_.mesh.triangle_of(corner)]; }
     Index body_of_obstacle(Index o) const { return n_pieces_ + o; }
     Vec2 place_of(Index corner) const { return knap::place_of(model_, *begin_, corner); }
