@@ -256,7 +256,9 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
         refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
     // a piece that has just left its fan is as far from the mean of its corners as half their slip
     const double slipped = 0.5 * retirement_slip * std::max(at.l_in, at.l_out);
-    const bool is_deep = gap < -(touching_part * length + slipped + deep_in_steps * travel);
+    // rigid pieces move beside their velocities, too: by corrections of their places, and by blows that an island takes
+    const double unseen = pieces_ ? largest_motion * length : 0;
+    const bool is_deep = gap < -(touching_part * length + slipped + unseen + deep_in_steps * travel);
     const FaceContactState* before = known(at.before, pair.edge);
     if (is_deep && !before && !was_beside(begin, pair)) return;
     const double depth = gap < -max_contact_depth * length ? overlap(edge, at, gap, begin) : -gap;

@@ -433,7 +433,9 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
                             report);
             report.rigid_injection += positive_work(P, mean);
         }
-        report.add_depth(depth_at_end(row, step, bodies) / row.length, row.place);
+        const double depth = depth_at_end(row, step, bodies);
+        const bool gave_way = row.law.rebound == ContactLaw::Rebound::of_bodies && depth <= -row.gap;
+        if (!gave_way) report.add_depth(depth / row.length, row.place);  // else no penetration (explicit/rebounds.hpp)
         switch (row.source) {
             case Source::obstacle: {
                 const ObstacleContact& c = obstacle_contacts_.all()[row.number];

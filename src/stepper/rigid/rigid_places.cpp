@@ -9,7 +9,9 @@ namespace {
 constexpr double allowed_depth = 1e-4;  // [-] of the edge: deeper overlaps are corrected
 constexpr double corrected = 1e-6;      // [-] of the edge: smaller corrections end the search for them
 constexpr int max_corrections = 20;     // sweeps
-constexpr double near_in_depths = 10;   // of the largest correction: contacts further apart are not corrected
+constexpr double most_corrected =
+    0.02;                              // [-] of the edge, in a step: less than what the search finds without a history
+constexpr double near_in_depths = 10;  // of the largest correction: contacts further apart are not corrected
 
 /// [s] After the start of the step, of a contact whose gap closes in it.
 double time_of_closing(const RigidRow& row, const RigidStep& step, const std::vector<MovingBody>& bodies) {
@@ -134,7 +136,7 @@ void correct_places(const RigidStep& step, const std::vector<RigidRow>& rows, st
     };
     for (const RigidRow& row : rows) {
         if (!(row.own_N > 0) || sides_of(row, bodies) != Sides::rigid) continue;
-        const double depth = excess(row);
+        const double depth = std::min(excess(row), most_corrected * row.length);
         if (depth > corrected * row.length) deepest = std::max(deepest, depth);
         if (depth > -row.length) active.push_back({&row, depth, 0});
     }

@@ -340,6 +340,24 @@ TEST_CASE("rigid pieces: a blow breaks what it breaks without them while others 
     }
 }
 
+// b leaves the blow with 4 m/s, four times the gap to c in a step: c lies out of the reach of its speed before
+TEST_CASE("rigid pieces: what a blow throws at a neighbour behind a gap meets it") {
+    const Folder folder("rigid row");
+    const auto moved = [&](const std::string& rigid) {
+        const std::string bodies = block("a", "0, 0", "0.2, 0.2", "velocity = [4, 0]\n") +
+                                   block("b", "0.21, 0.02", "0.2, 0.2") + block("c", "0.4105, 0.05", "0.2, 0.2");
+        REQUIRE(run_to_end(folder, scene(bodies, rigid, "0.05", "sigma_c = 8e7\nG_c = 2000\n")).code == 0);
+        for (const Json& gate : record(folder)["gates"]) {
+            if (gate["name"] == "overlap") CHECK(gate["value"] == 0.0);
+            if (gate["name"] == "contact_depth") CHECK(gate["value"].get<double>() < 0.02);
+        }
+        double furthest = 0;
+        for (const double x : table(folder, "fragments.csv").column("centre_x")) furthest = std::max(furthest, x);
+        return furthest - 0.5105;
+    };
+    CHECK(moved("") == doctest::Approx(moved("thaw = 0\n")).epsilon(0.01));
+}
+
 TEST_CASE("rigid pieces: thaw = 0 has the bits of a run without them") {
     const Folder folder("rigid never");
     const std::string text = scene(block("b", "0, 0.01", "0.4, 0.3", "velocity = [1, -2]\n") + ground() + weight,
