@@ -45,6 +45,20 @@ void for_blocks(std::ptrdiff_t n_blocks, const Work& work) {
     }
 }
 
+/// Loops take one thread while it lives, if `small`: those of little work wait for the others longer than they work.
+class OneThread {
+public:
+    explicit OneThread(bool small) : n_(omp_get_max_threads()) {
+        if (small) omp_set_num_threads(1);
+    }
+    OneThread(const OneThread&) = delete;
+    OneThread& operator=(const OneThread&) = delete;
+    ~OneThread() { omp_set_num_threads(n_); }
+
+private:
+    int n_;
+};
+
 /// Calls work(first, last, result) for blocks of [0, n) in parallel and returns the sum of the results in the order of
 /// the blocks. Result needs a default value of zero and operator+=. `partial` is workspace; it never shrinks.
 template <class Result, class Work>

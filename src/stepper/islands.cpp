@@ -3,6 +3,7 @@
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/parallel.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/mean_motions.hpp"
 #include "stepper/common/pieces_of_body.hpp"
@@ -16,6 +17,7 @@ namespace knap {
 namespace {
 
 constexpr int max_rings = 3;
+constexpr Index few_triangles = 512;      // of an island: one thread is as fast as two
 constexpr double allowed_overlap = 0.01;  // [-] of an edge, of the island and the rest
 constexpr double allowed_gain = 1e-5;     // [-] exchange_work over the kinetic energy
 
@@ -195,6 +197,7 @@ StepReport Islands::take_micro_steps(double h) {
     limits.smallest = std::min(limits.smallest, limits.cracking);
     limits.rigid = {}, limits.change = {};
     StepControl control(limits);
+    const OneThread alone(part_.model.mesh.n_triangles() < few_triangles);
     double struck = -infinity;  // before this step
     for (const RigidPiece& piece : rigid_.start().rigid_pieces)
         if (piece.state == PieceState::deformable) struck = std::max(struck, piece.struck);

@@ -1,5 +1,6 @@
 #include "stepper/rigid/rigid_scheme.hpp"
 
+#include "base/parallel.hpp"
 #include "stepper/common/contact_search.hpp"
 #include "stepper/common/surface_energy.hpp"
 #include "stepper/contact/retirement.hpp"
@@ -11,8 +12,9 @@
 namespace knap {
 namespace {
 
-constexpr double slow_for = 0.2;      // [s] until a piece falls asleep
-constexpr double largest_turn = 0.7;  // [rad] of a piece in a step: 40 degrees
+constexpr double slow_for = 0.2;          // [s] until a piece falls asleep
+constexpr std::size_t few_pieces = 1000;  // one thread is as fast as two
+constexpr double largest_turn = 0.7;      // [rad] of a piece in a step: 40 degrees
 
 }  // namespace
 
@@ -168,6 +170,7 @@ void RigidScheme::find_free_motion(const RigidStep& step) {
 
 void RigidScheme::find_contacts(StepReport& report) {
     const RigidStep& step = *trial_;
+    const OneThread alone(step.begin.rigid_pieces.size() < few_pieces);
     renew(step.begin);
     find_free_motion(step);
     stays_ = lies_still(step);
