@@ -9,12 +9,13 @@ from . import need
 class Emulator:
     """Kriging (scikit-learn) of the values of one measurement. A curve is written by its principal components: the mean is
     m + sum_j g_j(u) v_j, its covariance V diag(var g_j) V^T; what the components leave out is `rest` at each place. The
-    variance of runs with other seeds at one place is found with the other parameters of the covariance (white noise)."""
+    variance of runs with other seeds at one place is found with the other parameters of the covariance (white noise); it is
+    no smaller than what runs at the same place show, and no larger than the upper end of the 99 % interval of that. `freedom`: how many numbers tell that variance."""
 
     def __init__(self, u, values, level):
         """u: points; values: over points, seeds and places, nan where a run failed. The search for the covariances starts from
         fixed places alone, so that the same runs give the same emulator, however a fit came to them."""
-        gp = need("sklearn.gaussian_process", "python3-sklearn", "the emulator")
+        gp, stats = need("sklearn.gaussian_process", "python3-sklearn", "the emulator"), need("scipy.stats", "python3-scipy", "the emulator")
         kernels = gp.kernels
         seeds = np.isfinite(values).all(axis=2)
         self.works = seeds.any(axis=1)  # points
@@ -32,18 +33,31 @@ class Emulator:
         g = (y - self.mean) @ self.v
         self.rest = ((y - self.mean - g @ self.v.T) ** 2).mean(axis=0)
         self.scale = np.maximum(g.std(axis=0), 1e-9 * level)
-        self.processes, self.noise = [], np.zeros(r)
+        # single runs about the mean of all at the same place
+        place = np.unique(self.u, axis=0, return_inverse=True)[1].repeat(count)
+        runs = (values[self.works][seeds[self.works]] - self.mean) @ self.v / self.scale
+        about = runs - np.array([np.bincount(place, column) / np.bincount(place) for column in runs.T]).T[place]
+        repeats = len(runs) - place.max() - 1
+        self.processes, self.noise, freedom = [], np.zeros(r), np.zeros(r)
         for j in range(r):
+            bounds = (1e-6, 2.0)
+            if repeats:
+                bounds = np.clip((about[:, j] ** 2).sum() / self.n_seeds / [repeats, stats.chi2.ppf(0.005, repeats)], *bounds)
+            exact = bounds[1] < 1.01e-6  # the seeds change nothing
             starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
-                      + kernels.WhiteKernel(noise, (1e-6, 1.0))
+                      + kernels.WhiteKernel(np.clip(noise, *bounds), "fixed" if exact else bounds)
                       for length, noise in ((1.0, 1e-2), (0.3, 1e-2), (3.0, 1e-2), (1.0, 1e-5), (3.0, 1e-5))]
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
                 found = [gp.GaussianProcessRegressor(start, random_state=1).fit(self.u, g[:, j] / self.scale[j]) for start in starts]
             self.processes.append(max(found, key=lambda process: process.log_marginal_likelihood_value_))
-            process = self.processes[-1]
-            noise = process.kernel_.k2.noise_level
-            self.noise[j] = noise * self.scale[j] ** 2 if noise > 1.01e-6 else 0  # at its bound: the seeds change nothing
+            noise = self.processes[j].kernel_.k2.noise_level
+            self.noise[j] = noise * self.scale[j] ** 2 if noise > 1.01e-6 else 0
+            # n - trace(K (K + noise)^-1) of the points, and those of the seeds
+            freedom[j] = np.inf if exact else noise * (np.linalg.inv(self.processes[j].L_) ** 2).sum() + len(runs) - n
+        self.freedom = freedom[np.argmax(self.noise)]
+        # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal one
+        self.noise_factor = (stats.t.ppf(0.95, max(self.freedom, 1)) / stats.norm.ppf(0.95)) ** 2
 
     def __call__(self, u):
         """Mean (places of u, places of the curve) and the variances of its components (places of u, components)."""
@@ -55,7 +69,7 @@ class Emulator:
 
     def seed_covariance(self):
         """Of the values of single runs that differ in their seed."""
-        return (self.v * self.noise) @ self.v.T * self.n_seeds
+        return (self.v * self.noise) @ self.v.T * self.n_seeds * self.noise_factor
 
     def covariances(self, u):
         """Of each component between all places of u."""

@@ -123,6 +123,20 @@ def _same(a, b):
         return both.sum() > 2 and np.abs(np.corrcoef(a[both], b[both])[0, 1]) > 0.98
 
 
+def _combined(members, log):
+    """A sentence on the (name, power or coefficient)s of what is determined."""
+    (first, one), *others = members
+    parts = [(name, c / one) for name, c in others]
+    if log:
+        powers = [(name, "" if f"{abs(c):.2g}" == "1" else f"^{abs(c):.2g}", c < 0) for name, c in parts]
+        text = first + "".join(("/" if below else " ") + name + power for name, power, below in powers)
+    else:
+        text = first + "".join(f" {'-' if c < 0 else '+'} {abs(c):.3g} {name}" for name, c in parts)
+    both = ("ratio", "product") if log else ("difference", "sum")
+    kind = both[not (len(parts) == 1 and parts[0][1] < 0)]
+    return f"only the {kind} {text} is determined, not each of {', '.join(name for name, _ in members)}"
+
+
 class Fit:
     """A fit: `run` makes the runs; `posterior`; `history` of (runs, share, widths of the intervals); `p`: probability of a misfit as
     large as this one if the model were true. Each round depends on the runs before it alone, and convergence.csv keeps
@@ -136,13 +150,24 @@ class Fit:
     def design(self, n, seed=None):
         return sobol(n, len(self.problem.parameters), self.problem.options["seed"] if seed is None else seed)
 
+    def first_points(self, n):
+        """The middle of the bounds, and what fills the space. Where a test has neither a scatter nor several seeds a quarter of all,
+        at least two, are the middle again, of which each has another seed: the scatter of meshes is that of these runs."""
+        unknown = any(m.scatter is None and m.test.seeds == 1 for m in self.problem.fitted)
+        middle = np.full((min(1 + max(2, n // 4) * unknown, n), len(self.problem.parameters)), 0.5)
+        return np.vstack([middle, self.design(n - len(middle))]) if n > 1 else middle
+
+    def unknown_scatter(self):
+        """Measurements of which nothing tells the scatter."""
+        return [m for m in self.problem.fitted if m.scatter is None and self.emulators[m.title].freedom < 2]
+
     def run(self):
         options = self.problem.options
         most = max(options["budget"] // self.runs.per_point, 1)
         first = min(options["first"] or 6 * len(self.problem.parameters), most)
         batch = options["batch"] or -(-most // 12)
         for n in (1, first):  # one alone, which shows mistakes
-            self.runs.add(self.design(n)[len(self.runs.values):])
+            self.runs.add(self.first_points(first)[len(self.runs.values):n])
             self.problem.check_first(self.runs)
         while not self.stopped:
             self.emulate()
@@ -229,8 +254,7 @@ class Fit:
 
     def prior_deviation(self):
         """Of each parameter in u: 1/sqrt(12), or that of its `normal`."""
-        grid = np.linspace(0.0005, 0.9995, 1000)
-        return np.sqrt([np.cov(grid, aweights=np.exp(parameter.log_prior(grid)), ddof=0) for parameter in self.problem.parameters])
+        return np.array([parameter.deviation(parameter.place) for parameter in self.problem.parameters])
 
     @property
     def contradicted(self):
@@ -244,29 +268,31 @@ class Fit:
 
     def determined(self):
         """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no". Parameters of
-        a model that cannot meet the data are at most "partly" determined, and "no" where no error term takes up the misfit."""
-        part, yes = self.posterior.u.std(axis=0) / self.prior_deviation(), "partly" if self.contradicted else "yes"
+        a model that cannot meet the data, or from data of unknown scatter, are at most "partly" determined, and "no" where no error
+        term takes up the misfit."""
+        part, yes = self.posterior.u.std(axis=0) / self.prior_deviation(), "partly" if self.contradicted or self.unknown_scatter() else "yes"
         return ["no" if self.beyond_error else yes if x < 0.4 else "partly" if x < 0.75 else "no" for x in part]
 
     def combinations(self):
-        """Texts: parameters that the data determine together only, by the directions of the posterior's covariance whose
-        deviation is small while their parameters are not determined alone."""
-        prior, texts = self.prior_deviation(), []
-        scaled = (self.posterior.u - self.posterior.u.mean(axis=0)) / prior
-        values, vectors = np.linalg.eigh(np.atleast_2d(np.cov(scaled.T)))
-        alone = scaled.std(axis=0)
-        for value, vector in zip(values, vectors.T):
-            members = [i for i in range(len(vector)) if abs(vector[i]) > 0.3 and alone[i] > 0.4]
-            if len(members) < 2 or np.sqrt(value) > 0.4:
+        """Texts: parameters that the data determine together only. Directions of the covariance of those that are not determined
+        alone, of their values (sums) or of the logarithms (products), whichever has the narrowest one, over what they had before:
+        v_i (x_i - mean)/d_i is known, so sum_i v_i/d_i x_i is."""
+        alone, found = self.posterior.u.std(axis=0) / self.prior_deviation() > 0.4, {}
+        for log in (False, True):
+            free = [p for p, unknown in zip(self.problem.parameters, alone) if unknown and (p.low > 0 or not log)]
+            if len(free) < 2:
                 continue
-            log = all(self.problem.parameters[i].log for i in members)
-            ranges = [np.log(p.high / p.low) if p.log else p.high - p.low for p in self.problem.parameters]
-            powers = np.array([vector[i] / prior[i] / ranges[i] for i in members])
-            powers = powers / powers[0]
-            names = [self.problem.parameters[i].name for i in members]
-            texts.append("only the product " * log + "only the sum " * (not log)
-                         + (" " if log else " + ").join(f"{name}^{p:.2g}" if log else f"{p:.3g} {name}" for name, p in zip(names, powers))
-                         + " is determined, not each of " + ", ".join(names))
+            scale = np.log if log else np.asarray
+            x = np.array([scale(p.value(u)) for p, u in zip(self.problem.parameters, self.posterior.u.T) if p in free])
+            deviation = np.array([p.deviation(scale) for p in free])
+            found[log] = (*np.linalg.eigh(np.cov(x / deviation[:, None])), free, deviation)
+        texts = []
+        for log in sorted(found, key=lambda log: found[log][0][0])[:1]:
+            values, vectors, free, deviation = found[log]
+            for value, vector in zip(values, vectors.T):
+                members = [(p.name, c / d) for p, c, d in zip(free, vector, deviation) if abs(c) > 0.3]
+                if np.sqrt(value) < 0.4 and len(members) > 1:
+                    texts.append(_combined(members, log))
         return texts
 
     def further_tests(self):

@@ -71,6 +71,11 @@ class Parameter:
         inside = np.where((u >= 0) & (u <= 1), 0.0, -np.inf)
         return inside - (0.5 * ((self.value(np.clip(u, 0, 1)) - self.normal[0]) / self.normal[1]) ** 2 if self.normal is not None else 0)
 
+    def deviation(self, function):
+        """Standard deviation of a function of its value, before the data."""
+        grid = np.linspace(0.0005, 0.9995, 1000)
+        return np.sqrt(np.cov(function(self.value(grid)), aweights=np.exp(self.log_prior(grid)), ddof=0))
+
     def text(self, u):
         return f"{self.value(u):.6g} {self.unit}".strip()
 

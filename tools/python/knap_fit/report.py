@@ -95,6 +95,8 @@ def said(fit, further, predictions):
     else:
         notes.append("There are no more numbers than parameters: whether the model can meet the data cannot be judged, and no model error is found. "
                      "See the residuals.")
+    notes += [f"{m.title}: nothing tells its scatter, since too few runs differ by their seed alone: THE INTERVALS DO NOT HOLD THE SCATTER OF MESHES, and no parameter counts "
+              "as determined. Give `scatter`, `seeds = 2`, or more runs." for m in fit.unknown_scatter()]
     if fit.posterior.tau.any():
         tau = np.percentile(fit.posterior.tau, [5, 50, 95]) * 100
         notes.append(f"A model error of {tau[1]:.2g} % ({tau[0]:.2g} to {tau[2]:.2g} %) of the largest value of each measurement is part of the "
