@@ -1,7 +1,9 @@
 """Tests of knap-fit, knap-sensitivity and the package: ctest runs them with KNAP and a directory; exit code 77: skipped.
 
     fit_py.py DIRECTORY [--slow]     with --slow those that take minutes, alone"""
+import contextlib
 import importlib.util
+import io
 import json
 import os
 import pathlib
@@ -224,19 +226,72 @@ class Quick(unittest.TestCase):
                     except files.Mistakes:
                         refused += 1
         self.assertGreater(refused, 100)
-        for text, words in (("0.1,5\n0.2,6\n0.3,7\n", "'0.1' in its first line"), ("u (mm),F [N]\n1,2\n2,3\n", "'u (mm)' in its first line"), (None, "does not exist")):
+        for text, words in (("0.1,5\n0.2,6\n0.3,7\n", "beam.csv:1: '0.1,5'"), ("u (mm),F [N]\n1,2\n2,3\n", "beam.csv:1: 'u (mm),F [N]'"), (None, "No such file")):
             (directory / "beam.csv").unlink()
             if text:
                 (directory / "beam.csv").write_text(text)
             file.write_text("\n".join(lines))
             number = next(k for k, line in enumerate(lines, 1) if line.startswith("curve"))
-            with self.assertRaisesRegex(files.Mistakes, f"(?s){re.escape(words)}.*strange.toml:{number}\n.*square brackets"):
+            with self.assertRaisesRegex(files.Mistakes, f"(?s)strange.toml:{number}\n.*square brackets") as caught:
                 files.read(file, check_scenarios=False)
+            self.assertIn(words, str(caught.exception))
         for text in ("", "a,b\n1,x\n2,3\n", "a,b\n1,2\n", "a,b\n2,1\n1,2\n", "a [s],b [N]\n1,2\n2,3\n", "a,b\n1\n2,3\n"):
             (directory / "beam.csv").write_text(text)
             file.write_text("\n".join(lines))
             with self.assertRaises(files.Mistakes):
                 files.read(file, check_scenarios=False)
+
+    def test_all_mistakes_of_a_csv_file_have_their_lines(self):
+        (directory / "wrong.csv").write_text("u [mm],F [N]\n1,2\n2,x\n\n1,4\n3\n4,nan\n5,6\n")
+        file = directory / "wrong.toml"
+        file.write_text((fits / "beam.toml").read_text().replace("beam.csv", "wrong.csv"))
+        with self.assertRaises(files.Mistakes) as caught:
+            files.read(file, check_scenarios=False)
+        text = str(caught.exception)
+        self.assertIn("= 'wrong.csv' has 4 mistakes\n", text)
+        for words in ("wrong.csv:3: '2,x' is not two numbers", "wrong.csv:5: x = 1 is not larger than 1", "wrong.csv:6: '3' is not", "wrong.csv:7: '4,nan' is not"):
+            self.assertIn(words, text)
+
+    @needs_libraries
+    def test_a_curve_longer_than_the_run_is_found_by_the_first_run(self):
+        shutil.copy(fits / "beam.csv", directory)
+        file, out = directory / "longer.toml", directory / "longer"
+        file.write_text((fits / "beam.toml").read_text().replace('set      = {', 'set      = { "time.end" = "0.2 s",'))
+        done = subprocess.run([sys.executable, tools / "knap-fit", file, "-o", out, "--force"], capture_output=True, text=True)
+        self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
+        self.assertRegex(done.stderr, r"has its curve from -?\d\S* to 0\.[0-9]+ mm, what was measured goes from 0.1 to 1 mm\n  --> \S*longer.toml:\d+\n   = allowed: a later time.end")
+        self.assertEqual(len(list((out / "runs").iterdir())), 1)
+
+    @needs_libraries
+    def test_an_interrupted_chain_prints_no_traceback(self):
+        fit = inferred(study("chain", {"x": 2}, lambda a, b, s: Answer(x=a)))
+        likelihood, calls = fit.likelihood, []
+
+        class Interrupted:
+            with_error = False
+
+            def __call__(self, u):
+                calls.append(1)
+                if len(calls) == 5:
+                    raise KeyboardInterrupt
+                return likelihood(u)
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(out), self.assertRaises(KeyboardInterrupt):
+            inference.sample(fit.problem, Interrupted(), 50, np.random.default_rng(1), fit.runs.points)
+        self.assertEqual((out.getvalue(), len(calls)), ("", 5))
+
+    @needs_libraries
+    def test_report_says_what_bounds_and_budget_hide(self):
+        fit = study("hidden", {"x": 4.4, "y": 2}, lambda a, b, s: Answer(x=a, y=b), scatter=0.02, budget=10)
+        report.write(fit.run())
+        page = (directory / "hidden" / "report.html").read_text()
+        self.assertIn("a is pressed against its upper bound, a = 4: widen it", page)
+        self.assertNotIn("b is pressed", page)
+        self.assertIn("All 10 points fill the space", page)
+        pictures = re.findall(r'src="([^"]{20})', page)  # one file
+        self.assertEqual(set(pictures), {"data:image/png;base6"} if importlib.util.find_spec("matplotlib") else set())
+        for words in ("How it was made", sys.argv[0], f"numpy {np.__version__}", "<summary>none</summary>"):
+            self.assertIn(words, page)
 
     def test_a_missing_library_is_named_without_a_traceback(self):
         file = directory / "missing.toml"
@@ -253,7 +308,7 @@ class Quick(unittest.TestCase):
         start = (f"import sys; sys.path.insert(0, {str(tools)!r}); sys.argv[0] = 'knap-sensitivity'\nfor name in {{}}: sys.modules[name] = None\n"
                  "from knap_fit.command import {}; {}()")
         for gone, program, words in ((["scipy", "sklearn", "emcee"], "fit", "apt install python3-scipy python3-sklearn python3-emcee\n"),
-                                     (["scipy", "sklearn"], "sensitivity", "error: knap-sensitivity needs scipy.optimize, sklearn: apt install python3-scipy python3-sklearn\n"),
+                                     (["scipy", "sklearn"], "sensitivity", "error: knap-sensitivity needs scipy.stats, sklearn: apt install python3-scipy python3-sklearn\n"),
                                      (["numpy"], "sensitivity", "error: knap-sensitivity needs numpy: apt install python3-numpy\n")):
             done = subprocess.run([sys.executable, "-c", start.format(gone, program, program), file, "-q", "-o", directory / "missing" / program], capture_output=True, text=True)
             self.assertEqual((done.returncode, done.stderr[-len(words):]), (2, words))
@@ -334,6 +389,9 @@ class Quick(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         found = knap.read_csv(directory / "bar" / "parameters.csv")["best"][0]
         self.assertAlmostEqual(found, 3.0, delta=0.03)  # dissipated = G_c times the broken area, 12 mJ at 3 J/m2
+        page = (directory / "bar" / "report.html").read_text()
+        for words in ("<td>G_c</td>", "Measured and model", 'values = [&quot;12 mJ&quot;]', "knap new --from bar_pulled_apart"):
+            self.assertIn(words, page)
         printed = subprocess.run([*command, "--print-commands"], capture_output=True, text=True)  # no run is left: what is found is a message
         self.assertEqual((printed.stdout, printed.returncode), ("", 0), printed.stderr)
         self.assertIn("G_c = ", printed.stderr)
@@ -395,7 +453,7 @@ class Quick(unittest.TestCase):
         self.assertEqual(len(knap.compare(one, one)["name"]), 0)
         found = knap.compare(one, directory / "two")
         rows = dict(zip(found["name"], zip(found["one"], found["other"], found["ratio"])))
-        self.assertIn("interface.left-right.G_c", rows)
+        self.assertEqual((rows["interface.left-right.G_c"], dict(zip(found["name"], found["unit"]))["interface.left-right.G_c"]), ((3, 6, 2), "J/m2"))
         a, b = one.summary["dissipated"], knap.read(directory / "two").summary["dissipated"]
         self.assertEqual(rows["dissipated"], (a, b, b / a))
         head, *lines = str(found).splitlines()  # its columns stand below their names
@@ -404,6 +462,7 @@ class Quick(unittest.TestCase):
         if importlib.util.find_spec("matplotlib") is not None:
             axis = knap.plot_over([one, directory / "two"], "energy.time", "energy.dissipated")
             self.assertEqual((axis.get_xlabel(), axis.get_ylabel(), len(axis.get_lines())), ("time [s]", "dissipated [J]", 2))
+        self.assertIn(r"key & interface.left-right.G\_c & 3 & 6 & J/m2 & $2$ \\", knap.latex(found).replace("$3$", "3").replace("$6$", "6"))
         text = knap.latex(["a", "b"], [["sigma_c", 1.5e7], ["50 % & #1 of {a^b} ~ \\", np.nan]], "a_b")
         self.assertIn(r"sigma\_c & $1.5\times10^{7}$ \\", text)
         self.assertIn(r"50 \% \& \#1 of \{a\textasciicircum{}b\} \textasciitilde{} \textbackslash{} &  \\", text)

@@ -10,7 +10,7 @@ import pathlib
 
 import numpy as np
 
-from knap_fit import inference
+from knap_fit import inference, report
 from knap_fit.problem import Measured, Parameter, Problem, Test
 from knap_fit.runs import Runs, Stop
 
@@ -28,11 +28,12 @@ sigma_c = Parameter("sigma_c", [f"interface.{options.interface}.sigma_c"], sorte
 test = Test("specimen", options.scenario, dict(text.split("=", 1) for text in options.set), 1, 1)
 test.measured = [Measured(test, "strength", "fit", np.array([options.measured]), options.tolerance * options.measured, unit="Pa")]
 problem = Problem("fit_strength", [sigma_c], [test], {"budget": 30})
+runs = Runs(problem, options.output, own_seeds=False)
 try:
-    place, residual = inference.least_squares(problem, Runs(problem, options.output, own_seeds=False), lambda text: print(text, flush=True))
+    place, residual = inference.least_squares(problem, runs, lambda text: print(text, flush=True))
 except Stop as stop:
-    raise SystemExit(f"{stop}; a later time.end?") from None
+    raise SystemExit(str(stop)) from None
+report.write_least_squares(problem, runs, place, residual)
 if np.abs(residual).max() > 1:
     raise SystemExit(f"no sigma_c between {sigma_c.low:g} and {sigma_c.high:g} Pa meets {options.measured:g} Pa within {options.tolerance:g}: it jumps "
                      "there, or widen --between")
-print(f"sigma_c = {sigma_c.value(place[0]):.6g} Pa")

@@ -16,6 +16,7 @@ All names, units and meanings: scenarios/OUTPUTS.md.
 """
 import base64
 import csv
+import functools
 import html
 import json
 import os
@@ -89,15 +90,18 @@ class Run:
     def status(self):
         return self.info["status"]
 
+    @property
+    def reached_end(self):
+        """Whether it went to the `time.end` of its scenario, and was not ended before by what it waited for."""
+        return self.info["time_s"] >= 0.999 * float(settings(self.directory / "resolved.toml")["time.end"])
+
     def _repr_html_(self):
         """In a notebook: its state, its numbers and its first picture."""
         rows = [(name, _readable(value, self.summary.units.get(name, ""))) for name, value in self.summary.items()]
         state = f"<b>{html.escape(self.info.get('name', ''))}</b>: {html.escape(self.status)}, {self.info.get('triangles', 0)} triangles, " \
                 f"{self.info.get('steps', 0)} steps, {self.info.get('cpu_s', 0):.3g} s of processor time"
         pictures = sorted((self.directory / "figures").glob("*.png"))[:1]
-        shown = [f'<img style="max-width: 100%" alt="{html.escape(file.name)}" src="data:image/png;base64,'
-                 f'{base64.b64encode(file.read_bytes()).decode()}">' for file in pictures]
-        return f"<p>{state}</p>{''.join(shown)}<details><summary>numbers</summary>{html_table(('number', 'value', 'unit'), rows)}</details>"
+        return f"<p>{state}</p>{''.join(map(image, pictures))}<details><summary>numbers</summary>{html_table(('number', 'value', 'unit'), rows)}</details>"
 
     @property
     def tables(self):
@@ -190,6 +194,12 @@ def html_table(titles, rows, digits=4):
     def line(cells, kind):
         return "<tr>" + "".join(f"<{kind}>{html.escape(shown(cell, digits))}</{kind}>" for cell in cells) + "</tr>"
     return f"<table>{line(titles, 'th')}{''.join(line(row, 'td') for row in rows)}</table>"
+
+
+def image(file):
+    """A picture inside a page."""
+    kind = file.suffix[1:].replace("svg", "svg+xml")
+    return f'<img style="max-width: 100%" alt="{html.escape(file.name)}" src="data:image/{kind};base64,{base64.b64encode(file.read_bytes()).decode()}">'
 
 
 def _sides(head, rows):
@@ -291,9 +301,15 @@ def read_csv(file):
         header, *rows = csv.reader(lines)
     table = Table()
     for title, column in zip(header, zip(*rows) if rows else [()] * len(header)):
-        name, unit = re.fullmatch(r"(.*?)(?: \[(.*)\])?", title, re.DOTALL).groups()
-        table[name], table.units[name] = _numbers(column, unit or "")
+        name, unit = name_and_unit(title)
+        table[name], table.units[name] = _numbers(column, unit)
     return table
+
+
+def name_and_unit(title):
+    """("time", "s") of the title "time [s]" of a column."""
+    name, unit = re.fullmatch(r"(.*?)(?: \[(.*)\])?", title, re.DOTALL).groups()
+    return name, unit or ""
 
 
 def _numbers(texts, unit):
@@ -417,19 +433,49 @@ def _lz4(block, size):
 
 def compare(one, other, within=1e-12):
     """A Table of what differs between two runs (a Run or its directory each): kind, name, one, other, unit, `ratio` of numbers.
-    Rows are keys of resolved.toml and numbers of the summary that differ by more than this part; print shows it aligned."""
+    Rows are keys of resolved.toml and numbers of the summary that differ by more than this part; print shows it aligned, latex
+    makes a table of it."""
     one, other = (run if isinstance(run, Run) else Run(run) for run in (one, other))
     found = []
-    keys = [settings(run.directory / "resolved.toml") for run in (one, other)]
+    keys = [{key: _number(text) for key, text in settings(run.directory / "resolved.toml").items()} for run in (one, other)]
     for kind, (a, b) in (("key", keys), ("number", (one.summary, other.summary))):
         for name in [*a, *(name for name in b if name not in a)]:
             x, y = a.get(name), b.get(name)
             numbers = all(isinstance(value, (int, float)) for value in (x, y))
             same = x == y or (numbers and (abs(x - y) <= within * max(abs(x), abs(y)) or (np.isnan(x) and np.isnan(y))))
             if not same:
-                unit = (one.summary.units.get(name) or other.summary.units.get(name, "")) if kind == "number" else ""  # a key has its unit in its text
+                unit = unit_of_key(name) if kind == "key" else one.summary.units.get(name) or other.summary.units.get(name, "")
                 found.append((kind, name, x, y, unit, y / x if numbers and x else np.nan))
     return Table(zip(("kind", "name", "one", "other", "unit", "ratio"), zip(*found) if found else [()] * 6))
+
+
+def _number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+@functools.cache
+def schema(what):
+    """{heading: {name: second column}} of what `knap schema --markdown` (keys) or `--outputs` says."""
+    text = subprocess.run([program(), "schema", what], capture_output=True, text=True, check=True).stdout
+    tables, rows = {}, {}
+    for line in text.splitlines():
+        if line.startswith("## "):
+            rows = tables.setdefault(line[3:].strip(), {})
+        elif match := re.match(r"\| `([^`]+)` \| ([^|]*) \|", line):
+            rows[match[1]] = match[2].strip()
+    return tables
+
+
+def unit_of_key(path):
+    """SI unit of a key of a resolved scenario, as "J/m2" of interface.default.G_c; "" where it is no number with a unit."""
+    for rows in schema("--markdown").values():
+        for name, value in rows.items():
+            if re.fullmatch(re.escape(name).replace(r"\*", "[^.]+").replace(r"\[\]", r"\[\d+\]"), path):
+                return (re.search(r"\[([^\]]+)\]", value) or ("", ""))[1]
+    return ""
 
 
 def settings(file):
@@ -467,8 +513,10 @@ def plot_over(runs, x, y, labels=None, axis=None):
 _special = {**{c: "\\" + c for c in "&%$#_{}"}, "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}"}
 
 
-def latex(head, rows, caption="", digits=4):
-    """A table for LaTeX (package booktabs): names, rows of numbers and texts."""
+def latex(head, rows=(), caption="", digits=4):
+    """A table for LaTeX (package booktabs): names, rows of numbers and texts; or a Table, as of compare or of a csv file."""
+    if isinstance(head, Table):
+        head, rows = head.titles, zip(*head.values())
     def cell(value):
         text = shown(value, digits)
         if not isinstance(value, (int, float, np.number)) or not text:

@@ -10,7 +10,6 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy: sums of seve
 
 from . import need  # noqa: E402
 
-_libraries = (("scipy.optimize", "python3-scipy"), ("sklearn", "python3-sklearn"), ("emcee", "python3-emcee"))
 need("numpy", "python3-numpy", pathlib.Path(sys.argv[0]).name or "knap-fit")
 import knap  # noqa: E402
 
@@ -64,7 +63,6 @@ def fit(arguments=None):
     def work(found, runs, log):
         from . import inference, report
         if found.options["method"] == "posterior":
-            need(*_libraries[0], "knap-fit", *_libraries[1:])
             return report.write(inference.Fit(found, runs, log).run())
         return report.write_least_squares(found, runs, *inference.least_squares(found, runs, log))
 
@@ -76,10 +74,8 @@ parameters.tex and report.html.""", work, arguments)
 
 def sensitivity(arguments=None):
     """knap-sensitivity"""
-    from . import sensitivity as part
-
     def work(found, runs, log):
-        need(*_libraries[0], "knap-sensitivity", _libraries[1])
+        from . import sensitivity as part
         return part.write(found, runs)
 
     _main("knap-sensitivity", "sensitivities", """Which parameters the numbers of a run depend on. FILE is one of knap-fit; [sensitivity]

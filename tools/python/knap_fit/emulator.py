@@ -7,10 +7,11 @@ from . import need
 
 
 class Emulator:
-    """Kriging (scikit-learn) of the values of one measurement. A curve is written by its principal components: the mean is
-    m + sum_j g_j(u) v_j, its covariance V diag(var g_j) V^T; what the components leave out is `rest` at each place. The
-    variance of runs with other seeds at one place is found with the other parameters of the covariance (white noise); it is
-    no smaller than what runs at the same place show, and no larger than the upper end of the 99 % interval of that. `freedom`: how many numbers tell that variance."""
+    """Kriging (scikit-learn) of the values of one measurement. A curve is written by the principal components of its values over their
+    deviations: the mean is m + sum_j g_j(u) v_j, its covariance sum_jk v_j v_k r_jk sqrt(var g_j var g_k); what the components
+    leave out is `rest` at each place. The variance of runs with other seeds at one place is found with the other parameters of
+    the covariance (white noise), within the 90 % interval of what runs at the same place show. `freedom`: how many numbers tell it. r_jk is the correlation of what the components leave of the runs,
+    shrunk by Ledoit and Wolf (J. Multivariate Anal. 88 (2004) 365): a strong peak and a late fall go together."""
 
     def __init__(self, u, values, level):
         """u: points; values: over points, seeds and places, nan where a run failed. The search for the covariances starts from
@@ -25,24 +26,24 @@ class Emulator:
         self.u, (n, k) = np.asarray(u)[self.works], (len(y), np.shape(u)[1])
         if n < k + 2:
             raise ValueError(f"only {n} of {len(u)} points have a value")
-        self.mean = y.mean(axis=0)
-        _, s, v = np.linalg.svd(y - self.mean, full_matrices=False)
+        self.mean, deviation = y.mean(axis=0), np.maximum(y.std(axis=0), 1e-3 * level)
+        _, s, v = np.linalg.svd((y - self.mean) / deviation, full_matrices=False)
         part = 1 - np.cumsum(s**2) / max((s**2).sum(), 1e-300)
-        r = min(int(np.argmax(part < 1e-4)) + 1, 6) if len(s) > 1 else 1
-        self.v = v[:r].T
-        g = (y - self.mean) @ self.v
+        r = min(int(np.argmax(part < 1e-4)) + 1, 8) if len(s) > 1 else 1
+        self.v, self.dual = (v[:r] * deviation).T, (v[:r] / deviation).T
+        g = (y - self.mean) @ self.dual
         self.rest = ((y - self.mean - g @ self.v.T) ** 2).mean(axis=0)
-        self.scale = np.maximum(g.std(axis=0), 1e-9 * level)
+        self.scale = np.maximum(g.std(axis=0), 1e-9)
         # single runs about the mean of all at the same place
         place = np.unique(self.u, axis=0, return_inverse=True)[1].repeat(count)
-        runs = (values[self.works][seeds[self.works]] - self.mean) @ self.v / self.scale
+        runs = (values[self.works][seeds[self.works]] - self.mean) @ self.dual / self.scale
         about = runs - np.array([np.bincount(place, column) / np.bincount(place) for column in runs.T]).T[place]
         repeats = len(runs) - place.max() - 1
         self.processes, self.noise, freedom = [], np.zeros(r), np.zeros(r)
         for j in range(r):
             bounds = (1e-6, 2.0)
             if repeats:
-                bounds = np.clip((about[:, j] ** 2).sum() / self.n_seeds / [repeats, stats.chi2.ppf(0.005, repeats)], *bounds)
+                bounds = np.clip((about[:, j] ** 2).sum() / self.n_seeds / stats.chi2.ppf([0.95, 0.05], repeats), *bounds)
             exact = bounds[1] < 1.01e-6  # the seeds change nothing
             starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
                       + kernels.WhiteKernel(np.clip(noise, *bounds), "fixed" if exact else bounds)
@@ -56,6 +57,11 @@ class Emulator:
             # n - trace(K (K + noise)^-1) of the points, and those of the seeds
             freedom[j] = np.inf if exact else noise * (np.linalg.inv(self.processes[j].L_) ** 2).sum() + len(runs) - n
         self.freedom = freedom[np.argmax(self.noise)]
+        left = np.array([process.predict(self.u) for process in self.processes]).T - g / self.scale
+        left = np.where(self.noise > 0, left / np.maximum(left.std(axis=0), 1e-12), 0)
+        alike = need("sklearn.covariance", "python3-sklearn", "the emulator").ledoit_wolf(left, assume_centered=True)[0] if n > 2 and r > 1 else np.zeros((r, r))
+        np.fill_diagonal(alike, 1)
+        self.root = np.linalg.cholesky(alike)
         # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal one
         self.noise_factor = (stats.t.ppf(0.95, max(self.freedom, 1)) / stats.norm.ppf(0.95)) ** 2
 
@@ -67,9 +73,14 @@ class Emulator:
             variance[:, j] = np.maximum(deviation**2 - process.kernel_.k2.noise_level, 1e-12)
         return self.mean + g * self.scale @ self.v.T, variance * self.scale**2
 
+    def spread(self, variance):
+        """Covariance of the values, of variances of the components."""
+        w = self.v @ (np.sqrt(variance)[..., None] * self.root)
+        return w @ np.swapaxes(w, -1, -2)
+
     def seed_covariance(self):
         """Of the values of single runs that differ in their seed."""
-        return (self.v * self.noise) @ self.v.T * self.n_seeds * self.noise_factor
+        return (self.spread(self.noise) + np.diag(self.rest)) * self.n_seeds * self.noise_factor
 
     def covariances(self, u):
         """Of each component between all places of u."""

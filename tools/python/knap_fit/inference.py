@@ -47,12 +47,9 @@ class Posterior:
 
 def data_covariance(measured, emulator):
     """Of the mean of the measured specimens about what the model has on average."""
-    x = measured.x
-    if measured.scatter is None:
-        spread = emulator.seed_covariance()
-    else:
-        spread = measured.scatter**2 * correlation(x)
-    return (spread + measured.noise**2 * np.eye(len(spread))) / measured.n + np.diag(emulator.rest + (_floor * measured.level) ** 2)
+    known = measured.scatter is not None
+    spread = measured.scatter**2 * correlation(measured.x) if known else emulator.seed_covariance()
+    return (spread + measured.noise**2 * np.eye(len(spread))) / measured.n + np.diag(known * emulator.rest + (_floor * measured.level) ** 2)
 
 
 class Likelihood:
@@ -85,7 +82,7 @@ class Likelihood:
         """Of each measurement: residuals in standard deviations, and the logarithm of their probability; a row for each u."""
         for measured, emulator, covariance, error in self.parts:
             mean, variance = emulator(u)
-            factor = np.linalg.cholesky(covariance + (emulator.v * variance[:, None, :]) @ emulator.v.T + tau[:, None, None] ** 2 * error)
+            factor = np.linalg.cholesky(covariance + emulator.spread(variance) + tau[:, None, None] ** 2 * error)
             z = np.linalg.solve(factor, (measured.values - mean)[:, :, None])[:, :, 0]
             yield z, -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
 
@@ -106,6 +103,7 @@ def sample(problem, likelihood, steps, rng, points):
         start = start[np.argsort(-log_p)[:n]]
         sampler = emcee.EnsembleSampler(n, dimension, likelihood, vectorize=True,
                                         moves=[(emcee.moves.DEMove(), 0.7), (emcee.moves.StretchMove(), 0.3)])
+        sampler.log_prob_fn = likelihood  # without the wrapper of emcee, which prints a traceback when the user interrupts it
         sampler.random_state = np.random.RandomState(int(rng.integers(2**31))).get_state()
         sampler.run_mcmc(start, part, skip_initial_state_check=True)
         start, first = np.unique(sampler.get_chain(flat=True), axis=0, return_index=True)
@@ -145,6 +143,7 @@ class Fit:
     def __init__(self, problem, runs, log=lambda text: None):
         self.problem, self.runs, self.log = problem, runs, log
         self.emulators, self.history, self.posterior, self.p, self.stopped = {}, [], None, np.nan, ""
+        self.is_filled = False  # whether the budget ends with the points that fill the space
         self.with_error = problem.options["model_error"] == "fitted"
 
     def design(self, n, seed=None):
@@ -165,12 +164,17 @@ class Fit:
         options = self.problem.options
         most = max(options["budget"] // self.runs.per_point, 1)
         first = min(options["first"] or 6 * len(self.problem.parameters), most)
+        self.is_filled = first == most
         batch = options["batch"] or -(-most // 12)
         for n in (1, first):  # one alone, which shows mistakes
-            self.runs.add(self.first_points(first)[len(self.runs.values):n])
+            self.runs.add(self.first_points(min(n, first))[len(self.runs.values):])
             self.problem.check_first(self.runs)
+            need("scipy.stats", "python3-scipy", "knap-fit", ("sklearn", "python3-sklearn"), ("emcee", "python3-emcee"))
         while not self.stopped:
-            self.emulate()
+            filling = self.design(len(self.runs.values) + batch)[-min(batch, max(most - len(self.runs.values), 1)):]
+            if not self.emulate(last=len(self.runs.values) >= most):
+                self.runs.add(filling)  # too few runs have a value to choose by
+                continue
             self.infer(steps=150)
             self.remember()
             self.log(f"{self.runs.n_runs} runs; " + "; ".join(
@@ -180,8 +184,7 @@ class Fit:
             elif len(self.history) > 2 and all(self.steady(now, before) for now, before in zip(self.history[-2:], self.history[-3:])):
                 self.stopped = "the intervals no longer shrink"
             else:
-                n = min(batch, most - len(self.runs.values))
-                self.runs.add(self.design(len(self.runs.values) + n)[-n:] if options["design"] == "random" else self.next_points(n))
+                self.runs.add(filling if options["design"] == "random" else self.next_points(len(filling)))
         self.infer(steps=600)
         return self
 
@@ -198,14 +201,18 @@ class Fit:
         titles = ["runs", "variance of emulators over that of the data", *(f"{p.name}: width over that of the bounds" for p in self.problem.parameters)]
         table(file, titles, [[n, repr(float(share)), *map(repr, map(float, widths))] for n, share, widths in self.history])
 
-    def emulate(self):
+    def emulate(self, last=True):
+        """Whether there are emulators of all that is fitted; too few runs with a value end the fit when they are the `last` ones."""
         for measured in self.problem.measured:
             try:
                 self.emulators[measured.title] = Emulator(self.runs.points, self.runs.of(measured), measured.level)
             except ValueError as error:
                 why = next((text for text in self.runs.why.values() if text), "")
-                if measured.use == "fit":
+                if measured.use == "fit" and last:
                     raise Stop(f"{measured.title}: {error}" + (f"; the first run that failed: {why}" if why else "")) from None
+                if measured.use == "fit":
+                    return False
+        return True
 
     def infer(self, steps):
         """The posterior from the emulators. An error term of the model is added where the data need one."""
@@ -228,7 +235,7 @@ class Fit:
         """Of the emulators over those of the data, mean over the measurements: what further runs can take away."""
         found = []
         for measured, emulator, covariance, error in self.likelihood.parts:
-            variance = emulator(u)[1] @ (emulator.v**2).T
+            variance = np.diagonal(emulator.spread(emulator(u)[1]), axis1=1, axis2=2)
             found.append((variance / np.diag(covariance + self.posterior.best_tau**2 * error)).mean(axis=1))
         return np.mean(found, axis=0)
 
@@ -343,7 +350,7 @@ class Fit:
         for m in (m for m in self.problem.measured if m.title in self.emulators):
             emulator = self.emulators[m.title]
             mean, variance = emulator(u)
-            y = mean + (rng.standard_normal(variance.shape) * np.sqrt(variance)) @ emulator.v.T
+            y = mean + (rng.standard_normal(variance.shape) @ emulator.root.T * np.sqrt(variance)) @ emulator.v.T
             y += rng.multivariate_normal(np.zeros(m.size), data_covariance(m, emulator), len(u), method="eigh")
             y += tau[:, None] * m.level * rng.multivariate_normal(np.zeros(m.size), correlation(m.x), len(u), method="eigh")
             found.append((m, *np.percentile(y, [self.posterior.tails[0], 50, self.posterior.tails[1]], axis=0)))
@@ -353,22 +360,19 @@ class Fit:
 def least_squares(problem, runs, log=lambda text: None):
     """(values, residuals in standard deviations): bounded least squares from the starts by scipy, a step of 0.05 of the
     bounds for slopes, so that rough answers do not mislead them."""
-    optimize, best = need("scipy.optimize", "python3-scipy", "least squares"), (np.inf, "")
+    best = (np.inf, "")
 
     def residuals(u):
         nonlocal best
         if problem.rounded(u) not in runs.values and runs.n_runs + runs.per_point > problem.options["budget"]:
             raise Stop(f"the budget of {problem.options['budget']} runs is used up; the best so far: {best[1]} "
                        f"(root of the sum of squares {best[0]:.3g} deviations)")
-        if not runs.values:
-            runs.add([u])
-            problem.check_first(runs)
         k, found, where = runs.at([u])[0], [], ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
         for m in problem.fitted:
             values = runs.of(m)[k]
             values = values[np.isfinite(values).all(axis=1)]
             if not len(values):
-                raise Stop(f"{m.title}: no value at {where}")
+                raise Stop(f"{m.title}: no value at {where}: {runs.cause(k, m.test)}")
             found.append((values.mean(axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
         log(f"{where}: " + ", ".join(f"{m.title} {m.in_file(runs.of(m)[k].mean()):.6g} {m.shown}" for m in problem.fitted if m.x is None))
         found = np.concatenate(found)
@@ -376,5 +380,10 @@ def least_squares(problem, runs, log=lambda text: None):
         return found
 
     start = np.array([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters])
-    found = optimize.least_squares(residuals, np.clip(start, 0.01, 0.99), bounds=(0, 1), diff_step=0.05, xtol=2e-3, ftol=1e-4, x_scale=1.0)
+    start = np.clip(start, 0.01, 0.99)
+    if not runs.values:
+        runs.add([start])
+        problem.check_first(runs)
+    optimize = need("scipy.optimize", "python3-scipy", "least squares")
+    found = optimize.least_squares(residuals, start, bounds=(0, 1), diff_step=0.05, xtol=2e-3, ftol=1e-4, x_scale=1.0)
     return found.x, found.fun

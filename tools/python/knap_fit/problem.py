@@ -1,4 +1,5 @@
 """Reads a FILE of knap-fit. All its mistakes are reported at once, with the line, the key and what is allowed (keys.toml)."""
+import csv
 import difflib
 import functools
 import pathlib
@@ -143,16 +144,25 @@ class Measured:
         keep = np.isfinite(x) & np.isfinite(y)
         return x[keep], y[keep]
 
-    def wrong_signs(self, run):
-        """The `factors` with which the curve of a run would meet this one; None: those of FILE may do so. A run lies on the other
-        side of zero where a sign was forgotten."""
-        x, y = self.course(run)
-        signs = [1, 1]
-        meets = [np.clip(sign * x, *self.x[[0, -1]]).ptp() > 0 if len(x) else True for sign in (1, -1)]
-        signs[0] = 1 if meets[0] or not meets[1] else -1
+    def mistake(self, run):
+        """What the first run shows of FILE, and what is allowed; None: nothing. It lacks a column; it lies on the other side of zero where a
+        sign was forgotten; it reaches the end of its time before the end of the curve."""
+        try:
+            x, y = self.course(run)
+        except knap.KnapError as error:
+            return str(error), ""
+        if not len(x):
+            return None
+        signs = [-1 if np.clip(x, *self.x[[0, -1]]).ptp() == 0 < np.clip(-x, *self.x[[0, -1]]).ptp() else 1, 1]
         product = _first(signs[0] * x, y, self.x) * self.values
         signs[1] = -1 if (product < 0).sum() > 1 and not (product > 0).any() else 1
-        return None if signs == [1, 1] else [float(sign * old) for sign, old in zip(signs, self.factors)]
+        if signs != [1, 1]:
+            return "the first run has its curve on the other side of zero", f"factors = {[float(sign * old) for sign, old in zip(signs, self.factors)]}"
+        if run.reached_end and not x.min() <= self.x[0] < self.x[-1] <= x.max():
+            low, high, first, last = (f"{value / factor(self.x_shown, self.x_unit):.4g}" for value in (x.min(), x.max(), *self.x[[0, -1]]))
+            return (f"the first run has its curve from {low} to {high} {self.x_shown}, what was measured goes from {first} to {last} {self.x_shown}",
+                    "a later time.end, in `set`; the part that runs have, between = [...]")
+        return None
 
 
 def _first(x, y, places):
@@ -178,6 +188,7 @@ class Problem:
 
     def __init__(self, name, parameters, tests, options):
         self.name, self.parameters, self.tests, self.options = name, parameters, tests, {**defaults, **options}
+        self.file = None  # FILE
 
     @property
     def measured(self):
@@ -188,15 +199,11 @@ class Problem:
         return [measured for measured in self.measured if measured.use == "fit"]
 
     def check_first(self, runs):
-        """Mistakes of FILE that the first runs show: columns that they do not have, and signs that were forgotten."""
+        """Mistakes of FILE that the first run of each test shows."""
         texts = []
-        for m, run in ((m, run) for m in self.measured if m.x is not None for run in runs.answers(m.test)[:1] if run):
-            try:
-                signs = m.wrong_signs(run)
-                text = signs and f"the first run has its curve on the other side of zero\n  --> {m.where}\n   = allowed: factors = {signs}"
-            except knap.KnapError as error:
-                text = f"{error}\n  --> {m.where}"
-            texts += [f"error: {m.title}: {text}"] if text else []
+        for m in (m for m in self.measured if m.x is not None):
+            for text, remedy in (found for run in runs.answers(m.test)[:1] if run and (found := m.mistake(run))):
+                texts.append(f"error: {m.title}: {text}\n  --> {m.where}" + f"\n   = allowed: {remedy}" * bool(remedy))
         if texts:
             raise Mistakes(texts, "the first run was done")
 
@@ -220,22 +227,15 @@ class Problem:
         return {**test.set, **{key: self.parameters[i].text(u[i]) for key, i in self.keys_of(test).items()}}
 
 
-@functools.cache
-def _outputs():
-    """{table: {name: unit}} of all outputs of the program; a name may begin with *."""
-    text = subprocess.run([knap.program(), "schema", "--outputs"], capture_output=True, text=True, check=True).stdout
-    tables, rows = {}, {}
-    for line in text.splitlines():
-        if line.startswith("## "):
-            rows = tables.setdefault(line[3:].strip().removesuffix(".csv"), {})
-        elif match := re.match(r"\| `([^`]+)` \| ([^|]*) \|", line):
-            rows[match[1]] = match[2].strip()
-    return tables
+def outputs_of(table):
+    """{name: unit} of the outputs of the program in the summary or a csv file; a name may begin with *."""
+    outputs = knap.schema("--outputs")
+    return outputs.get(table) or outputs.get(f"{table}.csv", {})
 
 
 def unit_of(table, name):
     """Unit of an output of the program; None where it has none of this name."""
-    rows = _outputs().get(table, {})
+    rows = outputs_of(table)
     for pattern, unit in rows.items():
         if name == pattern or (pattern.startswith("*") and name.endswith(pattern[1:]) and len(name) >= len(pattern)):
             return unit
@@ -360,7 +360,7 @@ class _Reader:
         """The unit of a number of the summary; a mistake where there is none of this name."""
         unit = unit_of("summary", name)
         if unit is None:
-            near = difflib.get_close_matches(name, _outputs()["summary"], 3)
+            near = difflib.get_close_matches(name, outputs_of("summary"), 3)
             self.error(path, f"= {name!r} is not a number of the summary", ", ".join(near) or "see scenarios/OUTPUTS.md")
         return unit
 
@@ -461,25 +461,15 @@ class _Reader:
             columns.append((name, column))
             units.append(unit_of(name, column))
             if units[-1] is None:
-                known = [f"{name}.{row}" for row in _outputs().get(name, {})]
+                known = [f"{name}.{row}" for row in outputs_of(name)]
                 self.error(f"{path}.{key}", f"= {table[key]!r} is not a column of a table of the run",
                            ", ".join(known[:12]) or allowed(keys["measured"][key]))
         if table["curve"]:
-            try:
-                read = knap.read_csv(self.file.parent / table["curve"])
-                wrong = next((name for name in read if quantity(name) or (name.endswith(")") and not read.units[name])), None)
-                if wrong is not None:
-                    self.error(f"{path}.curve", f"= {table['curve']!r} has {wrong!r} in its first line", allowed(keys["measured"]["curve"]))
-                    return None
-                own = [read.units[name] or unit for name, unit in zip(read, own)]
-                points = np.array(list(read.values())[:2], float).T
-            except FileNotFoundError:
-                self.error(f"{path}.curve", f"= {table['curve']!r} does not exist", allowed(keys["measured"]["curve"]))
+            points, own = self.csv(table["curve"], own, f"{path}.curve")
+            if points is None:
                 return None
-            except (OSError, ValueError, StopIteration, AttributeError):
-                points = np.zeros((0, 0))
-        if points.shape[1:] != (2,) or len(points) < 2 or not (np.diff(points[:, 0]) > 0).all():
-            self.refuse("measured", "curve" if table["curve"] else "points", path, given)
+        elif len(points) < 2 or not (np.diff(points[:, 0]) > 0).all():
+            self.refuse("measured", "points", path, given)
             return None
         scales = [factor(unit, of or "") for unit, of in zip(own, units)]
         if None in scales and None not in units:
@@ -497,6 +487,35 @@ class _Reader:
         found = Measured(test, columns[1][1], table["use"], y, None, x=x, columns=columns, factors=table["factors"], unit=units[1], x_unit=units[0])
         found.x_shown, found.shown = (unit or of for unit, of in zip(own, units))
         return found
+
+    def csv(self, name, units, path):
+        """Points and units of a csv file; all its mistakes are one error with a line for each. None: it has some."""
+        try:
+            head, *rows = csv.reader((self.file.parent / name).read_text(encoding="utf-8").splitlines() or [""])
+        except (OSError, UnicodeDecodeError) as error:
+            self.error(path, f"= {name!r} cannot be read: {getattr(error, 'strerror', None) or error}", keys["measured"]["curve"]["allowed"])
+            return None, units
+        titles, points, wrong = [knap.name_and_unit(title) for title in head], [], []
+        if len(head) != 2 or any(quantity(title) or (title.endswith(")") and not unit) for title, unit in titles):
+            wrong.append((1, f"{','.join(head)!r} are not two names with units"))
+        for number, row in ((number, row) for number, row in enumerate(rows, 2) if row):
+            try:
+                x, y = map(float, row)
+            except ValueError:
+                x = y = np.nan
+            if not np.isfinite([x, y]).all():
+                wrong.append((number, f"{','.join(row)!r} is not two numbers"))
+            elif points and x <= points[-1][0]:
+                wrong.append((number, f"x = {x:g} is not larger than {points[-1][0]:g} before it"))
+            else:
+                points.append((x, y))
+        if len(points) < 2:
+            wrong.append((len(rows) + 1, "it ends with fewer than two points"))
+        if wrong:
+            lines = "".join(f"\n  --> {self.file.parent / name}:{number}: {text}" for number, text in wrong[:20]) + "\n  ..." * (len(wrong) > 20)
+            self.error(path, f"= {name!r} has {len(wrong)} mistake{'s' * (len(wrong) > 1)}", keys["measured"]["curve"]["allowed"] + lines)
+            return None, units
+        return np.array(points), [unit or other for (_, unit), other in zip(titles, units)]
 
     def expect(self, name, given, parameters):
         """Value of the mean of the posterior, and how far from it the mean may lie."""
@@ -523,6 +542,7 @@ def read(file, check_scenarios=True, fit=True):
     for name in options["numbers"]:
         reader.number(name, "sensitivity.numbers")
     problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options)
+    problem.file = pathlib.Path(file)
     per_point = sum(test.seeds for test in tests)
     if fit and options["budget"] < per_point * max(options["first"], 1):
         reader.error("fit.first" if options["first"] else "fit.budget", f"needs more runs than the budget of {options['budget']}",

@@ -1,6 +1,9 @@
 """Tables, pictures and report.html of a fit."""
 import html
 import pathlib
+import platform
+import shlex
+import sys
 from statistics import NormalDist
 
 import numpy as np
@@ -47,14 +50,13 @@ def write(fit):
                [[title, *(100 * narrowed).tolist()] for title, narrowed in further]),
               ("Residuals", "residuals.csv", [*columns, "residual", "in deviations"], residuals),
               ("Predictions of what was left out", "predictions.csv", [*columns, "inside"], predictions)]
-    for _, file, titles, lines in tables:
-        table(out / file, titles, lines)
+    write_tables(out, tables)
     (out / "parameters.tex").write_text(knap.latex(head[:5], [row[:5] for row in rows], "Parameters of " + problem.name), encoding="utf-8")
     notes = said(fit, further, predictions)
     for row in rows:
         print(f"{row[0]} = {row[2]:.5g} {row[1]}  ({level}: {row[3]:.5g} to {row[4]:.5g}; determined: {row[-1]})")
     print("\n".join(notes))
-    _page(out / "report.html", problem.name, notes, [(title, *rest) for title, _, *rest in tables], draw(fit, curves))
+    page(fit.runs, notes, tables, draw(fit, curves, level))
     print(f"fit:     {out}")
     return meets(problem, dict(zip(names, values.mean(axis=0))))
 
@@ -67,20 +69,23 @@ def meets(problem, values):
     return not any(missed.values())
 
 
+def places(m, *rows):
+    """Rows of a measurement and what stands for it, in the units of FILE: a line for each place."""
+    x = [""] if m.x is None else m.x_in_file.tolist()
+    return [[m.title, place, m.x_shown, *line, m.shown] for place, *line in zip(x, *(m.in_file(values).tolist() for values in (m.values, *rows)))]
+
+
 def against_data(fit, curves):
-    """Rows of the residuals of what was fitted, and of the predictions of what was left out, in the units of FILE."""
+    """Rows of the residuals of what was fitted, and of the predictions of what was left out."""
     residuals, predictions = [], []
     deviations = 2 * NormalDist().inv_cdf(0.5 + fit.problem.options["interval"] / 2)  # of the interval: 3.29 at 90 %
-    for m, *of_model in curves:
-        if m.values is None:
-            continue
-        places = [""] if m.x is None else m.x_in_file.tolist()
-        for x, value, low, middle, high in zip(places, *(m.in_file(values).tolist() for values in (m.values, *of_model))):
-            row = [m.title, x, m.x_shown, value, middle, low, high, m.shown]
+    for m, low, middle, high in (row for row in curves if row[0].values is not None):
+        for row in places(m, middle, low, high):
+            value, model, lower, upper = row[3:7]
             if m.use == "fit":
-                residuals.append([*row, value - middle, (value - middle) * deviations / max(high - low, 1e-300)])
+                residuals.append([*row, value - model, (value - model) * deviations / max(upper - lower, 1e-300)])
             else:
-                predictions.append([*row, "yes" if low <= value <= high else "no"])
+                predictions.append([*row, "yes" if lower <= value <= upper else "no"])
     return residuals, predictions
 
 
@@ -88,6 +93,9 @@ def said(fit, further, predictions):
     """Sentences: what the data say, and what they do not."""
     parameters, states = fit.problem.parameters, fit.determined()
     notes = [f"{fit.runs.counted()}; {fit.stopped}."]
+    if fit.is_filled:
+        notes.append(f"All {len(fit.runs.values)} points fill the space between the bounds (fit.first, fit.budget): none was chosen by what others taught. A larger budget "
+                     "narrows the intervals faster.")
     if np.isfinite(fit.p):
         notes.append(f"Misfit: probability {fit.p:.2g} if the model were true." + (
             "" if not fit.contradicted else " THE MODEL CANNOT MEET THESE DATA with any of its parameters, or their scatter and noise are larger than stated; "
@@ -114,8 +122,10 @@ def said(fit, further, predictions):
         notes.append(f"{title} would narrow the intervals: {most}." if most else f"{title} would narrow no interval.")
     notes += [f"{m.title}: too few runs have a value to say what it would tell." for m in fit.problem.measured if m.title not in fit.emulators]
     for u, p in zip(fit.posterior.u.T, parameters):
-        if np.mean(u < 0.03) > 0.15 or np.mean(u > 0.97) > 0.15:
-            notes.append(f"{p.name} leans on a bound, {p.low:g} to {p.high:g} {p.unit}: widen it if the bound is no knowledge.")
+        for side, bound, pressed in (("lower", p.low, u < 0.03), ("upper", p.high, u > 0.97)):
+            if pressed.mean() > 0.15:
+                notes.append(f"{p.name} is pressed against its {side} bound, {', '.join(p.keys)} = {bound:g} {p.unit}".rstrip() + ": widen it, unless it is knowledge"
+                             + "; the data may lie beyond." * fit.contradicted + "." * (not fit.contradicted))
     if predictions:
         notes.append(f"Left out: {sum(row[-1] == 'yes' for row in predictions)} of {len(predictions)} values lie in their intervals.")
     for m in (m for m in fit.problem.measured if m.title in fit.emulators):
@@ -131,21 +141,43 @@ def said(fit, further, predictions):
 
 
 def write_least_squares(problem, runs, u, residuals):
+    """All files of a fit by least squares, and what a terminal shows; whether the values of [expect] are met."""
     values = problem.values(u)
-    table(runs.directory / "parameters.csv", ["parameter", "unit", "best"], [[p.name, p.unit, float(v)] for p, v in zip(problem.parameters, values)])
-    for p, x in zip(problem.parameters, u):
-        print(f"{p.name} = {p.text(x)}")
-    print(f"{runs.counted()}; root of the sum of squares {np.sqrt((residuals**2).sum()):.3g} deviations\nfit:     {runs.directory}")
+    rows = [[p.name, p.unit, float(value)] for p, value in zip(problem.parameters, values)]
+    answers = ((m, runs.of(m)[runs.values.index(problem.rounded(u))]) for m in problem.measured if m.values is not None)
+    best = [(m, np.nanmean(found, axis=0)) for m, found in answers if np.isfinite(found).any()]
+    compared = [[*row[:5], row[-1], row[3] - row[4]] for m, found in best for row in places(m, found)]
+    tables = [("Parameters", "parameters.csv", ["parameter", "unit", "best"], rows),
+              ("Measured and model", "residuals.csv", ["measured", "x", "unit of x", "value", "model", "unit", "residual"], compared)]
+    notes = [f"{runs.counted()}; root of the sum of squares {np.sqrt((residuals**2).sum()):.3g} deviations. Least squares give the best values alone, without intervals "
+             "(method)."]
+    write_tables(runs.directory, tables)
+    page(runs, notes, tables, [curves_over(runs, [(m, found, found, found) for m, found in best], "model")])
+    print(*(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)), *notes, f"fit:     {runs.directory}", sep="\n")
     return meets(problem, {p.name: float(value) for p, value in zip(problem.parameters, values)})
 
 
-def _page(file, name, notes, tables, pictures):
-    """The notes, the first table, the pictures, the other tables."""
-    blocks = [f"<h2>{html.escape(title)}</h2>\n{knap.html_table(head, rows)}\n" for title, head, rows in tables if rows]
-    blocks[1:1] = [f"<h2>{title}</h2>\n<img src=\"{picture}\" alt=\"{html.escape(title)}\">\n" for title, picture in pictures]
+def write_tables(out, tables):
+    for _, file, titles, lines in tables:
+        table(out / file, titles, lines)
+
+
+def page(runs, notes, tables, pictures):
+    """report.html, one file: the notes, the first table, the pictures, the other tables, and how it was made."""
+    problem = runs.problem
+    blocks = [f"<h2>{html.escape(title)}</h2>\n{knap.html_table(head, rows)}\n" for title, _, head, rows in tables if rows]
+    blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file)}\n" for title, file in filter(None, pictures)]
+    made = next((run.info for test in problem.tests for run in runs.answers(test) if hasattr(run, "info")), {})
+    versions = {"knap": f"{made.get('version', '')} {made.get('git', {}).get('hash', '')}", "Python": platform.python_version(),
+                **{name: sys.modules[name].__version__ for name in ("numpy", "scipy", "sklearn", "emcee", "matplotlib") if name in sys.modules}}
+    blocks += [f"<h2>How it was made</h2>\n<p><code>{html.escape(shlex.join(map(str, sys.argv)))}</code></p>\n",
+               f"<p>{html.escape(', '.join(' '.join(version) for version in versions.items()))}</p>\n"]
+    for file in dict.fromkeys([*([problem.file] if problem.file else []), *(pathlib.Path(test.scenario) for test in problem.tests)]):
+        text = file.read_text(encoding="utf-8") if file.is_file() else "built into knap: knap new --from " + str(file)
+        blocks.append(f"<details><summary>{html.escape(file.name)}</summary><pre>{html.escape(text)}</pre></details>\n")
     body = "".join(f"<p>{html.escape(note)}</p>\n" for note in notes) + "".join(blocks)
-    page = (pathlib.Path(__file__).parent / "page.html").read_text(encoding="utf-8")
-    file.write_text(page.replace("NAME", html.escape(name)).replace("BODY", body), encoding="utf-8")
+    text = (pathlib.Path(__file__).parent / "page.html").read_text(encoding="utf-8")
+    (runs.directory / "report.html").write_text(text.replace("NAME", html.escape(problem.name)).replace("BODY", body), encoding="utf-8")
 
 
 def figure_of(*size):
@@ -161,7 +193,7 @@ def save(figure, out, title, name):
     """Title and file, for a page."""
     figure.tight_layout()
     figure.savefig(out / name, dpi=110)
-    return title, name
+    return title, out / name
 
 
 def corner(figure, fit):
@@ -195,27 +227,32 @@ def corner(figure, fit):
     return figure
 
 
-def draw(fit, curves):
-    """(title, file) of the pictures."""
-    out, parameters, level = fit.runs.directory, fit.problem.parameters, 100 * fit.problem.options["interval"]
-    figure = figure_of(2.2 * len(parameters) + 1, 2.2 * len(parameters) + 1)
-    if figure is None:
-        return []
-    pictures = [save(corner(figure, fit), out, "Posterior", "corner.png")]
+def curves_over(runs, curves, label_of_model):
+    """The picture of curves (measured, low, middle, high) over the measurements and the runs; None without matplotlib."""
     figure = figure_of(7, 3.2 * len(curves))
-    axes = figure.subplots(len(curves), squeeze=False)
-    for axis, (m, *of_model) in zip(axes[:, 0], curves):
+    if figure is None or not curves:
+        return None
+    for axis, (m, *of_model) in zip(figure.subplots(len(curves), squeeze=False)[:, 0], curves):
         x, number = (np.arange(2), 2) if m.x is None else (m.x_in_file, 1)  # a number is a line from 0 to 1
         low, middle, high = (np.tile(m.in_file(values), number) for values in of_model)
-        axis.plot(x, np.tile(m.in_file(fit.runs.of(m)).reshape(-1, m.size), number).T, color="#cccccc", lw=0.5)
-        axis.fill_between(x, low, high, color="#4477aa", alpha=0.4, label=f"model, {level:g} %")
+        axis.plot(x, np.tile(m.in_file(runs.of(m)).reshape(-1, m.size), number).T, color="#cccccc", lw=0.5)
+        axis.fill_between(x, low, high, color="#4477aa", alpha=0.4, label=label_of_model)
         axis.plot(x, middle, color="#4477aa")
         if m.values is not None:
             axis.plot(x, np.tile(m.in_file(m.values), number), "o-" if number == 1 else "-", color="#cc3311", label="measured")
         axis.set(ylabel=label(m.name, m.shown), xlabel=label(m.columns[0][1], m.x_shown) if number == 1 else "", **({"xticks": []} if number == 2 else {}))
         axis.set_title(m.title, fontsize="medium")
         axis.legend(fontsize="small")
-    pictures.append(save(figure, out, "Measured and model", "curves.png"))
+    return save(figure, runs.directory, "Measured and model", "curves.png")
+
+
+def draw(fit, curves, level):
+    """(title, file) of the pictures."""
+    out, parameters = fit.runs.directory, fit.problem.parameters
+    figure = figure_of(2.2 * len(parameters) + 1, 2.2 * len(parameters) + 1)
+    if figure is None:
+        return []
+    pictures = [save(corner(figure, fit), out, "Posterior", "corner.png"), curves_over(fit.runs, curves, f"model, {level}")]
     figure, (runs, _, widths) = figure_of(7, 3.2), zip(*fit.history)
     axis = figure.subplots()
     axis.plot(runs, widths, "o-", label=[p.name for p in parameters])

@@ -66,6 +66,10 @@ class Runs:
         found = [re.match(r"gate (\w+)", why) for (_, of, _), why in self.why.items() if of is test]
         return collections.Counter(gate[1] for gate in found if gate)
 
+    def cause(self, k, test):
+        """Why a point has no value of a test."""
+        return next((why for (point, of, _), why in self.why.items() if why and (point, of) == (k, test)), "the run ended before it had one; a later time.end?")
+
     @property
     def per_point(self):
         return sum(test.seeds for test in self.problem.tests)

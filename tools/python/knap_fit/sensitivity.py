@@ -3,7 +3,7 @@ import numpy as np
 
 import knap
 
-from . import report
+from . import need, report
 from .emulator import Emulator
 from .inference import sobol
 from .problem import unit_of
@@ -49,7 +49,9 @@ def write(problem, runs):
     """Tables and a picture; what a terminal shows."""
     k, out = len(problem.parameters), runs.directory
     points = trajectories(k, problem.options["trajectories"], problem.options["seed"])
-    place = runs.at(np.concatenate([*points, sobol(6 * k, k, problem.options["seed"])]))[:-6 * k]  # also inside, for the emulator
+    place = runs.at(np.concatenate(points))
+    need("scipy.stats", "python3-scipy", "knap-sensitivity", ("sklearn", "python3-sklearn"))
+    runs.at(sobol(6 * k, k, problem.options["seed"]))  # also inside, for the emulator
     names = {(test, name) for test in problem.tests for name in problem.options.get("numbers") or
              [m.name for m in test.measured if m.x is None]}
     rows = []
@@ -72,7 +74,7 @@ def write(problem, runs):
                                                     if isinstance(row[6], float) else "it is the same in all runs or has no value"))
     notes = [f"{runs.counted()}. Effects: over the whole range of a parameter, from trajectories (Morris). Sobol: parts of the "
              "variance of the mean over seeds, from an emulator; total minus first order is interaction."]
-    report._page(out / "report.html", problem.name, notes, [("Sensitivity", head, rows)], _draw(rows, out))
+    report.page(runs, notes, [("Sensitivity", "sensitivity.csv", head, rows)], _draw(rows, out))
     print(f"{notes[0]}\nsensitivity: {out}")
     return True
 
