@@ -315,7 +315,7 @@ class Quick(unittest.TestCase):
 
     def test_fits_of_the_scenarios_are_right(self):
         found = {file.stem: files.read(file) for file in sorted(fits.glob("*.toml")) if "knap_fit" in file.read_text()}
-        self.assertEqual([name for name, problem in found.items() if name == problem.name], ["beam", "fit_concrete_panel", "fit_granite"])
+        self.assertEqual([name for name, problem in found.items() if name == problem.name], ["beam", "fit_concrete_panel", "fit_granite", "fit_panel", "fit_rock"])
 
     def test_posterior_of_each_test_has_its_keys(self):
         found = files.read(fits / "fit_granite.toml", check_scenarios=False)

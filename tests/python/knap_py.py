@@ -244,9 +244,14 @@ class Examples(unittest.TestCase):
                         "--set", "mesh.size=3 mm", "--set", "mesh.refine=", "--set", "figure=", "--tolerance", "0.02",
                         "-o", runs / "fit")
         found = dict(re.findall(r"sigma_c = (\S+) Pa: specimen: strength (\S+) Pa", out))
-        last = out.splitlines()[-1].split()[2]
+        last = re.search(r"^sigma_c = (\S+) Pa$", out, re.MULTILINE)[1]
         self.assertLess(abs(float(found[last]) - 5e6), 0.02 * 5e6)
         self.assertGreater(len(found), 2)
+        self.assertIn("<h2>How it was made</h2>", (runs / "fit" / "report.html").read_text())
+        with self.assertRaises(subprocess.CalledProcessError) as caught:  # the platens have hardly moved
+            self.call(tools / "fit_strength.py", "brazilian_disc", "--measured", "5e6", "--between", "4e6", "6e6", "--set", "mesh.size=3 mm", "--set", "mesh.refine=",
+                      "--set", "time.end=50 us", "-o", runs / "short")
+        self.assertIn("no value at sigma_c = 5e+06 Pa: the run ended before it had one; a later time.end?", caught.exception.stderr)
 
     def test_figure_is_drawn(self):
         try:

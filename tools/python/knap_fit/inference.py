@@ -122,16 +122,15 @@ def _same(a, b):
 
 
 def _combined(members, log):
-    """A sentence on the (name, power or coefficient)s of what is determined."""
-    (first, one), *others = members
-    parts = [(name, c / one) for name, c in others]
-    if log:
-        powers = [(name, "" if f"{abs(c):.2g}" == "1" else f"^{abs(c):.2g}", c < 0) for name, c in parts]
-        text = first + "".join(("/" if below else " ") + name + power for name, power, below in powers)
-    else:
-        text = first + "".join(f" {'-' if c < 0 else '+'} {abs(c):.3g} {name}" for name, c in parts)
-    both = ("ratio", "product") if log else ("difference", "sum")
-    kind = both[not (len(parts) == 1 and parts[0][1] < 0)]
+    """A sentence on what is determined of the (name, power or coefficient) of each of some parameters."""
+    (text, one), *others = members
+    for name, c in ((name, c / one) for name, c in others):
+        if log:
+            text += ("/" if c < 0 else " ") + name + f"^{abs(c):.2g}" * (f"{abs(c):.2g}" != "1")
+        else:
+            text += f" {'-' if c < 0 else '+'} {abs(c):.3g} {name}"
+    unlike = bool(len(others) == 1 and others[0][1] / one < 0)
+    kind = (("product", "ratio") if log else ("sum", "difference"))[unlike]
     return f"only the {kind} {text} is determined, not each of {', '.join(name for name, _ in members)}"
 
 

@@ -15,6 +15,7 @@ from . import need
 
 tomllib = need("tomllib", "python3 (3.11 or later)", "a FILE")
 keys = tomllib.loads((pathlib.Path(__file__).parent / "keys.toml").read_text(encoding="utf-8"))
+prose = keys.pop("prose")
 defaults = {name: key["default"] for name, key in keys["fit"].items() if "default" in key}
 _prefixes = {"": 1, "G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
 
@@ -58,14 +59,10 @@ class Parameter:
         self.low, self.high = bounds
 
     def value(self, u):
-        if self.log:
-            return self.low * (self.high / self.low) ** u
-        return self.low + (self.high - self.low) * u
+        return self.low * (self.high / self.low) ** u if self.log else self.low + (self.high - self.low) * u
 
     def place(self, value):
-        if self.log:
-            return np.log(value / self.low) / np.log(self.high / self.low)
-        return (value - self.low) / (self.high - self.low)
+        return np.log(value / self.low) / np.log(self.high / self.low) if self.log else (value - self.low) / (self.high - self.low)
 
     def log_prior(self, u):
         """Uniform in u between the bounds; with `normal` also of the value, by its mean and standard deviation."""
@@ -178,10 +175,6 @@ class Test:
         self.name, self.scenario, self.set, self.seeds, self.first_seed = name, scenario, set, seeds, first_seed
         self.measured = []
 
-    @property
-    def all_seeds(self):
-        return range(self.first_seed, self.first_seed + self.seeds)
-
 
 class Problem:
     """What FILE asks for: `parameters`, `tests`, `options` of [fit]."""
@@ -236,10 +229,7 @@ def outputs_of(table):
 def unit_of(table, name):
     """Unit of an output of the program; None where it has none of this name."""
     rows = outputs_of(table)
-    for pattern, unit in rows.items():
-        if name == pattern or (pattern.startswith("*") and name.endswith(pattern[1:]) and len(name) >= len(pattern)):
-            return unit
-    return None
+    return next((unit for pattern, unit in rows.items() if name == pattern or (pattern[0] == "*" and name.endswith(pattern[1:]) and len(name) >= len(pattern))), None)
 
 
 def allowed(key):
@@ -258,13 +248,7 @@ def markdown():
     """scenarios/FIT_KEYS.md"""
     heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]", "measured": "[[test.NAME.measured]]",
              "expect": "[expect.PARAMETER]"}
-    lines = ["# Keys of a fit", "", "Written by `knap-fit --keys`. What a fit does, and a first FILE: [guide](README.md#parameters-from-measurements). Numbers "
-             "have the units of scenarios, in SI where none is written.", "", "Exit codes of knap-fit and knap-sensitivity: 0 success, also where command lines were "
-             "printed; 2 a mistake in FILE, found before the runs or by the first one, or a library that is missing; 3 the runs or the data give no answer; "
-             "4 a value of `[expect]` is missed; 130 interrupted (the same command goes on). With `--print-commands` stdout has command lines alone, or "
-             "nothing where no run is left; messages are on stderr.", "", "`determined` of a parameter: yes, where its standard deviation in its scale is below 0.4 of "
-             "the one that it had before the data (bounds and `normal`); partly, below 0.75; no. Where the model cannot meet the data (misfit of a probability below "
-             "1 %, or a residual that alone is as improbable) it is at most partly, and no where even the largest model error does not take up the misfit."]
+    lines = [prose.rstrip()]
     for kind, rows in keys.items():
         lines += ["", f"## {heads.get(kind, f'[{kind}]')}", "", "| key | value | default | meaning |", "|---|---|---|---|"]
         for name, key in rows.items():
@@ -570,9 +554,8 @@ def _check_scenarios(reader, problem):
         return done.stderr.strip() if done.returncode else ""
 
     for test in (test for test in problem.tests if test.scenario):
-        wrong = next((u for u in (0.0, 1.0) if said(test, u)), None)
-        if wrong is not None:
-            reader.error(f"test.{test.name}", f"with all parameters at their {'upper' if wrong else 'lower'} bounds:\n{said(test, wrong)}")
+        if wrong := next(((side, text) for side, u in (("lower", 0.0), ("upper", 1.0)) if (text := said(test, u))), None):
+            reader.error(f"test.{test.name}", "with all parameters at their {} bounds:\n{}".format(*wrong))
             continue
         for m in (m for m in test.measured if m.x is None and m.unit is not None):
             text = said(test, 0.0, ("expect", f'{{ {m.name} = {{ below = "1 {m.unit}" }} }}' if m.unit else f"{{ {m.name} = {{ below = 1 }} }}"))

@@ -50,7 +50,6 @@ def write(fit):
                [[title, *(100 * narrowed).tolist()] for title, narrowed in further]),
               ("Residuals", "residuals.csv", [*columns, "residual", "in deviations"], residuals),
               ("Predictions of what was left out", "predictions.csv", [*columns, "inside"], predictions)]
-    write_tables(out, tables)
     (out / "parameters.tex").write_text(knap.latex(head[:5], [row[:5] for row in rows], "Parameters of " + problem.name), encoding="utf-8")
     notes = said(fit, further, predictions)
     for row in rows:
@@ -151,20 +150,16 @@ def write_least_squares(problem, runs, u, residuals):
               ("Measured and model", "residuals.csv", ["measured", "x", "unit of x", "value", "model", "unit", "residual"], compared)]
     notes = [f"{runs.counted()}; root of the sum of squares {np.sqrt((residuals**2).sum()):.3g} deviations. Least squares give the best values alone, without intervals "
              "(method)."]
-    write_tables(runs.directory, tables)
     page(runs, notes, tables, [curves_over(runs, [(m, found, found, found) for m, found in best], "model")])
     print(*(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)), *notes, f"fit:     {runs.directory}", sep="\n")
     return meets(problem, {p.name: float(value) for p, value in zip(problem.parameters, values)})
 
 
-def write_tables(out, tables):
-    for _, file, titles, lines in tables:
-        table(out / file, titles, lines)
-
-
 def page(runs, notes, tables, pictures):
-    """report.html, one file: the notes, the first table, the pictures, the other tables, and how it was made."""
+    """The tables as csv, and report.html, one file: the notes, the first table, the pictures, the other tables, and how it was made."""
     problem = runs.problem
+    for _, file, head, rows in tables:
+        table(runs.directory / file, head, rows)
     blocks = [f"<h2>{html.escape(title)}</h2>\n{knap.html_table(head, rows)}\n" for title, _, head, rows in tables if rows]
     blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file)}\n" for title, file in filter(None, pictures)]
     made = next((run.info for test in problem.tests for run in runs.answers(test) if hasattr(run, "info")), {})

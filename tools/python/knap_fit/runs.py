@@ -119,7 +119,8 @@ class Runs:
         return [self.values.index(row) for row in rows]
 
     def _jobs(self):
-        return [(k, test, seed) for k in range(len(self.values)) for test in self.problem.tests for seed in test.all_seeds]
+        return [(k, test, seed) for k in range(len(self.values)) for test in self.problem.tests
+                for seed in range(test.first_seed, test.first_seed + test.seeds)]
 
     def folder(self, k, test, seed):
         return self.directory / "runs" / f"{test.name}_p{k + 1}_s{seed}"

@@ -67,7 +67,6 @@ def write(problem, runs):
             rows.append([test.name, name, p.name, float(mu), float(sigma), unit_of("summary", name) or "", float(mu / max(np.nanmean(np.abs(y)), 1e-300)), first, total, part])
     head = ["test", "number", "parameter", "mean effect", "deviation of effects", "unit", "effect over the mean", "Sobol first order", "Sobol total",
             "part of the seeds"]
-    report.table(out / "sensitivity.csv", head, rows)
     (out / "sensitivity.tex").write_text(knap.latex(head, rows, "Sensitivity of " + problem.name, digits=3), encoding="utf-8")
     for row in rows:
         print(f"{row[0]}: {row[1]} on {row[2]}: " + (f"{row[6]:.2g} of its mean over the bounds, {max(row[8], 0):.2f} of its variance"
