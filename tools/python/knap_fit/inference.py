@@ -155,6 +155,10 @@ class Fit:
         middle = np.full((min(1 + max(2, n // 4) * unknown, n), len(self.problem.parameters)), 0.5)
         return np.vstack([middle, self.design(n - len(middle))]) if n > 1 else middle
 
+    def filling_points(self, n):
+        """Further points that fill the space with those before them."""
+        return self.design(len(self.runs.values) + n)[-n:]
+
     def unknown_scatter(self):
         """Measurements of which nothing tells the scatter."""
         return [m for m in self.problem.fitted if m.scatter is None and self.emulators[m.title].freedom < 2]
@@ -170,20 +174,20 @@ class Fit:
             self.problem.check_first(self.runs)
             need("scipy.stats", "python3-scipy", "knap-fit", ("sklearn", "python3-sklearn"), ("emcee", "python3-emcee"))
         while not self.stopped:
-            filling = self.design(len(self.runs.values) + batch)[-min(batch, max(most - len(self.runs.values), 1)):]
-            if not self.emulate(last=len(self.runs.values) >= most):
-                self.runs.add(filling)  # too few runs have a value to choose by
+            n = min(batch, most - len(self.runs.values))
+            if not self.emulate(last=n < 1):
+                self.runs.add(self.filling_points(n))  # too few runs have a value to choose by
                 continue
             self.infer(steps=150)
             self.remember()
             self.log(f"{self.runs.n_runs} runs; " + "; ".join(
                 f"{p.name} {low:.4g} to {high:.4g} {p.unit}" for p, low, high in zip(self.problem.parameters, *self.posterior.interval())))
-            if len(self.runs.values) >= most:
+            if n < 1:
                 self.stopped = "the budget is used up"
             elif len(self.history) > 2 and all(self.steady(now, before) for now, before in zip(self.history[-2:], self.history[-3:])):
                 self.stopped = "the intervals no longer shrink"
             else:
-                self.runs.add(filling if options["design"] == "random" else self.next_points(len(filling)))
+                self.runs.add(self.next_points(n))
         self.infer(steps=600)
         return self
 
