@@ -192,7 +192,8 @@ class Fit:
         return self
 
     def steady(self, now, before):
-        return now[1] < 0.1 and np.abs(now[2] / before[2] - 1).max() < self.problem.options["shrink"]
+        """Whether the geometric mean of the widths stays: each of them alone scatters as short chains do."""
+        return now[1] < 0.1 and np.abs(np.log(now[2] / before[2]).mean()) < self.problem.options["shrink"]
 
     def remember(self):
         """Adds this round to the history, and those with fewer runs that convergence.csv has from a process before this one."""

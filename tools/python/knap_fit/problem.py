@@ -155,7 +155,7 @@ class Measured:
         signs[1] = -1 if (product < 0).sum() > 1 and not (product > 0).any() else 1
         if signs != [1, 1]:
             return "the first run has its curve on the other side of zero", f"factors = {[float(sign * old) for sign, old in zip(signs, self.factors)]}"
-        if run.reached_end and not x.min() <= self.x[0] < self.x[-1] <= x.max():
+        if not x.min() <= self.x[0] < self.x[-1] <= x.max() and run.reached_end:
             low, high, first, last = (f"{value / factor(self.x_shown, self.x_unit):.4g}" for value in (x.min(), x.max(), *self.x[[0, -1]]))
             return (f"the first run has its curve from {low} to {high} {self.x_shown}, what was measured goes from {first} to {last} {self.x_shown}",
                     "a later time.end, in `set`; the part that runs have, between = [...]")
