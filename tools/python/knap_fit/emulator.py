@@ -6,23 +6,35 @@ import numpy as np
 from . import need
 
 
+def _process(u, y, noises, noise_bounds):
+    """The most likely one of some starts."""
+    gp = need("sklearn.gaussian_process", "python3-sklearn", "the emulator")
+    kernels, k = gp.kernels, u.shape[1]
+    starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
+              + kernels.WhiteKernel(np.clip(noise, *noises), noise_bounds)
+              for length, noise in ((1.0, 1e-2), (0.3, 1e-2), (3.0, 1e-2), (1.0, 1e-5), (3.0, 1e-5))]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
+        return max((gp.GaussianProcessRegressor(start, random_state=1).fit(u, y) for start in starts), key=lambda process: process.log_marginal_likelihood_value_)
+
+
 class Emulator:
     """Kriging (scikit-learn) of the values of one measurement. A curve is written by the principal components of its values over their
     deviations: the mean is m + sum_j g_j(u) v_j, its covariance sum_jk v_j v_k r_jk sqrt(var g_j var g_k); what the components
     leave out is `rest` at each place. The variance of runs with other seeds at one place is found with the other parameters of
-    the covariance (white noise), within the 90 % interval of what runs at the same place show. `freedom`: how many numbers tell it. r_jk is the correlation of what the components leave of the runs,
-    shrunk by Ledoit and Wolf (J. Multivariate Anal. 88 (2004) 365): a strong peak and a late fall go together."""
+    the covariance (white noise), within the 90 % interval of what runs at the same place show. `freedom`: how many numbers tell
+    it. r_jk is the correlation of what the processes leave of the components, shrunk by Ledoit and Wolf (J. Multivariate Anal. 88
+    (2004) 365): a strong peak and a late fall go together."""
 
     def __init__(self, u, values, level):
         """u: points; values: over points, seeds and places, nan where a run failed. The search for the covariances starts from
         fixed places alone, so that the same runs give the same emulator, however a fit came to them."""
-        gp, stats = need("sklearn.gaussian_process", "python3-sklearn", "the emulator"), need("scipy.stats", "python3-scipy", "the emulator")
-        kernels = gp.kernels
+        stats, cov = need("scipy.stats", "python3-scipy", "the emulator"), need("sklearn.covariance", "python3-sklearn", "the emulator")
         seeds = np.isfinite(values).all(axis=2)
         self.works = seeds.any(axis=1)  # points
         count = seeds.sum(axis=1)[self.works]
         y = np.where(seeds[:, :, None], values, 0).sum(axis=1)[self.works] / count[:, None]
-        self.n_seeds, self.level = count.mean(), level
+        self.n_seeds = count.mean()
         self.u, (n, k) = np.asarray(u)[self.works], (len(y), np.shape(u)[1])
         if n < k + 2:
             raise ValueError(f"only {n} of {len(u)} points have a value")
@@ -45,13 +57,7 @@ class Emulator:
             if repeats:
                 bounds = np.clip((about[:, j] ** 2).sum() / self.n_seeds / stats.chi2.ppf([0.95, 0.05], repeats), *bounds)
             exact = bounds[1] < 1.01e-6  # the seeds change nothing
-            starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
-                      + kernels.WhiteKernel(np.clip(noise, *bounds), "fixed" if exact else bounds)
-                      for length, noise in ((1.0, 1e-2), (0.3, 1e-2), (3.0, 1e-2), (1.0, 1e-5), (3.0, 1e-5))]
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
-                found = [gp.GaussianProcessRegressor(start, random_state=1).fit(self.u, g[:, j] / self.scale[j]) for start in starts]
-            self.processes.append(max(found, key=lambda process: process.log_marginal_likelihood_value_))
+            self.processes.append(_process(self.u, g[:, j] / self.scale[j], bounds, "fixed" if exact else bounds))
             noise = self.processes[j].kernel_.k2.noise_level
             self.noise[j] = noise * self.scale[j] ** 2 if noise > 1.01e-6 else 0
             # n - trace(K (K + noise)^-1) of the points, and those of the seeds
@@ -59,7 +65,7 @@ class Emulator:
         self.freedom = freedom[np.argmax(self.noise)]
         left = np.array([process.predict(self.u) for process in self.processes]).T - g / self.scale
         left = np.where(self.noise > 0, left / np.maximum(left.std(axis=0), 1e-12), 0)
-        alike = need("sklearn.covariance", "python3-sklearn", "the emulator").ledoit_wolf(left, assume_centered=True)[0] if n > 2 and r > 1 else np.zeros((r, r))
+        alike = cov.ledoit_wolf(left, assume_centered=True)[0] if r > 1 else np.eye(1)
         np.fill_diagonal(alike, 1)
         self.root = np.linalg.cholesky(alike)
         # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal one
