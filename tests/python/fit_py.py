@@ -307,6 +307,11 @@ class Quick(unittest.TestCase):
             self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
         start = (f"import sys; sys.path.insert(0, {str(tools)!r}); sys.argv[0] = 'knap-sensitivity'\nfor name in {{}}: sys.modules[name] = None\n"
                  "from knap_fit.command import {}; {}()")
+        for program, lines in (("fit", 1), ("sensitivity", 4)):  # numpy alone says what to run first
+            done = subprocess.run([sys.executable, "-c", start.format(["scipy", "sklearn", "emcee"], program, program), file, "--print-commands", "-o", directory / "missing" / "alone"],
+                                  capture_output=True, text=True)
+            self.assertEqual((done.returncode, len(done.stdout.splitlines()), done.stderr), (0, lines, ""))
+            shutil.rmtree(directory / "missing" / "alone")
         for gone, program, words in ((["scipy", "sklearn", "emcee"], "fit", "apt install python3-scipy python3-sklearn python3-emcee\n"),
                                      (["scipy", "sklearn"], "sensitivity", "error: knap-sensitivity needs scipy.stats, sklearn: apt install python3-scipy python3-sklearn\n"),
                                      (["numpy"], "sensitivity", "error: knap-sensitivity needs numpy: apt install python3-numpy\n")):
