@@ -27,7 +27,7 @@ void add_outline(KeyTable& t, const std::string& table) {
     t.number("size", "m", "width and height").pair().above(0).required().only_with("shape", {"rectangle"});
     t.number("origin", "m", "lower left corner").pair().otherwise("[0, 0]").only_with("shape", {"rectangle"});
     t.number("points", "m", "corners in order, without repeating the first one")
-        .points().required().only_with("shape", {"polygon"});
+        .points(3).required().only_with("shape", {"polygon"});
     t.text("sides", "boundary names of the sides, in the order of the points; sides may share a name")
         .list().a_name().computed("side1, side2, ...").only_with("shape", {"polygon"});
     add_arcs(t, table, "sides of the polygon that are circular arcs; they keep their boundary names", {"polygon"});
@@ -41,17 +41,17 @@ void add_parts(KeyTable& t, const std::string& table) {
     t.number("snap", "m", "of cracks: ends, corners and crossings that are nearer than this to each other or to a line "
         "are joined, shorter pieces left out, and counted by `check`").above(0).computed("none");
     t.list(table + ".hole[]", "a hole, given by points, or by centre and radius");
-    t.number("points", "m", "corners in order").points();
+    t.number("points", "m", "corners in order").points(3);
     add_arcs(t, table + ".hole[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a round hole").pair();
     t.number("radius", "m", "radius of a round hole, meshed as a polygon with at least twelve sides").above(0);
     t.text("name", "boundary name of its edge").a_name().computed("hole1, hole2, ...");
     t.list(table + ".crack[]", "a closed crack without cohesion, with contact and friction by the law of its "
         "materials; or a joint with a law of its own");
-    t.number("points", "m", "polyline of the crack").points().required();
+    t.number("points", "m", "polyline of the crack").points(2).required();
     t.text("interface", "name of the interface law of a joint; without it there is no cohesion");
     t.list(table + ".region[]", "a part of another material: points, centre and radius, or a box; the last one counts");
-    t.number("points", "m", "corners in order").points();
+    t.number("points", "m", "corners in order").points(3);
     add_arcs(t, table + ".region[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a disc").pair();
     t.number("radius", "m", "radius of a disc").above(0);
@@ -177,8 +177,8 @@ void add_keys_of_body(KeyTable& t) {
     t.list("mesh.refine[]", "a place with smaller triangles, a box or a strip; the smallest size holds "
         "where places overlap");
     t.number("inside", "m", "lower left and upper right corner of a box; or along").box();
-    t.number("along", "m", "polyline of at least two points in the middle of a strip, such as the path of a crack")
-        .points();
+    t.number("along", "m", "polyline in the middle of a strip, such as the path of a crack")
+        .points(2);
     t.number("width", "m", "of the strip from side to side, required with along; its ends are round").above(0);
     t.number("size", "m", "requested mean edge length inside").above(0).required();
     t.in("mesh");
@@ -422,7 +422,8 @@ void add_keys_of_loads(KeyTable& t) {
     t.text("name", "name of the fluid in fluids.csv, in the summary and in [expect]; letters, digits, blanks, _ and -")
         .a_name().computed("fluid0, fluid1, ...").to(&CrackPressure::name);
     t.number("pressure", "Pa", "pressure; negative: a warning").to(&CrackPressure::pressure);
-    t.text("formula", "pressure in Pa as a formula of x, y [m] and t [s] with the functions of heat.temperature");
+    t.text("formula", "pressure in Pa as a formula of x, y [m] and t [s] with the functions of heat.temperature")
+        .or_formula();
     t.number("rate", "m2/s", "volume per thickness of the body that enters in a time, and compresses with it; the "
         "pressure follows from the volume of the cracks that the fluid fills, and is never negative; the factor over "
         "time multiplies the rate").at_least(0).to(&CrackPressure::rate);
@@ -456,7 +457,7 @@ void add_keys_of_loads(KeyTable& t) {
         .pair().required().only_with("shape", {"half plane"});
     t.number("centre", "m", "centre").pair().required().only_with("shape", {"disc"});
     t.number("radius", "m", "radius").above(0).required().only_with("shape", {"disc"}).to(&Outline::radius);
-    t.number("points", "m", "corners in order; of a polyline instead of csv").points()
+    t.number("points", "m", "corners in order; of a polyline instead of csv").points(2)
         .only_with("shape", {"polygon", "polyline"});
     t.number("angle", "deg", "angle by which it is turned about its centre of mass").otherwise("0")
         .only_with("shape", {"disc", "polygon"});
@@ -545,7 +546,7 @@ void add_keys_of_loads(KeyTable& t) {
         "by a box, in the undeformed body: what is there at the start vanishes, wherever it has moved. The mesh "
         "follows its outline. Until then it is ordinary material; then the forces that it exerted on the rest decrease "
         "linearly to zero, and the new faces are free. Its loads and supports vanish with it");
-    t.number("points", "m", "corners in order").points();
+    t.number("points", "m", "corners in order").points(3);
     add_arcs(t, "excavation[]", "sides between the points that are circular arcs");
     t.number("centre", "m", "centre of a disc").pair();
     t.number("radius", "m", "radius of a disc").above(0);

@@ -161,8 +161,8 @@ void add_keys_of_run(KeyTable& t) {
         .to(&CollectorOptions::name);
 
     t.list("figure[]", "a picture drawn by the run");
-    t.text("file", "file name that ends in .png, .svg or .pdf; the time is added if there are several. An animation of "
-        "the body ends in .webp, or where ffmpeg is installed in .gif or .mp4")
+    t.word("file", {"*.png", "*.svg", "*.pdf", "*.webp", "*.gif", "*.mp4"}, "file name; the time is added if "
+        "there are several. An animation of the body ends in .webp, or where ffmpeg is installed in .gif or .mp4")
         .required().to(&FigureOptions::file);
     t.number("every", "s", "simulated time between two pictures of an animation").above(0).computed("output.every")
         .to(&FigureOptions::every);

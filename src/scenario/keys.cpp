@@ -9,14 +9,15 @@
 
 namespace knap {
 
-FormRule rule_of(Form form) {
-    static constexpr FormRule rules[] = {{"", 1, 1},
-                                         {"two values [a, b]", 2, 2},
-                                         {"three values [a, b, c]", 3, 3},
-                                         {"a box [xmin, ymin, xmax, ymax]", 4, 4},
-                                         {"a list [a, b, ...]", 1, 0},
-                                         {"", 1, 0},
-                                         {"a list of pairs [[a, b], ...]", 1, 0}};
+FormRule Key::rule() const {
+    if (min_points > 1) return {"a list of pairs [[a, b], ...], at least " + std::to_string(min_points), min_points, 0};
+    static const FormRule rules[] = {{"", 1, 1},
+                                     {"two values [a, b]", 2, 2},
+                                     {"three values [a, b, c]", 3, 3},
+                                     {"a box [xmin, ymin, xmax, ymax]", 4, 4},
+                                     {"a list [a, b, ...]", 1, 0},
+                                     {"", 1, 0},
+                                     {"a list of pairs [[a, b], ...]", 1, 0}};
     return rules[static_cast<int>(form)];
 }
 
@@ -104,7 +105,10 @@ std::string describe_one(const Key& key, std::string_view unit) {
         case Kind::boolean: return "true or false";
         case Kind::integer: return "a whole number";
         case Kind::text:
-            return key.takes_values ? "a value" : key.words.empty() ? "a text" : "one of " + joined(key.words);
+            return key.takes_values     ? "a value"
+                   : key.takes_formulas ? "a formula of x, y, t"
+                   : key.words.empty()  ? "a text"
+                                        : "one of " + joined(key.words);
         case Kind::number: break;
         default: return "a table";
     }
@@ -115,8 +119,8 @@ std::string describe_one(const Key& key, std::string_view unit) {
 }
 
 std::string describe(const Key& key, std::string_view unit) {
-    const std::string one = describe_one(key, unit), text = rule_of(key.form).text;
-    if (key.takes_formulas) return std::string(text) + ", each " + one + "; or a csv file";
+    const std::string one = describe_one(key, unit), text = key.rule().text;
+    if (key.takes_formulas && key.kind == Kind::number) return text + ", each " + one + "; or a csv file";
     if (key.form == Form::one_or_list) return one + ", or a list of them";
     if (key.form != Form::points || key.second_unit == "=") return text + (text.empty() ? "" : ", each ") + one;
     return text + ", a being " + one + " and b " + describe_unit(key.second_unit);

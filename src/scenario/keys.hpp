@@ -33,10 +33,9 @@ enum class Form {
 };
 
 struct FormRule {
-    const char* text;
+    std::string text;
     std::size_t min, max;  // number of entries; max 0: unlimited
 };
-FormRule rule_of(Form form);
 
 struct Range {
     double low = -infinity, high = infinity;
@@ -64,6 +63,7 @@ struct Key {
     std::string_view unit = {};          // of plain numbers; "*": depends on other keys
     std::string_view second_unit = "=";  // of the second number of a point; "=": the same unit
     std::vector<std::string> multiples;  // units that are kept instead of converted: "CFL", "cR", "%"
+    std::size_t min_points = 1;          // of the form points
     Range range = {};
     std::vector<std::string> words =
         {};  // allowed texts ("*_force_x", "run:*": with any text there); of a number: besides numbers
@@ -72,7 +72,8 @@ struct Key {
     bool is_required = false;           // within its table
     bool is_a_name = false;             // of a text: it must be a name (is_name)
     bool takes_values = false;          // of a text: numbers and lists stand for their text
-    bool takes_formulas = false;        // of a number: also a formula, or a csv file in the place of all numbers
+    bool takes_formulas =
+        false;  // of a number: also a formula, or a csv file in the place of all numbers; of a text: it is one
     Condition condition = {};
     std::string_view text_key = {};                      // of a table: the key that a text in place of the table gives
     const std::type_info* owner = nullptr;               // the options struct that has a member for the value
@@ -80,6 +81,7 @@ struct Key {
 
     std::string_view name() const;    // the last part of the path, without []
     std::string_view parent() const;  // pattern of the table that has the key, "" at the top
+    FormRule rule() const;
     bool is_table() const { return kind == Kind::table || kind == Kind::list || kind == Kind::names; }
     /// Whether plain numbers have a unit that does not depend on other keys.
     bool has_fixed_unit() const { return kind == Kind::number && !unit.empty() && unit != "*"; }
@@ -90,7 +92,7 @@ struct Key {
     Key& box() { return form = Form::box, *this; }
     Key& list() { return form = Form::list, *this; }
     Key& one_or_list() { return form = Form::one_or_list, *this; }
-    Key& points() { return form = Form::points, *this; }
+    Key& points(std::size_t at_least = 1) { return form = Form::points, min_points = at_least, *this; }
     Key& second(std::string_view of_second) { return second_unit = of_second, *this; }
     Key& or_multiple_of(std::vector<std::string> units) { return multiples = std::move(units), *this; }
     Key& above(double x) { return range.low = x, range.low_included = false, *this; }

@@ -56,8 +56,6 @@ void read_refined_place(const Table& table) {
         table.error("missing-key", "width", "is missing", "the width of the strip along the polyline");
     if (kind == "inside" && table.given("width"))
         table.error("exclusive-keys", "width", "belongs to along", "a box has the corners in `inside` only");
-    if (points && points->size() < 2)
-        return table.error("out-of-range", "along", "has fewer than two points", "a polyline: [[x, y], [x, y], ...]");
     if (!kind || !size) return;
     if (box) places.push_back({*box, *size});
     if (points && width) places.push_back(refined_strip(*points, *width, *size));

@@ -232,12 +232,10 @@ void read_figure(const Table& table, std::set<std::string>& files) {
     table.compute("width", Node::of_integer(animation ? animation_width : figure.width));
     table.fill(figure);
     const std::string& file = figure.file;
-    const std::string type = std::filesystem::path(file).extension().string();
     const bool is_plain_name = file.find_first_of("/\\") == std::string::npos && !file.starts_with('.');
-    if (table.has("file") && (!is_plain_name || (type != ".png" && type != ".svg" && type != ".pdf" && !animation)))
+    if (table.has("file") && !is_plain_name)
         table.error("bad-name", "file", "= \"" + file + "\" cannot be the file of a figure",
-                    "a plain name that ends in .png, .svg or .pdf, of an animation in .webp, .gif or .mp4; figures are "
-                    "written to the run directory");
+                    "a plain name; figures are written to the run directory");
     // resolved.toml has keys without an effect, with their usual values
     FigureOptions given = figure;
     if (given.at == std::vector{end}) given.at.clear();

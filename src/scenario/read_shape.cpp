@@ -14,7 +14,11 @@ std::vector<Vec2> rectangle(const Vec2& low, const Vec2& high) {
     return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
 }
 
-/// Reads closed curves and polylines.
+std::vector<Vec2> points_of(const Table& table) {
+    return table.get<std::vector<Vec2>>("points").value_or(std::vector<Vec2>());
+}
+
+/// Reads closed curves.
 class CurveReader {
 public:
     explicit CurveReader(const MeshOptions& mesh) : mesh_(mesh), size_(mesh_, 1) {}
@@ -26,15 +30,6 @@ public:
         if (!centre || !radius || !(mesh_.size > 0)) return {};
         if (too_fine(table, "radius", {*centre, *radius, 0, 2 * std::numbers::pi})) return {};
         return knap::circle(*centre, *radius, size_);
-    }
-
-    /// At least `min` points; none, and an error, where there are fewer.
-    std::vector<Vec2> points(const Table& table, std::size_t min) const {
-        std::vector<Vec2> list = table.get<std::vector<Vec2>>("points").value_or(std::vector<Vec2>());
-        if (list.size() >= min) return list;
-        if (table.has("points"))
-            table.error("out-of-range", "points", "needs at least " + std::to_string(min) + " points");
-        return {};
     }
 
     /// A polygon some of whose sides are arcs, and the side to which each of its pieces belongs.
@@ -64,7 +59,7 @@ public:
             table.error("missing-key", is_round ? "" : "centre", ": centre and radius belong together");
         if (form && form != "points" && table.given("arcs")) table.error("exclusive-keys", "arcs", "belongs to points");
         if (is_round) return circle(table);
-        if (form == "points") return polygon(table, points(table, 3)).points;
+        if (form == "points") return polygon(table, points_of(table)).points;
         if (const auto box = table.get<Box>("box")) return rectangle(box->low, box->high);
         return {};
     }
@@ -107,7 +102,7 @@ private:
 
 /// One name for each side; computed if not given.
 void read_polygon(const Table& table, const CurveReader& curves, const std::string& prefix, Shape& shape) {
-    const std::vector<Vec2> corners = curves.points(table, 3);
+    const std::vector<Vec2> corners = points_of(table);
     const CurveReader::Polygon outline = curves.polygon(table, corners);
     const std::size_t n = corners.size();
     std::vector<Node> sides;
@@ -152,7 +147,7 @@ void read_shape(const Table& table, const MeshOptions& mesh, const std::string& 
         if (!ring.points.empty()) shape.holes.push_back(std::move(ring));
     }
     for (const Table& crack : table.list("crack"))
-        if (std::vector<Vec2> points = curves.points(crack, 2); !points.empty())
+        if (std::vector<Vec2> points = points_of(crack); !points.empty())
             shape.cracks.push_back(
                 {.points = std::move(points), .joint = crack.given("interface") ? crack.new_joint_set() : -1});
     for (const Table& region : table.list("region")) {

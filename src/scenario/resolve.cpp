@@ -38,7 +38,7 @@ public:
     std::optional<Node> checked(const Node& node) {
         const bool array = node.type == Node::Type::array;
         const auto is_array = [](const Node& child) { return child.type == Node::Type::array; };
-        if (key_.takes_formulas && node.text.ends_with(".csv")) {
+        if (key_.takes_formulas && key_.kind == Kind::number && node.text.ends_with(".csv")) {
             Node file = Node::of_text(node.text);
             file.take_place(node);
             return file;
@@ -48,10 +48,14 @@ public:
             auto one = scalar(node, unit_);
             return one ? std::optional(Node::of_list({std::move(*one)})) : std::nullopt;
         }
-        const FormRule rule = rule_of(key_.form);
+        const FormRule rule = key_.rule();
         const std::size_t n = node.children.size();
-        if (!array || n < rule.min || (rule.max > 0 && n > rule.max)) return wrong(node);
+        const bool too_few = n < rule.min;
+        if (!array || (too_few && key_.min_points == 1) || (rule.max > 0 && n > rule.max)) return wrong(node);
         if (key_.form == Form::points && std::ranges::none_of(node.children, is_array)) return wrong(node);
+        if (too_few)
+            return error("out-of-range", " needs at least " + std::to_string(rule.min) + " points", node,
+                         std::string(key_.doc));
         return key_.form == Form::box ? box(node, list(node)) : list(node);
     }
 

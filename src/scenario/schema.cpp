@@ -108,10 +108,12 @@ std::string pairs_markdown() {
 Json json_words(const std::vector<std::string>& words) {
     std::vector<std::string> whole, beginnings, endings;
     for (const std::string& word : words)
-        if (word.starts_with('*')) endings.push_back(word.substr(1));
+        if (word.starts_with("*.")) endings.push_back("\\" + word.substr(1));
+        else if (word.starts_with('*')) endings.push_back(word.substr(1));
         else if (word.ends_with('*')) beginnings.push_back(word.substr(0, word.size() - 1));
         else whole.push_back(word);
-    Json any = Json::array({{{"enum", whole}}});
+    Json any = Json::array();
+    if (!whole.empty()) any.push_back({{"enum", whole}});
     const auto add = [&](const std::string& pattern) { any.push_back({{"type", "string"}, {"pattern", pattern}}); };
     if (!endings.empty()) add(".(" + joined(endings, "|") + ")$");
     if (!beginnings.empty()) add("^(" + joined(beginnings, "|") + ").");
@@ -144,13 +146,12 @@ Json json_kinds() {
     return kinds;
 }
 
-/// A text such as a formula; one that begins as a number with a unit is a quantity of the kind of `unit`.
-Json json_text_or_quantity(std::string_view unit) {
+/// A text such as a formula, and no number with a unit.
+Json json_formula() {
     const char* const number_and_letter =
         "^ *[-+]?(?:[0-9]+\\.?[0-9]*|\\.[0-9]+)(?:[eE][-+]?[0-9]+)? *"
-        "(?:[A-DF-Za-df-zµμ]|[eE](?:[^-+0-9]|$))";  // the e of 1e2 is none
-    const Json other{{"type", "string"}, {"not", {{"pattern", number_and_letter}}}};
-    return {{"anyOf", {{{"$ref", "#/$defs/" + name_of_kind(unit)}}, other}}};
+        "(?:[A-DF-Za-df-zµμ%]|[eE](?:[^-+0-9]|$))";  // the e of 1e2 is none
+    return {{"type", "string"}, {"title", "a formula of x, y, t"}, {"not", {{"pattern", number_and_letter}}}};
 }
 
 Json json_value(const Key& key, std::string_view unit) {
@@ -163,7 +164,9 @@ Json json_value(const Key& key, std::string_view unit) {
     };
     if (key.kind == Kind::boolean) return {{"type", "boolean"}};
     if (key.kind == Kind::integer) return ranged("integer");
-    if (key.kind == Kind::text && !key.unit.empty()) return json_text_or_quantity(key.unit);
+    if (key.kind == Kind::text && !key.unit.empty())
+        return {{"anyOf", {{{"$ref", "#/$defs/" + name_of_kind(key.unit)}}, json_formula()}}};
+    if (key.kind == Kind::text && key.takes_formulas) return json_formula();
     if (key.kind == Kind::text) return key.words.empty() ? Json{{"type", "string"}} : json_words(key.words);
     const char* const sign = range.low < 0 ? "" : range.low > 0 || !range.low_included ? "positive" : "not_negative";
     Json any = Json::array({ranged("number")});
@@ -175,7 +178,7 @@ Json json_value(const Key& key, std::string_view unit) {
     add(unit);
     for (const std::string& multiple : key.multiples) add(multiple);
     if (!key.words.empty()) any.push_back(json_words(key.words));
-    if (key.takes_formulas) any.push_back({{"type", "string"}, {"title", "a formula of x, y, t"}});
+    if (key.takes_formulas) any.push_back(json_formula());
     return {{"anyOf", any}};
 }
 
@@ -188,7 +191,7 @@ Json json_array(const Json& items, std::size_t min, std::size_t max) {
 Json json_form(const Key& key) {
     const Json one = json_value(key, key.unit);
     if (key.form == Form::one) return one;
-    const FormRule rule = rule_of(key.form);
+    const FormRule rule = key.rule();
     Json point = json_array(one, 2, 2);
     if (key.second_unit != "=") {
         point.erase("items");

@@ -91,46 +91,72 @@ TEST_CASE("schema: an editor takes of each kind of unit what the program takes a
     for (const auto& [unit, n] : n_good) CHECK_MESSAGE(n > 0, unit);
 }
 
-TEST_CASE("schema: an editor marks numbers with a unit and the wrong sign") {
+TEST_CASE("schema: an editor marks texts that the program refuses") {
     const Json root = Json::parse(json_schema());
-    const auto takes = [&](const Json& member, const std::string& text) {
-        for (const Json& one : member.at("anyOf")) {
-            if (one.contains("allOf") && std::ranges::all_of(one.at("allOf"), [&](const Json& part) {
-                    const Json& kind = root.at("$defs").at(part.at("$ref").get<std::string>().substr(8));
-                    return std::regex_search(text, std::regex(kind.at("pattern").get<std::string>()));
-                }))
-                return true;
-        }
-        return false;
+    const std::function<bool(const Json&, const std::string&)> takes = [&](const Json& schema,
+                                                                           const std::string& text) {
+        const auto it_takes = [&](const Json& part) { return takes(part, text); };
+        const auto matches = [&](const Json& of) {
+            return std::regex_search(text, std::regex(of.at("pattern").get<std::string>()));
+        };
+        if (schema.contains("$ref") && !it_takes(root.at("$defs").at(schema.at("$ref").get<std::string>().substr(8))))
+            return false;
+        if (schema.contains("anyOf") && std::ranges::none_of(schema.at("anyOf"), it_takes)) return false;
+        if (schema.contains("allOf") && !std::ranges::all_of(schema.at("allOf"), it_takes)) return false;
+        if (schema.contains("enum") && std::ranges::count(schema.at("enum"), Json(text)) == 0) return false;
+        if (schema.contains("not") && matches(schema.at("not"))) return false;
+        return schema.value("type", "string") == "string" && (!schema.contains("pattern") || matches(schema));
     };
-    const Json& law = object(root.at("properties").at("interface")).at("properties");
-    for (const char* text : {"3 J/m2", "+3 J/m2", "0.03 J/m2", ".5 J/m2", "00.10e-3 kJ/m2"})
-        CHECK(takes(law.at("G_c"), text));
-    for (const char* text : {"-3 J/m2", "0 J/m2", "0.0e5 J/m2", "3", "3 J"}) CHECK_FALSE(takes(law.at("G_c"), text));
-    CHECK(takes(law.at("friction"), "0 %"));
-    CHECK_FALSE(takes(law.at("friction"), "-1 %"));
-    const Json& heat = object(root.at("properties").at("heat")).at("properties");
-    CHECK(takes(heat.at("reference"), "-10 C"));
-    CHECK(object(root.at("properties").at("toughness")).at("properties").at("meaning").at("enum") ==
-          root.at("properties").at("toughness").at("anyOf").at(0).at("enum"));  // of toughness = "as measured"
-    const Json& temperature = heat.at("temperature").at("anyOf");
-    const auto matches = [](const std::string& text, const Json& pattern) {
-        return std::regex_search(text, std::regex(pattern.get<std::string>()));
+    const auto members = [](const Json& of, const char* key) { return object(of.at(key)).at("properties"); };
+    const Json of = root.at("properties"), law = members(of, "interface"), load = members(of, "load");
+    const auto component = [](const Json& of_three) { return of_three.at("anyOf").at(0).at("items"); };
+    const struct {
+        const char* what;
+        Json schema;
+        std::vector<const char*> good, bad;
+    } cases[] = {
+        {"greater than 0",
+         law.at("G_c"),
+         {"3 J/m2", "+3 J/m2", "0.03 J/m2", ".5 J/m2", "00.10e-3 kJ/m2"},
+         {"-3 J/m2", "0 J/m2", "0.0e5 J/m2", "3", "3 J", "three"}},
+        {"at least 0", law.at("friction"), {"0 %", "0.3"}, {"-1 %", "1 deg"}},
+        {"a temperature", members(of, "heat").at("reference"), {"-10 C", "263 K"}, {"-10", "3 J"}},
+        {"a temperature or a formula or a file",
+         members(of, "heat").at("temperature"),
+         {"400 K", "-5C", "20", "20 + 300*exp(-x/0.01)", "1e2*x", "-.5*y", "map.csv", "frozen"},
+         {"400 kg", "4e2m"}},
+        {"a stress or a formula",
+         component(load.at("traction")),
+         {"3 MPa", "-1e6*x", "-0.027*(100 - y) MPa", "2e6", "exp(-t) kPa"},
+         {"3 J", "3J", "1e3 m", "3 %", "1 MPa*x", "2x"}},
+        {"a stress around the body", component(load.at("stress")), {"-20 MPa", "1e6*y"}, {"-20 m", "20 J/m2"}},
+        {"a stress of the undeformed body",
+         component(members(of, "initial").at("stress")),
+         {"-20 MPa", "y MPa"},
+         {"3 J"}},
+        {"a file in place of three stresses",
+         members(of, "initial").at("stress"),
+         {"stress.csv"},
+         {"stress.txt", "3 MPa"}},
+        {"a formula", members(of, "pressure").at("formula"), {"2e6*exp(-x/0.1) + 1e9*t", "1e6"}, {"3 MPa", "3 J"}},
+        {"a picture",
+         members(of, "figure").at("file"),
+         {"c.png", "a b.svg", "c.pdf", "c.webp", "c.gif", "c.mp4"},
+         {"c.jpeg", "c.jpg", "c.PNG", "cpng", ".png", "c.png.bak"}},
     };
-    for (const auto& [text, is_good] : {std::pair("400 K", true),
-                                        {"-5C", true},
-                                        {"400 kg", false},
-                                        {"4e2m", false},
-                                        {"20", true},
-                                        {"20 + 300*exp(-x/0.01)", true},
-                                        {"1e2*x", true},
-                                        {"-.5*y", true},
-                                        {"map.csv", true},
-                                        {"frozen", true}}) {
-        CAPTURE(text);
-        const bool is_kelvin = matches(text, root.at("$defs").at("K").at("pattern"));
-        CHECK((is_kelvin || !matches(text, temperature.at(1).at("not").at("pattern"))) == is_good);
+    for (const auto& [what, schema, good, bad] : cases) {
+        CAPTURE(what);
+        for (const char* text : good) CHECK_MESSAGE(takes(schema, text), text);
+        for (const char* text : bad) CHECK_MESSAGE(!takes(schema, text), text);
     }
+    CHECK(members(of, "toughness").at("meaning").at("enum") ==
+          of.at("toughness").at("anyOf").at(0).at("enum"));  // of toughness = "as measured"
+}
+
+TEST_CASE("schema: an editor marks a crack with one point and a hole with two") {
+    const Json domain = object(Json::parse(json_schema()).at("properties").at("domain")).at("properties");
+    CHECK(object(domain.at("crack")).at("properties").at("points").at("minItems") == 2);
+    CHECK(object(domain.at("hole")).at("properties").at("points").at("minItems") == 3);
 }
 
 TEST_CASE("schema: every quantity of the built-in scenarios has the pattern of its unit") {

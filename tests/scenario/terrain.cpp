@@ -122,7 +122,7 @@ TEST_CASE("scenario: mistakes in the points of a terrain are told with the place
         return points("[2, 0], [0, 0]") + "[[obstacle.range]]\n" + keys + "\n";
     };
     for (const auto& [text, code, message] :
-         {std::tuple{points("[0, 0]"), "out-of-range", "has one point"},
+         {std::tuple{points("[0, 0]"), "out-of-range", "needs at least 2 points"},
           {points("[2, 0], [2, 0], [0, 0]"), "out-of-range", "has two points in a row at (2, 0) m"},
           {points("[0, 0], [2, 0], [2, 1], [1, -1]"), "out-of-range", "crosses or touches itself at (1.5, 0) m"},
           {points("[0, 0], [2, 0], [2, 1], [1, 0]"), "out-of-range", "crosses or touches itself at (1, 0) m"},
