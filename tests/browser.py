@@ -102,7 +102,7 @@ environment = {**os.environ, "OMP_NUM_THREADS": "1"}
 subprocess.run([knap, "run", "edge_cracked_block", "-q", "-s", "mesh.size=2 mm", "-s", "expect={dissipated={below=0}}", "-o", folder / "run"],
                env=environment, stdout=subprocess.DEVNULL)
 report = folder / "run/report.html"
-for width, columns in ((375, 1), (768, 2), (1280, 2)):
+for width, columns in ((320, 1), (375, 1), (768, 2), (1280, 2)):
     for dark in (False, True):
         page = measured(report, width, dark)
         print(width, "dark" if dark else "light", {name: page[name] for name in ("width", "columns", "contrast")})
@@ -143,6 +143,15 @@ try:
     assert "This run goes on" in browse(page, "--dump-dom")
     assert "-s &#39;mesh.size=0.3 mm&#39;" in text, "what changed the scenario"
     assert measured(page, 375, True)["width"] <= 375
+    harness = folder / "harness.html"  # opens the text of the scenario; the next load is by the page itself
+    harness.write_text(f"""<iframe id="f" src="{page.as_uri()}"></iframe><pre id="out"></pre><script>
+const frame = document.getElementById("f"), found = [];
+frame.onload = () => {{
+  const text = frame.contentDocument.querySelector("details");
+  found.push(text.open), text.open = true;
+  document.getElementById("out").textContent = "FOUND " + found.join();
+}};</script>""")
+    assert "FOUND false,true" in browse(harness, "--virtual-time-budget=20000", "--dump-dom"), "what was opened is closed again"
 finally:
     live.kill()
 assert "Written at 20" in text  # for who has no scripts

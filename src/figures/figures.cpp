@@ -175,6 +175,15 @@ std::filesystem::path file_name(const FigureOptions& options, double time) {
     return file.replace_filename(file.stem().string() + "_" + time_text(nearest, true) + file.extension().string());
 }
 
+/// A quantity in words, for who does not see it drawn: "stress σ_{xx}" -> "stress sigma xx".
+std::string without_symbols(std::string text) {
+    static constexpr std::pair<std::string_view, std::string_view> words[] = {
+        {"σ", "sigma"}, {"β", "beta"}, {"_{", " "}, {"}", ""}, {"|", ""}};
+    for (const auto& [symbol, word] : words)
+        for (std::size_t at = 0; (at = text.find(symbol, at)) != text.npos;) text.replace(at, symbol.size(), word);
+    return text;
+}
+
 }  // namespace
 
 void check_type(const FigureOptions& options) {
@@ -224,7 +233,7 @@ std::vector<std::string> figure_subjects() {
 
 std::vector<std::pair<std::string, std::string>> described_subjects() {
     std::vector<std::pair<std::string, std::string>> found;
-    for (const std::string& name : body_subjects()) found.emplace_back(name, doc_of_body(name));
+    for (const std::string& name : body_subjects()) found.emplace_back(name, without_symbols(doc_of_body(name)));
     for (const CurveKind& kind : curve_kinds) found.emplace_back(kind.show, kind.doc);
     return found;
 }
@@ -289,10 +298,10 @@ std::string words_of(const FigureOptions& options) {
     std::string text = curve ? curve->doc : doc_of_body(options.show);
     if (by_colour(options.show)) text += ", coloured by " + crack_colour(options.colour).quantity;
     text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
-    return text;
+    return without_symbols(text);
 }
 
-std::string caption_of(const FigureOptions& options, const std::filesystem::path& file) {
+std::string caption_of(const FigureOptions& options, const std::filesystem::path& file, double end) {
     const std::filesystem::path own = options.file;
     const std::string name = file.stem().string(), stem = own.stem().string();
     if (file.extension() != own.extension() || !name.starts_with(stem)) return "";
@@ -302,7 +311,7 @@ std::string caption_of(const FigureOptions& options, const std::filesystem::path
     if (options.is_animation()) text += ", moving";
     else if (!after.empty()) text += ", t = " + after.substr(1);
     else if (shows_body(options.show))
-        text += options.at.empty() ? ", at the end of the run" : ", t = " + time_text(options.at[0]);
+        text += ", t = " + time_text(options.at.empty() ? end : std::min(options.at[0], end));
     return (options.title.empty() ? "" : options.title + ": ") + text;
 }
 

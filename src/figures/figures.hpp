@@ -73,7 +73,7 @@ std::vector<IdleKey> idle_keys(const FigureOptions& options);
 /// What it shows, in words: "Cracks, coloured by opening".
 std::string words_of(const FigureOptions& options);
 /// The same with its time, "Cracks, coloured by opening, t = 40 us"; "" where `file` is none of its pictures.
-std::string caption_of(const FigureOptions& options, const std::filesystem::path& file);
+std::string caption_of(const FigureOptions& options, const std::filesystem::path& file, double end);
 
 /// Throws UserError where paper_width and font_size do not fit each other.
 void check_type(const FigureOptions& options);

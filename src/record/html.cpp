@@ -27,21 +27,22 @@ const char* const style = R"(
   :root { --ink: #dcdcdc; --paper: #17191c; --faint: #a8a8a8; --line: #44484d; --code: #22262a; --bad: #ff8a80 }
 }
 body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); background: var(--paper);
-       max-width: 60em; margin: 2em auto; padding: 0 1em }
+       max-width: 60em; margin: 2em auto; padding: 0 1em; overflow-wrap: anywhere }
 a { color: inherit }
-h1 { font-size: 1.6em; margin: 0; overflow-wrap: anywhere }
+h1 { font-size: 1.6em; margin: 0 }
 h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid var(--line) }
 .question { font-style: italic; margin: .3em 0 1em }
 .bad { color: var(--bad) }
-.bad li, .warn li { list-style: "\26A0  "; margin: .2em 0; overflow-wrap: anywhere }
+.bad li, .warn li { list-style: "\26A0  "; margin: .2em 0 }
 table { border-collapse: collapse; font-size: .9em }
-th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid var(--line) }
-td { font-variant-numeric: tabular-nums; overflow-wrap: break-word }
+th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid var(--line);
+         overflow-wrap: break-word }
+td { font-variant-numeric: tabular-nums }
 .table { overflow-x: auto }
 figure { margin: 0 0 1em; break-inside: avoid }
 img { max-width: 100%; height: auto; background: #fff }
 figcaption { color: var(--faint); font-size: .85em }
-pre { white-space: pre-wrap; overflow-wrap: anywhere; background: var(--code); padding: .6em; font-size: .85em }
+pre { white-space: pre-wrap; background: var(--code); padding: .6em; font-size: .85em }
 input[type=range] { width: 100% }
 button { min-height: 2.4em }
 .figures { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1em }
@@ -57,6 +58,7 @@ button { min-height: 2.4em }
   :is(th, td):nth-child(2):has(+ :last-child) { text-align: right }
   :is(th, td):nth-child(3):last-child { grid-column: 1 / -1 }
 }
+@media screen and (max-width: 22em) { th, td { overflow-wrap: anywhere } }
 @page { size: A4; margin: 15mm }
 @media print {
   :root { color-scheme: light; --ink: #222; --paper: #fff; --faint: #5b5b5b; --line: #ccc; --bad: #a11 }
@@ -70,13 +72,19 @@ button { min-height: 2.4em }
 
 /// Loads the page again; one whose time of writing (data-written) stays behind says that the run has ended.
 const char* const reloading = R"(
-const live = document.getElementById("live"), wait = live.dataset.period,
+const live = document.getElementById("live"), wait = live.dataset.period, what = "This " + live.dataset.kind,
       age = Date.now() / 1000 - live.dataset.written;
 if (age > 60 + 4 * wait) {
-  document.getElementById("now").textContent = "This run has ended before its end, or its steps take long: nothing " +
+  document.getElementById("now").textContent = what + " has ended before its end, or its steps take long: nothing " +
     "new for " + Math.round(age / 60) + " min. The same command " + live.dataset.again + ". Last state: ";
   live.className = "bad";
-} else document.getElementById("now").textContent = "This run goes on: ";
+} else document.getElementById("now").textContent = what + " goes on: ";
+addEventListener("DOMContentLoaded", () => {  // what the reader opened stays open
+  const text = document.querySelector("details"), name = location.pathname;
+  if (!text) return;
+  text.open = sessionStorage.getItem(name) === "open";
+  text.ontoggle = () => sessionStorage.setItem(name, text.open ? "open" : "");
+});
 setTimeout(() => location.reload(), 1000 * wait);
 )";
 
@@ -260,13 +268,14 @@ std::string html_page(const std::string& title, const std::string& question, con
            "</body>\n</html>\n";
 }
 
-std::string html_live(const std::string& state, const std::string& again, double period) {
+std::string html_live(const std::string& kind, const std::string& state, const std::string& again, double period) {
     const std::string seconds = std::to_string(std::lround(std::max(period, 1.)));
     const std::time_t now = std::time(nullptr);
-    return "<p id=\"live\" data-written=\"" + std::to_string(now) + "\" data-period=\"" + seconds + "\" data-again=\"" +
-           html_text(again) + "\"><span id=\"now\">This run goes on, or was killed since: </span>" + html_text(state) +
-           ". Written at " + time_of_day(now) + ".</p>\n<script>" + reloading +
-           "</script>\n<noscript><meta http-equiv=\"refresh\" content=\"" + seconds + "\"></noscript>\n";
+    return "<p id=\"live\" data-kind=\"" + kind + "\" data-written=\"" + std::to_string(now) + "\" data-period=\"" +
+           seconds + "\" data-again=\"" + html_text(again) + "\"><span id=\"now\">This " + kind +
+           " goes on, or was killed since: </span>" + html_text(state) + ". Written at " + time_of_day(now) +
+           ".</p>\n<script>" + reloading + "</script>\n<noscript><meta http-equiv=\"refresh\" content=\"" + seconds +
+           "\"></noscript>\n";
 }
 
 std::string question_of(const std::string& scenario) {

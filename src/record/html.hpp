@@ -39,10 +39,10 @@ std::string html_picture(const std::string& bytes, const std::string& caption);
 /// All of it. `question`: below the title.
 std::string html_page(const std::string& title, const std::string& question, const std::string& body);
 
-/// A line about a run that goes on, with the time of day; the page loads itself again every `period` [s]. Where it no
-/// longer changes it says that the run has ended, since one that was killed cannot, and what the same command does:
-/// `again`.
-std::string html_live(const std::string& state, const std::string& again, double period);
+/// A line about a run, study or sweep (`kind`) that goes on, with the time of day; the page loads itself again every
+/// `period` [s]. Where it no longer changes it says that the run has ended, since one that was killed cannot, and what
+/// the same command does: `again`.
+std::string html_live(const std::string& kind, const std::string& state, const std::string& again, double period);
 
 /// The first comment of a scenario up to its question mark; empty where it does not ask.
 std::string question_of(const std::string& scenario);

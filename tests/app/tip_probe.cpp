@@ -369,7 +369,7 @@ TEST_CASE("render lists the subjects of figures with a line each") {
         CAPTURE(answer.text);
         CHECK(answer.code == 0);
         CHECK(answer.has("\nprobe_tips        stress intensity factors of the tips"));
-        CHECK(answer.has("\nstress_yy         stress σ_{yy} [Pa] on the body\n"));
+        CHECK(answer.has("\nstress_yy         stress sigma yy [Pa] on the body\n"));
     }
     CHECK(command("render --show energy").code == 2);  // of which run?
     CHECK(command("render").has("run is required"));

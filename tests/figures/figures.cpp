@@ -109,13 +109,22 @@ TEST_CASE("figures: on paper a vector file has its width and its type and its te
 
 TEST_CASE("figures: captions say what a picture shows") {
     const FigureOptions cracks{.file = "a.png", .at = {20e-6, 40e-6}}, energy{.file = "e.png", .show = "energy"};
-    CHECK(caption_of(cracks, "x/a_40us.png") == "Broken and damaged interfaces, coloured by opening, t = 40us");
-    CHECK(caption_of(energy, "e.png") == "All terms of the energy balance over time");
-    CHECK(caption_of(energy, "e_40us.png").empty());
-    CHECK(caption_of(energy, "e.svg").empty());
-    const FigureOptions speed{.file = "s.png", .show = "speed", .title = "Waves"};
-    CHECK(caption_of(speed, "s.png").starts_with("Waves: "));
-    CHECK(caption_of(speed, "s.png").ends_with(" on the body, at the end of the run"));
+    CHECK(caption_of(cracks, "x/a_40us.png", 1) == "Broken and damaged interfaces, coloured by opening, t = 40us");
+    CHECK(caption_of(energy, "e.png", 1) == "All terms of the energy balance over time");
+    CHECK(caption_of(energy, "e_40us.png", 1).empty());
+    CHECK(caption_of(energy, "e.svg", 1).empty());
+    const FigureOptions stress{.file = "s.png", .show = "stress_xx", .title = "Waves"};
+    CHECK(caption_of(stress, "s.png", 3e-6) == "Waves: Stress sigma xx [Pa] on the body, t = 3 µs");
+    // at time.end, before which the run came to rest
+    const FigureOptions paths{.file = "p.png", .show = "paths", .at = {60}};
+    CHECK(caption_of(paths, "p.png", 9.5).ends_with(", t = 9.5 s"));
+    for (const std::string& show : figure_subjects())
+        for (const std::string& colour : figure_colours()) {
+            const std::string words = words_of({.show = show, .colour = colour});
+            CAPTURE(words);
+            CHECK(words.find_first_of("{}\\|") == words.npos);
+            CHECK(std::ranges::all_of(words, [](char c) { return static_cast<unsigned char>(c) < 0x80; }));
+        }
 }
 
 TEST_CASE("figures: a body of which a failed run threw parts away is drawn where it is") {

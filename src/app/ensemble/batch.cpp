@@ -47,8 +47,9 @@ public:
         sigprocmask(SIG_SETMASK, &before_, nullptr);
     }
     /// Waits for a signal; true for the first interrupt.
-    bool next_interrupts() {
-        const int which = sigwaitinfo(&held_, nullptr);  // -1: none of them
+    bool next_interrupts() {  // within a time
+        constexpr timespec most{.tv_sec = 10, .tv_nsec = 0};
+        const int which = sigtimedwait(&held_, nullptr, &most);  // -1: none of them
         const bool first = which > 0 && which != SIGCHLD && !interrupted_;
         interrupted_ = interrupted_ || first;
         return first;
@@ -148,9 +149,21 @@ std::vector<const EnsembleRun*> runs_to_do(std::span<const EnsembleRun> all, con
     return to_do;
 }
 
-/// False when interrupted.
-bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>& to_do, const fs::path& runs,
-             const BatchOptions& options) {
+std::string title_of(const Ensemble& ensemble) { return ensemble.title.empty() ? ensemble.name : ensemble.title; }
+
+/// report.html while runs go on.
+void write_live_report(const Ensemble& ensemble, std::size_t n_done, const fs::path& directory) try {
+    const std::string state = std::to_string(n_done) + " of " + std::to_string(ensemble.runs.size()) + " runs are done";
+    write_whole_file(directory / "report.html", html_page(title_of(ensemble), ensemble.question,
+                                                          html_live(ensemble.kind, state, "continues it", 5)));
+} catch (const OutputError&) {
+    // a full disk ends the ensemble where its results are written, not here
+}
+
+/// False when interrupted. Meanwhile report.html says how many runs are done.
+bool do_runs(const Ensemble& ensemble, const std::string& scenario, const std::vector<const EnsembleRun*>& to_do,
+             const fs::path& directory, const BatchOptions& options) {
+    const fs::path runs = directory / "runs";
     HeldSignals signals;
     std::map<pid_t, const EnsembleRun*> running;
     std::size_t n_started = 0, n_done = 0;
@@ -161,6 +174,8 @@ bool do_runs(const std::string& scenario, const std::vector<const EnsembleRun*>&
             running[start(scenario, *run, runs, options.force, signals.before())] = run;
             continue;
         }
+        if (ensemble.report && !options.quiet)
+            write_live_report(ensemble, ensemble.runs.size() - to_do.size() + n_done, directory);
         if (signals.next_interrupts())  // the runs receive Ctrl-C themselves, but perhaps not SIGTERM
             for (const auto& [child, run] : running) kill(child, SIGTERM);
         int status = 0;
@@ -193,13 +208,14 @@ void write_report(const Ensemble& ensemble, const std::vector<CaptionedFigure>& 
                 "</li>\n";
     }
     std::vector<fs::path> files;
-    for (const CaptionedFigure& figure : figures) files.push_back(figure.file);
+    for (const CaptionedFigure& figure : figures)
+        if (figure.file.extension() != ".svg") files.push_back(figure.file);  // the same as the .png
     const auto caption_of = [&](const fs::path& file) {
         return std::ranges::find(figures, file, &CaptionedFigure::file)->caption;
     };
     write_whole_file(
         directory / "report.html",
-        html_page(ensemble.title.empty() ? ensemble.name : ensemble.title, ensemble.question,
+        html_page(title_of(ensemble), ensemble.question,
                   html_section("Warnings", html_list(troubles, "bad")) +
                       html_section("Results", html_of_markdown(overview)) +
                       html_section("Figures", html_figures(files, caption_of)) +
@@ -238,7 +254,7 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
         return exit_done;
     }
     for (std::size_t n_done = 0;;) {
-        if (!do_runs(scenario, to_do, runs, options)) return exit_interrupted;
+        if (!do_runs(ensemble, scenario, to_do, directory, options)) return exit_interrupted;
         for (EnsembleRun& run : std::span(ensemble.runs).subspan(n_done)) {
             run.result = read_result(runs / run.name, ensemble.quantities);
             if (!run.refusal.empty()) run.result.reason = run.refusal;

@@ -78,27 +78,27 @@ Chart chart_of(const Ensemble& study, std::size_t q, bool over_cost) {
 /// PNG and SVG of each quantity, where a curve has two points at least.
 std::vector<CaptionedFigure> draw_study(const Ensemble& study, const fs::path& figures) {
     std::vector<CaptionedFigure> drawn;
-    const auto draw = [&](const Chart& chart, const char* kind, const std::string& name, const char* caption) {
+    const auto draw = [&](const Chart& chart, const char* kind, std::size_t q, const char* caption) {
         const auto is_finite = [](double y) { return std::isfinite(y); };
         if (std::ranges::none_of(chart.curves,
                                  [&](const Curve& c) { return std::ranges::count_if(c.y, is_finite) > 1; }))
             return;
+        const std::string& name = study.quantities[q].name;
         for (const char* ending : {".png", ".svg"})
-            drawn.push_back({draw_chart(chart, figures / (kind + name + ending), 1200).file, caption + name});
+            drawn.push_back(
+                {draw_chart(chart, figures / (kind + plain_name(name) + ending), 1200).file, caption + name});
     };
     const bool errors = !study.errors.empty();
     for (std::size_t q = 0; q < study.quantities.size(); ++q) {
-        const std::string name = plain_name(study.quantities[q].name);
         const Chart over_time = chart_of(study, q, true), over_step = chart_of(study, q, false);
         if (errors) {
-            draw(over_time, "work_precision_", name, "Error over processor time: ");
-            draw(over_step, "convergence_", name, "Error over the refined step or mesh: ");
+            draw(over_time, "work_precision_", q, "Error over processor time: ");
+            draw(over_step, "convergence_", q, "Error over the refined step or mesh: ");
             continue;
         }
         if (study.study.lines.size() > 1)
-            draw(over_time, "statistics_over_time_", name,
-                 "Mean and standard deviation over seeds, by processor time: ");
-        draw(over_step, "statistics_", name, "Mean and standard deviation over seeds, by the refined step or mesh: ");
+            draw(over_time, "statistics_over_time_", q, "Mean and standard deviation over seeds, by processor time: ");
+        draw(over_step, "statistics_", q, "Mean and standard deviation over seeds, by the refined step or mesh: ");
     }
     return drawn;
 }

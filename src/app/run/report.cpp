@@ -212,7 +212,7 @@ void write_report(const Scenario& scenario, const RunRecord& record, const Recor
     const Stopwatch watch;
     const auto caption = [&](const fs::path& file) {
         for (const FigureOptions& figure : recorder.options().figures)
-            if (const std::string words = caption_of(figure, file); !words.empty()) return words;
+            if (const std::string words = caption_of(figure, file, record.time); !words.empty()) return words;
         return std::string();
     };
     const std::string text = read_whole_file(directory / "scenario.toml"),
@@ -228,7 +228,7 @@ void write_report(const Scenario& scenario, const RunRecord& record, const Recor
 
 std::string starting_page(const Scenario& scenario, const std::string& toml, const RunRecord& record) {
     return live_page(scenario, toml, record,
-                     html_live("before its first step", "starts it again", LiveReport::shortest_period));
+                     html_live("run", "before its first step", "starts it again", LiveReport::shortest_period));
 }
 
 void LiveReport::write(const std::string& state, const Model& model, const State& now, const RunRecord& record,
@@ -251,7 +251,7 @@ void LiveReport::write(const std::string& state, const Model& model, const State
                       again = Checkpoints::exist_in(directory_) ? "continues it" : "starts it again";
     try {
         write_whole_file(directory_ / "report.html",
-                         live_page(scenario_, text, record, html_live(state, again, period_) + picture));
+                         live_page(scenario_, text, record, html_live("run", state, again, period_) + picture));
     } catch (const OutputError&) {
         // a full disk ends the run where its results are written, not here
     }

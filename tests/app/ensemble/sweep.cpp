@@ -195,7 +195,7 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
     SUBCASE("SIGTERM") {}
     SUBCASE("SIGHUP") { signal = SIGHUP; }
     const fs::path run = folder.path / "s/runs/s1";
-    const std::string sweep = "sweep " + small_block() +
+    const std::string sweep = "sweep " + small_block("-s 'figure=[]' ").erase(small_block().find("-q "), 3) +
                               "-s 'mesh.size=1 mm' -s 'output.checkpoint_every=20 ms' --seeds 1..1 -o " +
                               folder.in_shell("s");
     const pid_t child = started(sweep, run / "checkpoint");
@@ -204,8 +204,10 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
     waitpid(child, &status, 0);
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == 130);
+    CHECK(text_of(folder.path / "s/report.html").find("0 of 1 runs are done") != std::string::npos);
     REQUIRE(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
     CHECK(command(sweep).code == 0);
+    CHECK(text_of(folder.path / "s/report.html").find("runs are done") == std::string::npos);
     CHECK(text_of(run / "log.txt").find("resumed: continues") != std::string::npos);
 }
 
