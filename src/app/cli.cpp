@@ -4,6 +4,7 @@
 #include "app/ensemble/ensemble.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/terminal.hpp"
 #include "base/text.hpp"
 #include "lcp/solvers.hpp"
 #include "record/outputs.hpp"
@@ -289,7 +290,7 @@ private:
         for (const IdleKey& idle : idle_keys(figure_)) {
             const bool is_width = idle.key == "width" || idle.key == "paper_width";
             const std::string option = "--" + (is_width ? "width" : idle.key);
-            const bool given = is_width ? !width_.empty() && (figure_.paper_width > 0) == (idle.key == "paper_width")
+            const bool given = is_width ? !width_.empty() && (figure_.paper_width != 0) == (idle.key == "paper_width")
                                         : render->get_option_no_throw(option) && render->count(option) > 0;
             if (given)
                 throw UserError("no-effect",
@@ -310,7 +311,10 @@ private:
                 figure_.file = output_.filename();
             }
             const bool animates = animate_ || figure_.is_animation();
-            if ((animates || !figure_.file.empty()) && figure_.show.empty()) figure_.show = "cracks";
+            if ((animates || !figure_.file.empty()) && figure_.show.empty()) {
+                figure_.show = "cracks";
+                print_messages("note: `" + figure_.file + "` shows cracks; `--show list` lists the other subjects\n");
+            }
             if (figure_.file.empty()) figure_.file = figure_.show + (animates ? ".webp" : ".png");
             if (animates && !figure_.is_animation())
                 throw UserError("no-effect",

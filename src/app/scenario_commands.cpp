@@ -451,7 +451,10 @@ ExitCode write_new_scenario(const std::string& name, const std::string& from, bo
     written.push_back({schema.string(), json_schema()});
     if (std::error_code none; std::filesystem::exists(schema, none))
         if (const std::string present = read_given_file(schema, "cannot-read"); present != written.back().text) {
-            if (present.find("\"title\": \"knap scenario\"") == std::string::npos && !force) refuse_existing(schema);
+            if (present.find("\"title\": \"knap scenario\"") == std::string::npos && !force)
+                refuse_existing(schema,
+                                "knap new writes the schema of its keys there, and this is none: another "
+                                "directory, or replace it with --force");
             std::printf("renewed %s: it was not that of this version\n", schema.string().c_str());
         }
     for (const BuiltIn& one : written) write_new_file(one.name, one.text);

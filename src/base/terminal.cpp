@@ -20,6 +20,8 @@ std::string coloured(const std::string& line) {
     const auto first = [&](std::size_t n, const char* colour) {
         return colour + line.substr(0, n) + end + line.substr(n);
     };
+    if (line.ends_with(" FAILED") || (line.starts_with("  gate ") && line.find(" VIOLATED") != line.npos))
+        return red + line + end;
     const std::size_t word = line.find_first_of("]:");
     if (line.starts_with("error[")) return first(word + 1, red);
     if (line.starts_with("warning[")) return first(word + 1, yellow);

@@ -191,7 +191,7 @@ cairo_surface_t* make_surface(const std::filesystem::path& file, double height, 
     if (file.extension() == ".pdf") return cairo_pdf_surface_create_for_stream(append, &bytes, width_pt, height_pt);
     if (!file.empty() && file.extension() != ".png")
         throw UserError("figure-file", "figures cannot be written as `" + file.filename().string() + "`",
-                        "known endings: .png, .svg, .pdf");
+                        "known endings, in small letters: .png, .svg, .pdf, of an animation .webp, .gif, .mp4");
     const int rows = static_cast<int>(std::lround(height * (pixels / page.width)));
     return cairo_surface_reference(
         made(cairo_image_surface_create(CAIRO_FORMAT_RGB24, pixels, rows), pixels, rows).get());

@@ -128,7 +128,8 @@ LcpMatrix read_matrix_market(std::istream& text, const std::string& source) { re
 LcpProblem read_lcp(const std::filesystem::path& stem) {
     std::string base = stem.string();
     if (base.ends_with(".L.mtx") || base.ends_with(".q.mtx")) base.resize(base.size() - 6);
-    else if (std::error_code none; stem.extension() == ".mtx" && !std::filesystem::exists(base + ".L.mtx", none))
+    else if (std::error_code none; (stem.extension() == ".mtx" || std::filesystem::is_regular_file(stem, none)) &&
+                                   !std::filesystem::exists(base + ".L.mtx", none))
         throw UserError("matrix-market", "`" + base + "` is not one of the two files of a stored problem",
                         "give NAME.L.mtx or NAME.q.mtx, which are beside each other, or NAME");
     const LcpMatrix M = read_matrix_market_file(base + ".L.mtx"), q = read_matrix_market_file(base + ".q.mtx");

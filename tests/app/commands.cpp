@@ -89,7 +89,7 @@ TEST_CASE("new --from copies a built-in scenario with its comments and the mesh 
     CHECK(text.starts_with(for_editors + original.substr(0, original.find("name"))));
     CHECK(text_of(folder.path / "knap.schema.json") == command("schema --json").text);
     std::ofstream(folder.path / "knap.schema.json") << "{}";  // of someone else
-    CHECK(command("new " + folder.in_shell("plate")).has("file-exists"));
+    CHECK(command("new " + folder.in_shell("plate")).has("the schema of its keys"));
     CHECK_FALSE(fs::exists(folder.path / "plate.toml"));
     std::ofstream(folder.path / "knap.schema.json") << "{\n  \"title\": \"knap scenario\"\n}\n";  // of another version
     CHECK(command("new " + folder.in_shell("plate")).has("renewed "));

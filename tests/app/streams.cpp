@@ -62,6 +62,12 @@ TEST_CASE("messages have colours on a terminal and nowhere else") {
     CHECK(plain.find('\033') == std::string::npos);
     CHECK(coloured.starts_with("\033[1;31merror[unknown-key]\033[0m: "));
     CHECK(std::regex_replace(coloured, std::regex("\033\\[[0-9;]*m|\r"), "") == plain);
+    const Folder folder("coloured");
+    const std::string run = "'" KNAP_PROGRAM
+                            "' run bar_ramp_wave -q -s figure=[] -s 'expect={ dissipated = { below = -1 } }' -o " +
+                            folder.in_shell("run");
+    const std::string end = shell("env -u NO_COLOR TERM=xterm script -qec \"" + run + "\" /dev/null").text;
+    CHECK(std::regex_search(end, std::regex("\033\\[1;31m  expect dissipated .*FAILED\033\\[0m")));
     for (const char* variables : {"NO_COLOR=1 TERM=xterm", "-u NO_COLOR TERM=dumb"})
         CHECK(on_terminal(variables).find('\033') == std::string::npos);
 }

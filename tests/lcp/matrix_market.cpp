@@ -64,6 +64,7 @@ TEST_CASE("Matrix Market errors name their line") {
     CHECK_THROWS_AS(read_lcp("there_is_no_such_file"), UserError);
     CHECK_THROWS_WITH_AS(read_lcp("nosuch.mtx"),
                          doctest::Contains("`nosuch.mtx` is not one of the two files of a stored problem"), UserError);
+    CHECK_THROWS_WITH_AS(read_lcp(__FILE__), doctest::Contains("is not one of the two files"), UserError);
 }
 
 TEST_CASE("a written problem reads back to the same bits and is never overwritten") {

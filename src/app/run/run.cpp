@@ -404,7 +404,7 @@ void Run::finish() {
     log_.add(end);
     if (record_.status == "failed") checkpoints_.remove();
     else if (complete) checkpoints_.keep_for_later_end();
-    std::fputs(end.c_str(), stdout);
+    print_messages(end, stdout);
     if (!setup_.scenario.output.report) return;
     write_report(setup_.scenario, record_, recorder_, setup_.directory);
     std::printf("report:  %s\n", (setup_.directory / "report.html").c_str());

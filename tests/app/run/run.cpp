@@ -84,7 +84,10 @@ TEST_CASE("a run directory is complete") {
         CHECK(render.code == 0);
         CHECK(fs::file_size(folder.path / "run/rendered/s.svg") > 1000);
         const std::string run = folder.in_shell("run"), to = "render " + run + " -o " + folder.in_shell("paper/c.pdf");
-        CHECK(command(to + " --width 84mm --font-size 7").code == 0);  // without --show: cracks
+        const Answer drawn = command(to + " --width 84mm --font-size 7");
+        CHECK(drawn.code == 0);
+        CHECK(drawn.has("`c.pdf` shows cracks"));
+        CHECK(command(to + " --width -3mm").has("18 mm to 1.7 m wide, not -3 mm"));
         const std::string pdf = text_of(folder.path / "paper/c.pdf");
         CHECK(pdf.starts_with("%PDF"));
         CHECK(std::regex_search(pdf, std::regex("MediaBox \\[ ?0 0 238\\.1")));  // [pt]
