@@ -141,6 +141,7 @@ class ManyRuns(unittest.TestCase):
         self.assertEqual(list(study.table["level"]), [1, 2])
         self.assertEqual(study.table["line"][0], "explicit, explicit")
         self.assertGreater(study.table["order of time of 1.5 mJ"][1], 1.5)
+        self.assertIn('alt="convergence_', study._repr_html_())
         self.assertEqual(len(study.runs), 2)
 
 

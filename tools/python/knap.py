@@ -100,8 +100,7 @@ class Run:
         rows = [(name, _readable(value, self.summary.units.get(name, ""))) for name, value in self.summary.items()]
         state = f"<b>{html.escape(self.info.get('name', ''))}</b>: {html.escape(self.status)}, {self.info.get('triangles', 0)} triangles, " \
                 f"{self.info.get('steps', 0)} steps, {self.info.get('cpu_s', 0):.3g} s of processor time"
-        pictures = sorted((self.directory / "figures").glob("*.png"))[:1]
-        return f"<p>{state}</p>{''.join(map(image, pictures))}<details><summary>numbers</summary>{html_table(('number', 'value', 'unit'), rows)}</details>"
+        return f"<p>{state}</p>{_first_picture(self.directory)}<details><summary>numbers</summary>{html_table(('number', 'value', 'unit'), rows)}</details>"
 
     @property
     def tables(self):
@@ -147,11 +146,11 @@ class Ensemble:
         return len(self.table["status"])
 
     def _repr_html_(self):
-        """In a notebook: the first lines of its table."""
+        """In a notebook: its picture and the first lines of its table."""
         most = 20
         rows = [[_readable(column[i], self.table.units[name]) for name, column in self.table.items()] for i in range(min(len(self), most))]
         more = f"<p>and {len(self) - most} more</p>" if len(self) > most else ""
-        return f"<p>{self.kind} of {len(self)} runs</p>{html_table(list(self.table), rows)}{more}"
+        return f"<p>{self.kind} of {len(self)} runs</p>{_first_picture(self.directory)}{html_table(list(self.table), rows)}{more}"
 
     def run(self, line):
         """The run of a line of the table of a sweep."""
@@ -169,6 +168,12 @@ class Ensemble:
     def runs(self):
         """All runs that were started, by name."""
         return {file.parent.name: Run(file.parent) for file in sorted(self.directory.glob("runs/*/run.json"))}
+
+
+def _first_picture(directory):
+    """That of a sweep of a [[figure]] is sweep.png; others are in figures."""
+    pictures = [*directory.glob("sweep.png"), *sorted(directory.glob("figures/*.png"))]
+    return image(pictures[0]) if pictures else ""
 
 
 def _readable(value, unit):

@@ -335,5 +335,12 @@ element("download").addEventListener("click", () => {
 });
 window.addEventListener("resize", draw);
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);
+// A reload keeps the scene and the text of its scenario.
+addEventListener("pagehide", () => sessionStorage.setItem("scene", JSON.stringify([scene.name, element("scenario").value])));
+const [keptName, keptText] = JSON.parse(sessionStorage.getItem("scene") ?? "[]");
 startWorker();
-choose(scenes[0]);
+choose(scenes.find(one => one.name === keptName) ?? scenes[0]);
+if (keptText !== undefined && keptText !== element("scenario").value) {
+  element("scenario").value = keptText;
+  element("status").textContent = "Press Run: the scenario is the one before the page was loaded again; Reset values gives that of the sliders.";
+}
