@@ -102,7 +102,7 @@ environment = {**os.environ, "OMP_NUM_THREADS": "1"}
 subprocess.run([knap, "run", "edge_cracked_block", "-q", "-s", "mesh.size=2 mm", "-s", "expect={dissipated={below=0}}", "-o", folder / "run"],
                env=environment, stdout=subprocess.DEVNULL)
 report = folder / "run/report.html"
-for width, columns in ((320, 1), (375, 1), (768, 2), (1280, 2)):
+for width, columns in ((320, 1), (360, 1), (375, 1), (768, 2), (1280, 2)):
     for dark in (False, True):
         page = measured(report, width, dark)
         print(width, "dark" if dark else "light", {name: page[name] for name in ("width", "columns", "contrast")})

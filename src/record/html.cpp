@@ -52,13 +52,13 @@ button { min-height: 2.4em }
   .figures { grid-template-columns: 1fr }
   body { margin: 1em auto }
   th, td { padding-right: .5em; min-width: 3.5em }
-  :is(th, td):last-child { padding-right: 0 }
+  :is(th, td):last-child { padding-right: 0; overflow-wrap: anywhere }
   tr:has(> :nth-child(3):last-child) { display: grid; grid-template-columns: 1fr auto }
   :is(th, td):has(~ :nth-child(3):last-child) { border: 0 }
   :is(th, td):nth-child(2):has(+ :last-child) { text-align: right }
   :is(th, td):nth-child(3):last-child { grid-column: 1 / -1 }
 }
-@media screen and (max-width: 22em) { th, td { overflow-wrap: anywhere } }
+@media screen and (max-width: 23em) { th, td { overflow-wrap: anywhere } }
 @page { size: A4; margin: 15mm }
 @media print {
   :root { color-scheme: light; --ink: #222; --paper: #fff; --faint: #5b5b5b; --line: #ccc; --bad: #a11 }
