@@ -1,6 +1,7 @@
 #pragma once
-// Values at scattered points, in between linear on the triangles of their Delaunay triangulation: a field that is
-// linear over the points is reproduced everywhere.
+// Values at scattered points. In between they are linear on the triangles of the Delaunay triangulation of the points,
+// so that a field which is linear over them is reproduced everywhere; points on one line, as along a boundary, have
+// values between them alone. Points may have several moments, between which the values are linear, too.
 #include "base/vec.hpp"
 
 #include <array>
@@ -15,17 +16,29 @@ public:
     struct Row {
         Vec2 place;                     // [m]
         std::array<double, 3> value{};  // of up to three columns
+        double time = 0;                // [s]
     };
-    /// Rows at different places. Throws UserError ("bad-csv") where all lie on one line.
-    explicit PointTable(const std::vector<Row>& rows);
+    /// Rows at different places or times. Throws UserError ("bad-csv") where a moment has one point alone.
+    explicit PointTable(std::vector<Row> rows);
 
-    /// None outside the convex hull of the points (by more than rounding).
-    std::optional<std::array<double, 3>> at(const Vec2& place) const;
+    bool depends_on_time() const { return moments_.size() > 1; }
+    /// Constant before the first moment and after the last one. None outside the convex hull of the points, or beside
+    /// their line (by more than rounding).
+    std::optional<std::array<double, 3>> at(const Vec2& place, double t) const;
+    /// Whether at() has a value there at all times.
+    bool reaches(const Vec2& place) const;
 
 private:
     struct Triangulation;
-    std::shared_ptr<const Triangulation> triangulation_;
-    std::vector<Row> rows_;
+    struct Moment {
+        double time;
+        std::vector<Row> rows;                               // of points on one line from its one end to the other
+        std::shared_ptr<const Triangulation> triangulation;  // null: they lie on one line
+    };
+    static Moment moment(std::vector<Row> rows);
+    static std::optional<std::array<double, 3>> at(const Moment& moment, const Vec2& place);
+
+    std::vector<Moment> moments_;  // in their order
 };
 
 }  // namespace knap

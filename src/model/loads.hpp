@@ -88,15 +88,16 @@ struct Load {
     std::array<std::optional<double>, 2> value;  // x, y; absent = free (velocity, displacement) or zero
     std::array<double, 3> stress{};              // xx, yy, xy; tension positive
     TimeFunction history;                        // multiplies the value
-    std::shared_ptr<const PlaceField> field;     // a traction or stress that varies, in place of `value` or `stress`
+    std::shared_ptr<const PlaceField> field;     // a traction, stress or pressure that varies, in their place
 
     bool drives() const { return kind == Kind::velocity || kind == Kind::displacement; }
     Vec2 vector() const { return {value[0].value_or(0), value[1].value_or(0)}; }
     /// Of a traction or stress on an edge with this normal; or its force, with the normal times an area.
     Vec2 traction_on(const Vec2& normal, const Vec2& place, double t) const {
-        if (kind == Kind::stress) return stress_times(field ? field->at(place, t) : stress, normal);
-        if (!field) return vector() * normal.norm();
+        if (!field) return kind == Kind::stress ? stress_times(stress, normal) : Vec2(vector() * normal.norm());
         const std::array<double, 3> given = field->at(place, t);
+        if (field->n_values == 1) return -given[0] * normal;
+        if (kind == Kind::stress) return stress_times(given, normal);
         return Vec2(given[0], given[1]) * normal.norm();
     }
 };
@@ -108,8 +109,8 @@ struct CrackPressure {
     std::string name = {};                   // empty: "fluid" and its number, from 0
     double pressure = 0;                     // [Pa]
     TemperatureTable over_temperature = {};  // [Pa] in its place: that of ice, at the temperature of the point
-    std::optional<Expression> formula = {};  // [Pa] in its place: over x, y and t
-    double rate = 0;                         // [m2/s] volume per thickness that enters in a time; with a storage
+    std::shared_ptr<const PlaceField> field = nullptr;  // [Pa] in its place
+    double rate = 0;               // [m2/s] volume per thickness that enters in a time; with a storage
     double storage = 0;            // [m2/Pa] compressibility times volume of the fluid per thickness; 0: p is given
     double gradient = 0;           // [Pa/m] what is added for each metre below `level`; the sum then is at least 0
     double level = 0;              // [m] y

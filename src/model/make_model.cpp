@@ -235,6 +235,14 @@ private:
     const Mesh& mesh_;
 };
 
+/// Wherever a fluid may come, its pressure has a value.
+void check_pressures(const CrackPressure& given, const Model& model) {
+    for (const Interface& interface : model.interfaces)
+        if (given.field && interface.triangle[0] != rigid_support &&
+            (interface.cracked || model.laws[interface.law].breakable()))
+            for (const Index v : interface.vertex) given.field->at_start(model.mesh.vertices[v]);
+}
+
 /// Vertices where a fluid enters cracks, and the points of the joints that it fills.
 CrackFluid fluid_of(const CrackPressure& given, const ModelInput& input, std::size_t number, const Model& model) {
     const Mesh& mesh = model.mesh;
@@ -413,6 +421,7 @@ Model make_model(ModelInput input) {
     if (!input.initial_stresses.empty()) loads.add_initial_stress(input.initial_stresses);
     std::ranges::stable_sort(model.corner_loads, {}, &CornerLoad::corner);
     for (std::size_t i = 0; i < input.crack_pressures.size(); ++i) {
+        check_pressures(input.crack_pressures[i], model);
         model.crack_fluids.push_back(fluid_of(input.crack_pressures[i], input, i, model));
         const CrackPressure& given = input.crack_pressures[i];
         model.histories.push_back(given.is_injected() ? TimeFunction() : given.history);

@@ -1,5 +1,5 @@
 #pragma once
-// A stress or traction over place and time, as a scenario gives it.
+// A stress, traction or pressure over place and time, as a scenario gives it.
 #include "base/error.hpp"
 #include "base/expression.hpp"
 #include "base/vec.hpp"
@@ -11,6 +11,8 @@
 
 namespace knap {
 
+class BadPlace;
+
 /// Up to three components: formulas, or a table of points.
 struct PlaceField {
     struct Formula {
@@ -18,14 +20,19 @@ struct PlaceField {
         double unit = 1;  // [Pa] of its values
     };
     std::string path;  // of the key in the scenario
+    std::string text;  // its value there
+    std::size_t n_values = 3;
     std::array<Formula, 3> formulas;
     std::shared_ptr<const PointTable> table = nullptr;  // in the place of the formulas
 
     bool depends_on_time() const;
     /// [Pa] Throws BadPlace where the points of the table do not reach.
     std::array<double, 3> at(const Vec2& place, double t) const;
-    /// [Pa] At t = 0. Throws BadPlace also where a formula is no finite number.
+    /// [Pa] At t = 0. Throws BadPlace also where a formula is no finite number, or a table reaches at some times alone.
     std::array<double, 3> at_start(const Vec2& place) const;
+
+private:
+    BadPlace unreached(const Vec2& place) const;
 };
 
 /// A field has no value at a place of the body.

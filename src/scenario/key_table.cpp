@@ -404,7 +404,8 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("traction", "Pa", "force per area on the boundary, x and y; that of a place and a time by formulas, or of "
         "points (tx, ty) by a csv file, as the stress of [[initial]]").pair().or_formula();
     t.number("pressure", "Pa", "normal force per area on the boundary, towards the body; the face is that of the "
-        "undeformed body, with domain.rotation = \"large\" the present one, also of fragments that fly away");
+        "undeformed body, with domain.rotation = \"large\" the present one, also of fragments that fly away. That of a "
+        "place and a time by a formula, or of points (p) by a csv file, as the stress of [[initial]]").or_formula();
     t.number("stress", "Pa", "stress [xx, yy, xy] around the body (in situ stress), applied to the boundary as its "
         "traction, with domain.rotation = \"large\" that of the present face; tension is positive. That of a place "
         "and a time by formulas, or by a csv file, as the stress of [[initial]]").triple().or_formula();
@@ -417,21 +418,20 @@ void add_keys_of_loads(KeyTable& t) {
 
     t.list("pressure[]", "the pressure of a fluid (water, gas, ice) in cracks: it acts on both faces of every broken "
         "interface that others connect to the source, and follows a crack that grows; without from and joints in all "
-        "cracks. One of pressure, formula, pressure_table, rate; its factor over time by at most one of ramp, table, "
+        "cracks. One of pressure, pressure_table, rate; its factor over time by at most one of ramp, table, "
         "csv, otherwise constant");
     t.text("name", "name of the fluid in fluids.csv, in the summary and in [expect]; letters, digits, blanks, _ and -")
         .a_name().computed("fluid0, fluid1, ...").to(&CrackPressure::name);
-    t.number("pressure", "Pa", "pressure; negative: a warning").to(&CrackPressure::pressure);
-    t.text("formula", "pressure in Pa as a formula of x, y [m] and t [s] with the functions of heat.temperature")
-        .or_formula();
+    t.number("pressure", "Pa", "pressure; that of a place and a time by a formula, or of points (p) by a csv file, as "
+        "the stress of [[initial]]; negative: a warning").or_formula().to(&CrackPressure::pressure);
     t.number("rate", "m2/s", "volume per thickness of the body that enters in a time, and compresses with it; the "
         "pressure follows from the volume of the cracks that the fluid fills, and is never negative; the factor over "
         "time multiplies the rate").at_least(0).to(&CrackPressure::rate);
     t.number("storage", "m2/Pa", "volume per thickness that a pressure stores: compressibility times volume of the "
-        "fluid in well, pump and crack; the less, the smaller the steps of the explicit bulk; required with rate")
+        "fluid in well, pump and crack; required with rate")
         .above(0).to(&CrackPressure::storage);
     t.number("gradient", "Pa/m", "growth of the pressure with the depth below `level` (water: 9810 Pa/m), added to "
-        "pressure, formula, pressure_table or rate, or alone: a water table; the sum is at least 0")
+        "pressure, pressure_table or rate, or alone: a water table; the sum is at least 0, and where it is, no water")
         .to(&CrackPressure::gradient);
     t.number("level", "m", "y where the gradient begins: the water table, or the place at which the other pressure is "
         "given").otherwise("0").to(&CrackPressure::level);

@@ -120,7 +120,8 @@ std::string describe_one(const Key& key, std::string_view unit) {
 
 std::string describe(const Key& key, std::string_view unit) {
     const std::string one = describe_one(key, unit), text = key.rule().text;
-    if (key.takes_formulas && key.kind == Kind::number) return text + ", each " + one + "; or a csv file";
+    if (key.takes_formulas && key.kind == Kind::number)
+        return text + (text.empty() ? "" : ", each ") + one + "; or a csv file";
     if (key.form == Form::one_or_list) return one + ", or a list of them";
     if (key.form != Form::points || key.second_unit == "=") return text + (text.empty() ? "" : ", each ") + one;
     return text + ", a being " + one + " and b " + describe_unit(key.second_unit);

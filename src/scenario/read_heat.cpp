@@ -103,6 +103,7 @@ std::shared_ptr<const GridTable> read_grid(const Table& table) {
     std::vector<std::array<double, 4>> rows;
     std::size_t n_columns = 0;
     for_each_line(*bytes, [&](int number, std::string_view line) {
+        if (has_decimal_comma(line)) return refuse(decimal_comma, number), false;
         std::string content(line);
         std::ranges::replace_if(
             content, [](char c) { return c == ',' || c == ';' || c == '\t'; }, ' ');

@@ -158,9 +158,10 @@ void read_load(const Table& table) {
         load.kind = kind.kind;
         load.on = read_place(table, kind.key, kind.in_volume);
         if (const auto pressure = table.number("pressure")) load.stress = {-*pressure, -*pressure, 0};
-        load.field = key == "traction" ? read_place_field(table, *key, {"tx", "ty"})
-                     : key == "stress" ? read_place_field(table, *key, {"xx", "yy", "xy"})
-                                       : nullptr;
+        load.field = key == "traction"   ? read_place_field(table, *key, {"tx", "ty"})
+                     : key == "stress"   ? read_place_field(table, *key, {"xx", "yy", "xy"})
+                     : key == "pressure" ? read_place_field(table, *key, {"p"})
+                                         : nullptr;
         if (load.field || !table.text(*key).empty()) continue;
         if (const auto stress = table.get<std::array<double, 3>>("stress")) load.stress = *stress;
         const std::vector<Node> components = table.items(kind.key);
@@ -297,13 +298,13 @@ void read_pressure(const Table& table, CrackPressure& pressure) {
     Reading& reading = table.reading();
     if (table.given("name")) table.check_column_name(pressure.name);
     const bool has_gradient = table.given("gradient");
-    const auto form = table.one_of({"pressure", "formula", "pressure_table", "rate"}, !has_gradient);
+    const auto form = table.one_of({"pressure", "pressure_table", "rate"}, !has_gradient);
     if (!has_gradient && !table.given("level")) table.leave_out("level");
     else if (!has_gradient) table.error("missing-key", "level", "belongs to a gradient", "gradient = \"9810 Pa/m\"");
     if ((form == "rate") != table.given("storage"))
         table.error("missing-key", form == "rate" ? "rate" : "storage", "belong together: rate and storage",
                     "storage = \"4.5e-12 m2/Pa\": compressibility times volume of the fluid, per thickness");
-    if (form == "formula" && table.has("formula")) pressure.formula = table.formula("formula");
+    if (form == "pressure") pressure.field = read_place_field(table, "pressure", {"p"});
     if (form != "rate") return;
     const char* cure = "pressure in the place of rate";
     const auto exclude = [&](bool is_there, const char* other) {
@@ -351,7 +352,7 @@ void read_initial(const Table& table) {
     table.fill(velocity);
     table.fill(velocity.on);
     check_body(table, velocity.on);
-    const bool moves = has_initial_velocity(table);
+    const bool moves = std::ranges::any_of(keys_of_initial_motion, [&](const char* key) { return table.given(key); });
     if (!moves && !table.given("stress"))
         table.error("missing-key", "", "has no velocity, spin, strain_rate or stress", "one or more of them");
     if (moves) table.scenario().initial_velocities.push_back(velocity);

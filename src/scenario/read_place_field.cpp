@@ -1,4 +1,4 @@
-// A stress or traction that varies: formulas of x, y and t, or a csv file of points.
+// A stress, traction or pressure that varies: formulas of x, y and t, or a csv file of points.
 #include "base/error.hpp"
 #include "scenario/formulas.hpp"
 #include "scenario/reading.hpp"
@@ -24,7 +24,22 @@ PlaceField::Formula parse_formula(std::string_view text, std::string_view unit) 
         if (one.problem.empty() && one.dimension == dimension_of(unit))
             return {.of_place = Expression(text.substr(0, blank)), .unit = one.value};
     }
-    return {.of_place = Expression(text)};
+    try {
+        return {.of_place = Expression(text)};
+    } catch (const UserError&) {
+        const std::string word(text.substr(std::min(text.find_last_of(' ') + 1, text.size())));
+        const Quantity one = parse_quantity("1 " + word);
+        if (one.unknown_unit) {
+            const std::string meant = unit_suggestion(word, unit);
+            if (!meant.empty())
+                throw UserError("bad-formula", "`" + word + "` is no unit; " + meant, "a unit that exists");
+        }
+        if (!one.problem.empty() || one.unit.empty()) throw;
+        throw UserError("bad-formula",
+                        "`" + word + "` behind it is a unit of " + kind_name(one.dimension) + ", not of " +
+                            kind_name(dimension_of(unit)),
+                        "a formula of x, y [m] and t [s]");
+    }
 }
 
 namespace {
@@ -42,23 +57,25 @@ public:
             const std::string unit = name == "x" || name == "y" ? " [m]" : " [MPa]";
             note_ += (note_.empty() ? "as `" : ", ") + name + unit;
         }
-        note_ += "`: a line for each point";
+        note_ += "`, or with t [s]: a line for each point";
+        names_.emplace_back("t");
     }
 
     /// Empty after an error.
     std::vector<PointTable::Row> read() {
-        std::map<std::pair<double, double>, int> line_at;
+        std::map<std::array<double, 3>, int> line_at;
         for_each_line(bytes_, [&](int number, std::string_view content) {
+            if (has_decimal_comma(content)) return report(number, decimal_comma), false;
             const std::vector<std::string> cells = cells_of(content, ",;\t");
             if (column_.empty()) return read_names(cells, number);
             if (const auto row = row_of(cells, number)) {
-                const auto [first, is_new] = line_at.try_emplace({row->place.x(), row->place.y()}, number);
+                const auto [first, is_new] = line_at.try_emplace({row->time, row->place.x(), row->place.y()}, number);
                 if (is_new) rows_.push_back(*row);
                 else report(number, "the point of line " + std::to_string(first->second) + " again");
             }
             return true;
         });
-        if (n_reports_ == 0 && rows_.size() < 3) report(0, "the file has no three points");
+        if (n_reports_ == 0 && rows_.size() < 2) report(0, "the file has no two points");
         if (n_reports_ > 0) rows_.clear();
         return std::move(rows_);
     }
@@ -77,9 +94,10 @@ private:
                        false;
         for (const std::string& name : names_) {
             const auto title = std::ranges::find(titles, name, &ColumnTitle::name);
+            if (title == titles.end() && name == "t") return names_.pop_back(), true;  // it is the last one
             if (title == titles.end()) return report(number, "the first line names no column `" + name + "`"), false;
             if (!title->unit) return report(number, "the column `" + name + "` has no unit"), false;
-            const std::string_view kind = name == "x" || name == "y" ? "m" : "Pa";
+            const std::string_view kind = name == "x" || name == "y" ? "m" : name == "t" ? "s" : "Pa";
             const Quantity one = parse_quantity("1 " + *title->unit);
             if (!one.problem.empty() || one.dimension != dimension_of(kind))
                 return report(number, "the unit `" + *title->unit + "` of " + name + " is not one of " +
@@ -99,7 +117,9 @@ private:
                 report(number, names_[k] + " of this line is not a number");
                 return std::nullopt;
             }
-            (k < 2 ? row.place[static_cast<Index>(k)] : row.value[k - 2]) = unit_[k] * quantity.value;
+            (k < 2              ? row.place[static_cast<Index>(k)]
+             : names_[k] == "t" ? row.time
+                                : row.value[k - 2]) = unit_[k] * quantity.value;
         }
         return row;
     }
@@ -141,14 +161,14 @@ std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std
                                                    const std::vector<std::string>& columns, bool also_of_numbers) {
     const Node* const given = table.has(key) ? table.reading().values.find(table.path(key)) : nullptr;
     if (given == nullptr) return nullptr;
-    PlaceField field{.path = table.path(key)};
+    PlaceField field{.path = table.path(key), .text = given->text, .n_values = columns.size()};
     if (given->text.ends_with(".csv")) {
         field.table = read_points(table, key, columns);
         return field.table ? std::make_shared<const PlaceField>(std::move(field)) : nullptr;
     }
     bool varies = also_of_numbers;
     for (std::size_t k = 0; k < columns.size(); ++k) {
-        const Node& node = given->children[k];
+        const Node& node = given->children.empty() ? *given : given->children[k];
         varies = varies || !node.is_number();
         field.formulas[k] = parse_formula(node.is_number() ? shortest(node.number) : node.text, "Pa");
     }

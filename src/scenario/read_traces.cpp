@@ -60,6 +60,7 @@ private:
         std::optional<Columns> columns;
         std::set<std::string> ended;
         for_each_line(bytes_, [&](int number, std::string_view content) {
+            if (has_decimal_comma(content)) return report(number, decimal_comma), false;
             const std::vector<std::string> cells = cells_of(content, ",;\t");
             if (!columns) {
                 columns = columns_of(cells, number);

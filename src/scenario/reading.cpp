@@ -43,6 +43,14 @@ std::vector<std::string> cells_of(std::string_view line, std::string_view separa
     }
 }
 
+bool has_decimal_comma(std::string_view line) {
+    if (line.find_first_of(";\t") == std::string_view::npos) return false;
+    const auto is_digit = [&](std::size_t i) { return i < line.size() && line[i] >= '0' && line[i] <= '9'; };
+    for (std::size_t i = line.find(','); i < line.size(); i = line.find(',', i + 1))
+        if (i > 0 && is_digit(i - 1) && is_digit(i + 1)) return true;
+    return false;
+}
+
 ColumnTitle column_title(std::string_view cell) {
     const std::size_t open = std::min(cell.find('['), cell.size()), close = cell.find(']', open);
     ColumnTitle title{.name = std::string(trimmed(cell.substr(0, open)))};
@@ -88,6 +96,7 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
             if (++n_reports <= max_reports) table.error_in_file("bad-csv", "csv", *bytes, number, problem, file.note);
         };
         const std::string content(line);
+        if (has_decimal_comma(line)) return report(decimal_comma), false;
         const std::size_t comma = std::min(content.find_first_of(",;\t"), content.size());
         const std::string column_1 = content.substr(0, comma),
                           column_2 = content.substr(std::min(comma + 1, content.size()));

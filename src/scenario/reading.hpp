@@ -146,6 +146,10 @@ void for_each_line(const std::string& text, const Visit& visit) {
     }
 }
 
+/// Whether a line of cells between ; or tabs has decimal commas, 1,5; what to say of it.
+bool has_decimal_comma(std::string_view line);
+inline constexpr const char* decimal_comma = "this line has decimal commas: 1,5 is 1.5 in this file";
+
 /// The trimmed cells of a line; any of `separators` stands between two of them.
 std::vector<std::string> cells_of(std::string_view line, std::string_view separators);
 
@@ -188,10 +192,8 @@ TimeFunction read_history(const Table& table);
 std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std::string& key,
                                                    const std::vector<std::string>& columns,
                                                    bool also_of_numbers = false);
-/// Whether an entry of [[initial]] has a velocity.
-inline bool has_initial_velocity(const Table& table) {
-    return table.given("velocity") || table.given("spin") || table.given("strain_rate");
-}
+/// Keys of [[initial]] that give a velocity.
+inline constexpr std::array keys_of_initial_motion{"velocity", "spin", "strain_rate"};
 /// The pairs [temperature, value] of a key; empty, and an error, where their temperatures do not ascend.
 TemperatureTable read_over_temperature(const Table& table, const char* key);
 /// [[traces]]: lines of a file become cracks of a shape.

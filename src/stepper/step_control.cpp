@@ -33,7 +33,6 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"jammed", "contacts are driven against each other, and no motion was found that obeys their laws"},
     {"impact", "a hard impact moves faces by more than the critical opening"},
     {"blow", "a piece is hit, or vibrates, so hard that it may break; the body is deformable now"},
-    {"fluid", "an injected fluid is too stiff for an explicit step: a larger `storage`, or bulk = \"implicit\""},
 }};
 
 /// [s] Rounding of a time that is a sum of steps.
@@ -93,7 +92,6 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
         case Rejection::not_converged: return because(CutbackReason::not_converged, report.where);
         case Rejection::jammed: return because(CutbackReason::jammed, report.where);
         case Rejection::turn: return because(CutbackReason::motion, report.where, report.rejected_value);
-        case Rejection::fluid: return because(CutbackReason::fluid, report.where);
         case Rejection::blow:  // judge_rigid
         case Rejection::none:
         case Rejection::too_coarse: break;

@@ -63,15 +63,13 @@ enum class CutbackReason {
     cohesive_work,
     jammed,
     impact,
-    blow,
-    fluid
+    blow
 };
 inline constexpr std::array cutback_reasons{
     CutbackReason::softening,     CutbackReason::release,       CutbackReason::assumption_1,
     CutbackReason::contact_speed, CutbackReason::contact_depth, CutbackReason::contact_residual,
     CutbackReason::not_converged, CutbackReason::motion,        CutbackReason::cohesive_work,
-    CutbackReason::jammed,        CutbackReason::impact,        CutbackReason::blow,
-    CutbackReason::fluid};
+    CutbackReason::jammed,        CutbackReason::impact,        CutbackReason::blow};
 std::string_view name_of(CutbackReason reason);   // "assumption_1", as in run.json
 std::string_view describe(CutbackReason reason);  // "Assumption 1 does not hold"
 

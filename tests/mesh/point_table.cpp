@@ -1,4 +1,4 @@
-// Values at scattered points: what is linear over them is reproduced, and nothing is known outside them.
+// Values at scattered points and times: what is linear over them is reproduced, and nothing is known outside the points.
 #include "mesh/point_table.hpp"
 #include "base/error.hpp"
 #include "base/random.hpp"
@@ -36,7 +36,7 @@ TEST_CASE("point table: a linear field is reproduced at its points and between t
     const std::vector<PointTable::Row> rows = points(40);
     const PointTable table(rows);
     const auto check = [&](const Vec2& x) {
-        const auto found = table.at(x);
+        const auto found = table.at(x, 0);
         REQUIRE(found);
         const std::array<double, 3> exact = linear(x);
         for (int k = 0; k < 3; ++k) CHECK(std::abs((*found)[k] - exact[k]) <= 1e-12 * (k == 1 ? 5e6 : 10));
@@ -47,13 +47,37 @@ TEST_CASE("point table: a linear field is reproduced at its points and between t
     for (int i = 0; i <= 100; ++i) check({0.02 * i, 0}), check({0, 0.02 * i}), check({2, 0.02 * i});
 }
 
-TEST_CASE("point table: nothing is known outside the points or of points on one line") {
+TEST_CASE("point table: nothing is known outside the points or beside their line") {
     const PointTable table(points(10));
     for (const Vec2& outside : {Vec2(2.001, 1), Vec2(-1e-6, 1), Vec2(1, -5), Vec2(3, 3)})
-        CHECK_FALSE(table.at(outside));
+        CHECK_FALSE(table.at(outside, 0));
     std::vector<PointTable::Row> line;
-    for (int i = 0; i < 5; ++i) line.push_back({{i * 1., 2. * i}, {}});
-    CHECK_THROWS_AS(PointTable{line}, UserError);
+    for (const double i : {3., 0., 1., 4., 2.}) line.push_back({{0.1 * i, 0.3 * i}, {i * i, 0, 0}});  // rounded
+    const PointTable along(line);
+    CHECK(along.at({0.25, 0.75}, 0).value()[0] == doctest::Approx(6.5));
+    CHECK(along.at({0.4, 1.2}, 0).value()[0] == doctest::Approx(16));
+    CHECK_FALSE(along.at({0.25, 0.751}, 0));
+    CHECK_FALSE(along.at({0.401, 1.203}, 0));
+    CHECK_THROWS_AS(PointTable({line[0]}), UserError);
+}
+
+TEST_CASE("point table: values are linear between moments and constant beyond them") {
+    std::vector<PointTable::Row> rows;
+    for (const double t : {5., 1., 2.})
+        for (const Vec2& x : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1)}) rows.push_back({x, {t * x.x(), t, 0}, t});
+    rows.push_back({{1, 1}, {2, 2, 0}, 2});  // at this moment alone
+    const PointTable table(rows);
+    CHECK(table.depends_on_time());
+    const auto at = [&](double t) { return table.at({0.5, 0.25}, t).value(); };
+    CHECK(at(-3) == std::array<double, 3>{0.5, 1, 0});
+    CHECK(at(3.5)[0] == doctest::Approx(1.75));
+    CHECK(at(3.5)[1] == doctest::Approx(3.5));
+    CHECK(at(9)[1] == doctest::Approx(5));
+    CHECK(table.at({0.9, 0.9}, 2));
+    CHECK_FALSE(table.at({0.9, 0.9}, 2.1));
+    CHECK_FALSE(table.reaches({0.9, 0.9}));
+    CHECK(table.reaches({0.5, 0.5}));
+    CHECK_FALSE(PointTable(points(3)).depends_on_time());
 }
 
 }  // namespace point_table_test

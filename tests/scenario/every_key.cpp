@@ -589,7 +589,7 @@ gradient = "9810 Pa/m"
 level = "40 mm"
 process_zone = true
 [[pressure]]
-formula = "1e5 - 1e5*x"
+pressure = "1e5 - 1e5*x"
 [[pressure]]
 rate = "0.001 m2/s"
 storage = "1e-12 m2/Pa"
@@ -1155,7 +1155,7 @@ const Case cases[] = {
     {rock, "pressure[0].gradient", "9810"},
     {rock, "pressure[0].level", "0.04"},
     {rock, "pressure[0].process_zone", "true"},
-    {rock, "pressure[1].formula", "\"1e5 - 1e5*x\""},
+    {rock, "pressure[1].pressure", "\"1e5 - 1e5*x\""},
     {rock, "pressure[2].rate", "0.001"},
     {rock, "pressure[2].storage", "1e-12"},
     {rock, "pressure[3].joints", "\"weak\""},

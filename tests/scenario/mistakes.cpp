@@ -713,11 +713,11 @@ TEST_CASE("mistakes in the pressure of a fluid are told apart") {
     };
     CHECK(codes("rate = 1e-3\nstorage = 1e-12\n") == "");
     CHECK(codes("gradient = 9810\nlevel = 1\n") == "");
-    CHECK(codes("formula = \"1e5*x\"\nname = \"water\"\n") == "");
+    CHECK(codes("pressure = \"1e5*x\"\nname = \"water\"\n") == "");
     CHECK(codes("rate = 1e-3\n") == "missing-key ");
     CHECK(codes("pressure = 1\nstorage = 1e-12\n") == "missing-key ");
     CHECK(codes("pressure = 1\nlevel = 1\n") == "missing-key ");
-    CHECK(codes("formula = \"1e5*z\"\n") == "bad-formula ");
+    CHECK(codes("pressure = \"1e5*z\"\n") == "bad-formula ");
     CHECK(codes("rate = \"1 m/s\"\nstorage = 1e-12\n") == "wrong-unit ");
     CHECK(codes("rate = 1e-3\npressure = 1\nstorage = 1e-12\n").find("exclusive-keys") != std::string::npos);
     const std::string excavation = "[[excavation]]\nbox = [0.01, 0.01, 0.02, 0.02]\nat = 1e-7\n";

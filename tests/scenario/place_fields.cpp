@@ -89,6 +89,41 @@ TEST_CASE("place fields: the points of a csv file count in their units and are k
               .traction_on({0, 1}, {0.1, 0.04}, 0) == Vec2(1, 2));
 }
 
+TEST_CASE("place fields: points on one line have values between them alone") {
+    const Points points("x [mm], y [mm], p [MPa]\n100, 0, 3\n0, 0, 1\n20, 0, 5\n");
+    const PlaceField field =
+        *points.read("[[load]]\non = \"bottom\"\npressure = \"points.csv\"\n").scenario.loads.at(0).field;
+    CHECK(field.at({0.01, 0}, 0)[0] == tests::relative(3e6, 1e-14));
+    CHECK(field.at({0.06, 0}, 0)[0] == tests::relative(4e6, 1e-14));
+    CHECK(field.at({0.1, 1e-9}, 0)[0] == tests::relative(3e6, 1e-14));
+    CHECK_THROWS_AS(field.at({0.06, 0.001}, 0), BadPlace);
+    CHECK_THROWS_AS(field.at({0.101, 0}, 0), BadPlace);
+}
+
+TEST_CASE("place fields: a pressure by a number or a formula pushes on its face") {
+    const Scenario s = samples::read(samples::least +
+                                     "[[load]]\non = \"top\"\npressure = \"2*x*t MPa\"\n[[load]]\non = \"left\"\n"
+                                     "pressure = \"2 MPa\"\n[[pressure]]\npressure = \"3*y kPa\"\n")
+                           .scenario;
+    CHECK(s.loads[0].traction_on({0, 1}, {0.1, 0}, 2) == Vec2(0, -0.4e6));
+    CHECK(!s.loads[1].field);
+    CHECK(s.loads[1].traction_on({-1, 0}, {0, 0}, 0) == Vec2(2e6, 0));
+    REQUIRE(s.crack_pressures.at(0).field);
+    CHECK(s.crack_pressures[0].field->at({0, 0.5}, 0)[0] == 1.5e3);
+}
+
+TEST_CASE("place fields: points with a time are linear between the moments and constant beyond them") {
+    const Points points(
+        "t [ms], x [m], y [m], p [kPa]\n2, 0, 0, 5\n2, 1, 0, 7\n0, 0, 0, 1\n0, 1, 0, 3\n3, 0, 0, 5\n3, 1, 0, 9\n");
+    const Scenario s = points.read("[[load]]\non = \"bottom\"\npressure = \"points.csv\"\n").scenario;
+    const PlaceField& field = *s.loads.at(0).field;
+    CHECK(field.depends_on_time());
+    CHECK(field.at({0.5, 0}, -1)[0] == tests::relative(2e3, 1e-14));
+    CHECK(field.at({0.5, 0}, 1e-3)[0] == tests::relative(4e3, 1e-14));
+    CHECK(field.at({0.5, 0}, 2.5e-3)[0] == tests::relative(6.5e3, 1e-14));
+    CHECK(field.at({0.5, 0}, 1)[0] == tests::relative(7e3, 1e-14));
+}
+
 TEST_CASE("place fields: mistakes of a csv file are reported at their lines") {
     struct Wrong {
         const char *text, *code, *words;
@@ -108,15 +143,20 @@ TEST_CASE("place fields: mistakes of a csv file are reported at their lines") {
     check(good + "0, 1, 1, 1\n", 4, "xy of this line is not a number");
     check(good + "0, 1, 1, 1 MPa, 1\n", 4, "yy of this line is not a number");
     check(good + "0, 0, 1, 1, 1\n", 4, "the point of line 2 again");
-    check(good, 0, "no three points");
-    check(good + "2, 0, 1, 1, 1\n", 0, "on one line");
+    check(header + "0, 0, 1, 1, 1\n", 0, "no two points");
+    check("x [mm]; y [mm]; xx [MPa]; yy [MPa]; xy [MPa]\n0; 0; 1,5; 1; 1\n", 2, "1,5 is 1.5");
+    const std::string timed = "t [ms], x [m], y [m], xx [Pa], yy [Pa], xy [Pa]\n0, 0, 0, 1, 1, 1\n0, 1, 0, 1, 1, 1\n";
+    check(timed + "0, 0, 0, 1, 1, 1\n", 4, "the point of line 2 again");
+    check(timed + "1, 0, 0, 1, 1, 1\n", 0, "one point alone at t = 0.001 s");
     check("x [mm], y [mm], xx [MPa], yy [MPa]\n0, 0, 1, 1\n", 1, "names no column `xy`");
     check("x [mm], y, xx [MPa], yy [MPa], xy [MPa]\n0, 0, 1, 1, 1\n", 1, "`y` has no unit");
     check("x [mm], y [mm], xx [mm], yy [MPa], xy [MPa]\n0, 0, 1, 1, 1\n", 1,
           "the unit `mm` of xx is not one of a pressure");
-    check("x [mm], y [mm], t [ms], xx [MPa], yy [MPa], xy [MPa]\n0, 0, 0, 1, 1, 1\n", 1,
-          "a column `t` that nothing reads");
-    check("", 0, "no three points");
+    check("x [mm], y [mm], t [mm], xx [MPa], yy [MPa], xy [MPa]\n0, 0, 0, 1, 1, 1\n", 1,
+          "the unit `mm` of t is not one of a time");
+    check("x [mm], y [mm], z [mm], xx [MPa], yy [MPa], xy [MPa]\n0, 0, 0, 1, 1, 1\n", 1,
+          "a column `z` that nothing reads");
+    check("", 0, "no two points");
 }
 
 TEST_CASE("place fields: what is no formula is reported at its key") {
@@ -130,6 +170,11 @@ TEST_CASE("place fields: what is no formula is reported at its key") {
     CHECK(first("[[initial]]\nstress = [\"5 mm\", 0, 0]\n").code == "wrong-unit");
     CHECK(first("[[initial]]\nstress = [\"5 MPx\", 0, 0]\n").code == "bad-formula");
     CHECK(first("[[initial]]\nstress = [\"t\", 0, 0]\n").code == "bad-formula");  // it does not change with time
+    CHECK(
+        first("[[initial]]\nstress = [\"-(1 - y) mm\", 0, 0]\n").message.find("`mm` behind it is a unit of a length") <
+        std::string::npos);
+    CHECK(first("[[load]]\non = \"top\"\npressure = \"2*x MPA\"\n").message.find("did you mean `MPa`?") <
+          std::string::npos);
     CHECK(first("[[initial]]\nstress = [1, 2]\n").code == "wrong-type");
     CHECK(first("[[initial]]\nbox = [0, 0, 1, 1]\n").code == "missing-key");
     CHECK(first("[[initial]]\nstress = \"none.csv\"\n").code == "missing-file");

@@ -91,7 +91,7 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
 std::string pressure_text(const CrackPressure& fluid) {
     std::string text =
         fluid.is_injected() ? readable(fluid.rate, "m2/s", 4) + ", storage " + readable(fluid.storage, "m2/Pa", 4)
-        : fluid.formula     ? fluid.formula->text() + " Pa"
+        : fluid.field       ? fluid.field->text
         : fluid.over_temperature.empty() ? readable(fluid.pressure, "Pa", 4)
                                          : "pressure_table " + text_of(fluid.over_temperature, 1e6, " MPa");
     if (fluid.gradient != 0)

@@ -12,6 +12,7 @@
 #include "mesh/polygon.hpp"
 #include "model/contradictions.hpp"
 #include "model/make_model.hpp"
+#include "scenario/reading.hpp"
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/contact/face_contacts.hpp"
 
@@ -229,7 +230,7 @@ std::size_t entry_of_initial(const ReadResult& read, std::size_t number, bool ve
     std::vector<std::size_t> entries;
     for (std::size_t i = 0; i < read.values.count("initial"); ++i) {
         const auto has = [&](const char* key) { return read.values.has(item("initial", i) + "." + key); };
-        if (velocity ? has("velocity") || has("spin") || has("strain_rate") : has("stress")) entries.push_back(i);
+        if (velocity ? std::ranges::any_of(keys_of_initial_motion, has) : has("stress")) entries.push_back(i);
     }
     const std::size_t n_of_bodies = velocity ? read.scenario.initial_velocities.size() - entries.size() : 0;
     return entries.at(number - n_of_bodies);  // those of bodies come first

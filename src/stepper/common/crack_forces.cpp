@@ -69,13 +69,18 @@ void CrackForces::enter(Index interface, Reached& reached) {
 }
 
 void CrackForces::follow(const State& state) {
+    bool grows = false;
     for (std::size_t f = 0; f < fluids_.size(); ++f) {
         Reached& reached = fluids_[f];
         take_open(state, model_.crack_fluids[f].given.in_process_zone, reached);
         for (const Index p : new_) enter(model_.interface_of(p), reached);
-        if (!new_.empty()) std::ranges::sort(reached.points);
+        if (new_.empty()) continue;
+        std::ranges::sort(reached.points);
+        grows = true;
     }
-    if (fluids_.size() > 1 && model_.has_injected_fluids()) keep_apart();
+    if (fluids_.size() < 2 || !model_.has_injected_fluids() || (are_apart_ && !grows)) return;
+    keep_apart();
+    are_apart_ = true;
 }
 
 /// An injected fluid is alone in its cracks: its volume is that of all of them.
@@ -108,20 +113,27 @@ double CrackForces::volume(std::size_t fluid, const State& state) const {
     return sum;
 }
 
-double CrackForces::volume_rate(std::size_t fluid, const State& of_frames, const std::vector<Vec2>& rate,
-                                const std::vector<Index>& node_of_corner) const {
-    double sum = 0;
-    for_each_point(fluid, of_frames, [&](const FanPoint& point, double) {
-        const Vec2 normal = point_frame(model_, of_frames, point).turned(point.normal);
-        sum += point.area * normal.dot(rate[node_of_corner[point.after]] - rate[node_of_corner[point.before]]);
-    });
-    return sum;
-}
-
 double CrackForces::length(std::size_t fluid, const State& state) const {
     double sum = 0;
     for_each_point(fluid, state, [&](const FanPoint& point, double) { sum += point.area / model_.thickness; });
     return sum;
+}
+
+Vec2 CrackForces::place(std::size_t fluid, const State& state) const {
+    double widest = -infinity;
+    Vec2 found = Vec2::Zero();
+    for_each_point(fluid, state, [&](const FanPoint& point, double) {
+        const double opening = state.opening_of(point, point_frame(model_, state, point)).x();
+        if (opening > widest) widest = opening, found = model_.mesh.corner(point.corner());
+    });
+    return found;
+}
+
+std::vector<std::size_t> CrackForces::injected_fluids() const {
+    std::vector<std::size_t> found;
+    for (std::size_t f = 0; f < fluids_.size(); ++f)
+        if (model_.crack_fluids[f].given.is_injected()) found.push_back(f);
+    return found;
 }
 
 /// visit(point, pressure for an amplitude of 1) of one fluid; `injected` [Pa]: its pressure, if it is injected.
@@ -133,18 +145,23 @@ void CrackForces::for_each_pressed(std::size_t fluid, const State& state, double
     const auto without_gradient = [&](const FanPoint& point) {
         if (given.is_injected()) return injected;
         if (!given.over_temperature.empty()) return given.over_temperature(temperature_at(*state.temperature, point));
-        if (!given.formula) return given.pressure;
-        const Vec2 place = model_.mesh.corner(point.corner());
-        return (*given.formula)(place.x(), place.y(), of.only_time.value_or(time));
+        if (!given.field) return given.pressure;
+        return given.field->at(model_.mesh.corner(point.corner()), of.only_time.value_or(time))[0];
     };
     for_each_point(fluid, state, [&](const FanPoint& point, double offset) {
-        const double pressure = without_gradient(point);
-        visit(point, given.gradient == 0 ? pressure : std::max(0.0, pressure + offset));
+        const double pressure = without_gradient(point) + offset;
+        if (given.gradient == 0) visit(point, pressure);
+        else if (pressure > 0 || given.is_injected()) visit(point, std::max(0.0, pressure));  // above the water is none
     });
 }
 
 const std::vector<CornerLoad>& CrackForces::find(const State& state, double time, const std::vector<double>* given) {
     follow(state);
+    return find_there(state, time, given);
+}
+
+const std::vector<CornerLoad>& CrackForces::find_there(const State& state, double time,
+                                                       const std::vector<double>* given) {
     forces_.clear(), pressure_.clear();
     for (std::size_t f = 0; f < fluids_.size(); ++f) {
         const CrackFluid& fluid = model_.crack_fluids[f];
@@ -158,29 +175,25 @@ const std::vector<CornerLoad>& CrackForces::find(const State& state, double time
     return forces_;
 }
 
-CrackForces::Stiffness CrackForces::stiffness(const State& state) const {
-    Stiffness found;
-    for (std::size_t f = 0; f < fluids_.size(); ++f) {
-        if (!model_.crack_fluids[f].given.is_injected()) continue;
-        const auto visit_parts = [&](const auto& visit) {
-            for_each_point(f, state, [&](const FanPoint& point, double) {
-                const Vec2 part = point.area * point_frame(model_, state, point).turned(point.normal);
-                visit(point.after, part), visit(point.before, Vec2(-part));
-            });
-        };
-        visit_parts([&](Index corner, const Vec2& part) { of_corner_[corner] += part; });
-        double sum = 0, most = -1;  // [m4/kg]
-        Index at = 0;
-        visit_parts([&](Index corner, const Vec2&) {
-            const double mobility = of_corner_[corner].squaredNorm() / model_.corner_mass[corner];
-            of_corner_[corner].setZero();
-            sum += mobility;
-            if (mobility > most) most = mobility, at = corner;
+double CrackForces::mobility(std::size_t fluid, const State& state) const {
+    const auto visit_parts = [&](const auto& visit) {
+        for_each_point(fluid, state, [&](const FanPoint& point, double) {
+            const Vec2 part = point.area * point_frame(model_, state, point).turned(point.normal);
+            visit(point.after, part), visit(point.before, Vec2(-part));
         });
-        if (const double stiffness = sum / storage(f); stiffness > found.value)
-            found = {stiffness, model_.mesh.corner(at)};
-    }
-    return found;
+    };
+    visit_parts([&](Index corner, const Vec2& part) { of_corner_[corner] += part; });
+    double sum = 0;
+    visit_parts([&](Index corner, const Vec2&) {
+        sum += of_corner_[corner].squaredNorm() / model_.corner_mass[corner];
+        of_corner_[corner].setZero();
+    });
+    return sum;
+}
+
+FluidBalance CrackForces::balance(std::size_t fluid, double volume, double time) const {
+    const double entered = injected(fluid, time), compressed = storage(fluid) * pressure_[fluid];
+    return {.excess = compressed + volume - entered, .scale = std::max({entered, std::abs(volume), compressed})};
 }
 
 /// [Pa] Of an injected fluid over the last step; at the start that of the state.

@@ -10,10 +10,8 @@
 //
 //     0 <= p  perp  C p + V(u) - Q(t) >= 0,     V = sum of S u_N over the points that it presses on.
 //
-// Its forces are p dV/du, so that their work on the body is the integral of p dV. Explicit steps take p of the state at
-// their start: its stiffness is that of a spring of 1/C along a = dV/du, and central differences with the steps h are
-// stable for h^2 (omega^2 + a' M^-1 a/C) <= 4 (stiffness()). For implicit ones p of the step is an unknown
-// (ImplicitScheme::solve_injected).
+// Its forces are p a with a = dV/du, so that their work on the body is the integral of p dV. In both schemes p is an
+// unknown of the step (fluid_pressures.hpp).
 //
 // Cohesion is never restored, so the reached points only grow and follow from the present State alone.
 #include "base/grouped.hpp"
@@ -30,6 +28,10 @@ struct FluidMoment {
     double aperture = 0;  // [m] largest opening there
 };
 
+struct FluidBalance {
+    double excess, scale;  // [m3] C p + V - Q, and the largest of these terms
+};
+
 class CrackForces {
 public:
     explicit CrackForces(const Model& model);
@@ -40,14 +42,12 @@ public:
     /// of `given` [Pa], which has one for each fluid.
     const std::vector<CornerLoad>& find(const State& state, double time, const std::vector<double>* given = nullptr);
     const std::vector<CornerLoad>& find(const State& state) { return find(state, state.time); }
+    /// Likewise, at the points that the last find() has reached.
+    const std::vector<CornerLoad>& find_there(const State& state, double time, const std::vector<double>* given);
     const std::vector<CornerLoad>& found() const { return forces_; }
     /// [Pa] With which they were found: of injected fluids; 0 for others.
     const std::vector<double>& injected_pressures() const { return pressure_; }
-    struct Stiffness {
-        double value = 0;           // [1/s2] a' M^-1 a/C, the largest of the injected fluids
-        Vec2 place = Vec2::Zero();  // [m] of its largest term
-    };
-    Stiffness stiffness(const State& state) const;
+    std::vector<std::size_t> injected_fluids() const;
     /// [Pa] Per point, of all fluids at the time of the state.
     std::vector<double> pressures(const State& state);
     /// In the order of Model::crack_fluids.
@@ -56,9 +56,16 @@ public:
     // of one injected fluid, at the points that the last find() has reached
     double volume(std::size_t fluid, const State& state) const;  // [m3] V
     double length(std::size_t fluid, const State& state) const;  // [m] of one face
-    /// [m3/s] a' w with the rates of nodes [m/s].
-    double volume_rate(std::size_t fluid, const State& of_frames, const std::vector<Vec2>& rate,
-                       const std::vector<Index>& node_of_corner) const;
+    Vec2 place(std::size_t fluid, const State& state) const;     // [m] where it is widest
+    /// [m4/kg] a' M^-1 a of corners that nothing holds.
+    double mobility(std::size_t fluid, const State& state) const;
+    /// With those from which it has escaped, in the order in which it came.
+    std::span<const Index> reached_points(std::size_t fluid) const { return fluids_[fluid].points; }
+    /// [m3/s] a' w with the rates w [m/s] of corners.
+    template <class Rate>
+    double volume_rate(std::size_t fluid, const State& of_frames, const Rate& rate_of) const;
+    /// With this volume [m3] at this time, under the pressure of the last find().
+    FluidBalance balance(std::size_t fluid, double volume, double time) const;
     double injected(std::size_t fluid, double time) const;  // [m3] Q
     double storage(std::size_t fluid) const { return model_.crack_fluids[fluid].given.storage * model_.thickness; }
     /// [Pa] of an injected fluid that fills `volume` [m3] at this time.
@@ -90,10 +97,21 @@ private:
     Grouped<Index> interfaces_at_;  // per vertex
     std::vector<Reached> fluids_;   // in the order of Model::crack_fluids
     std::vector<Index> new_;        // points
+    bool are_apart_ = false;        // what they had reached before the last follow()
     std::vector<CornerLoad> forces_;
     std::vector<double> pressure_;         // [Pa] of injected fluids in them
     mutable std::vector<Vec2> of_corner_;  // [m2] a, per corner, with injected fluids; zero between uses
 };
+
+template <class Rate>
+double CrackForces::volume_rate(std::size_t fluid, const State& of_frames, const Rate& rate_of) const {
+    double sum = 0;
+    for_each_point(fluid, of_frames, [&](const FanPoint& point, double) {
+        const Vec2 normal = point_frame(model_, of_frames, point).turned(point.normal);
+        sum += point.area * normal.dot(rate_of(point.after) - rate_of(point.before));
+    });
+    return sum;
+}
 
 template <class Visit>
 void CrackForces::for_each_point(std::size_t fluid, const State& state, const Visit& visit) const {

@@ -23,7 +23,6 @@ enum class Rejection {
     jammed,            // contacts are driven against each other, and no motion was found that obeys their laws
     too_coarse,        // a fan splits that must be refined first (Model::too_coarse)
     turn,              // a piece turns by more than an implicit step resolves
-    fluid,             // explicit: the pressure of an injected fluid would oscillate
     blow,              // a rigid piece is hit so hard that it may break: it has to be deformable
 };
 

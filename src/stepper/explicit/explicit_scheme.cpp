@@ -3,6 +3,7 @@
 #include "base/parallel.hpp"
 #include "base/reserve_capacity.hpp"
 #include "element/triangle_matrices.hpp"
+#include "stepper/common/fluid_pressures.hpp"
 #include "stepper/explicit/partition.hpp"
 
 #include <array>
@@ -41,6 +42,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
         corner_impulse_.assign(model.mesh.n_corners(), Vec2::Zero());
         contacts_.emplace(model, solver_, obstacle_step_, corner_impulse_);
     }
+    if (model.has_injected_fluids()) corner_rate_.assign(model.mesh.n_corners(), Vec2::Zero());
     if (model.heat) {
         thermal_.emplace(model.mesh, model.materials, model.plane, model.thickness, model.large_rotation);
         thermal_->set_stress_criterion(stress_thresholds(model, absorbing_.dashpots()), model.fan_of_corner);
@@ -49,8 +51,6 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     }
     if (std::ranges::any_of(model.materials, &Elastic::has_viscosity))
         no_viscous_stress_.assign(viscous_components * (model.mesh.order == 1 ? 1 : 3) * model.mesh.n_triangles(), 0);
-    if (model.has_injected_fluids())
-        largest_frequency2_ = std::pow(2 / std::ranges::min(stable_steps(model.mesh, model.materials, model.plane)), 2);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
     for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
@@ -88,14 +88,10 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     // rows 1 to 3, and 5 and 6 of fans that were split before, for the fans inside blocks of triangles
     report += sweep_blocks(step);
     // row 1: the pressure of fluids in cracks; contacts with obstacles
-    for (const CornerLoad& load : crack_forces_.find(begin))
-        corner_force_[load.corner] += amplitude_[load.history] * load.force;
-    if (model_.has_injected_fluids()) {
-        end.fluid_pressure = crack_forces_.injected_pressures();
-        const CrackForces::Stiffness fluid = crack_forces_.stiffness(begin);
-        if (h * h * (largest_frequency2_ + fluid.value) > 4) report.reject(Rejection::fluid, fluid.place);
-    }
+    crack_forces_.find(begin, begin.time, begin.fluid_pressure.empty() ? nullptr : &begin.fluid_pressure);
+    add_crack_forces(1);
     if (contacts_) find_obstacle_contacts(step);
+    if (model_.has_injected_fluids()) settle_fluids(step, report);
     // rows 2 and 3, 5 and 6 for all other fans: on several blocks, with loads, prescribed motion or obstacles
     report += sweep_bordering(step);
     // row 5 for all fans that contacts couple: the impulses of contacts, and the rates of free obstacles
@@ -295,6 +291,64 @@ void ExplicitScheme::find_obstacle_contacts(const ExplicitStep& step) {
         if (solver_.is_within_fan(contact)) splits_[contact.fan] = step.begin.split_rank[contact.fan] < 0;
     contacts_->begin_obstacles(step);
     for (const Index f : contacts_->fans()) fan_is_candidate_[f] = 1;
+}
+
+void ExplicitScheme::add_crack_forces(double sign) {
+    for (const CornerLoad& load : crack_forces_.found())
+        corner_force_[load.corner] += sign * amplitude_[load.history] * load.force;
+}
+
+/// The pressures of injected fluids, which so far are those of the last step. Only split fans answer to them, and
+/// without contacts that reach beyond them each by itself.
+void ExplicitScheme::settle_fluids(const ExplicitStep& step, StepReport& report) {
+    const State& begin = step.begin;
+    std::vector<double> pressure = crack_forces_.injected_pressures();
+    std::vector<double> volume(pressure.size());
+    std::vector<std::vector<Index>> fans(pressure.size());
+    const auto move = [&](std::size_t fluid) {
+        for_blocks(std::ssize(fans[fluid]), [&](std::ptrdiff_t i) {
+            const Index f = fans[fluid][i];
+            VertexSolver::Workspace& work = workspaces_[omp_get_thread_num()].split;
+            solver_.solve(f, step, work);
+            const auto corners = model_.corners(model_.fans[f]);
+            for (std::size_t k = 0; k < corners.size(); ++k) corner_rate_[corners[k]] = work.fan.result.velocity[k];
+        });
+    };
+    for (const std::size_t fluid : crack_forces_.injected_fluids()) {
+        volume[fluid] = crack_forces_.volume(fluid, begin);
+        for (const Index point : crack_forces_.reached_points(fluid)) {
+            const Index f = model_.fan_of_corner[model_.fan_points[model_.fan_point_of[point]].corner()];
+            if (begin.split_rank[f] >= 0) fans[fluid].push_back(f);
+        }
+        std::ranges::sort(fans[fluid]);
+        fans[fluid].erase(std::ranges::unique(fans[fluid]).begin(), fans[fluid].end());
+        move(fluid);
+    }
+    const FluidStep fluids{.balance =
+                               [&](std::size_t fluid) {
+                                   const double rate = crack_forces_.volume_rate(
+                                       fluid, begin, [&](Index corner) -> const Vec2& { return corner_rate_[corner]; });
+                                   return crack_forces_.balance(fluid, volume[fluid] + step.drift_time * rate,
+                                                                begin.time + step.drift_time);
+                               },
+                           .compliance =
+                               [&](std::size_t fluid) {
+                                   return crack_forces_.storage(fluid) + step.drift_time * step.kick_time *
+                                                                             step.mobility *
+                                                                             crack_forces_.mobility(fluid, begin);
+                               },
+                           .solve_with =
+                               [&](std::size_t fluid, double p) {
+                                   add_crack_forces(-1);
+                                   pressure[fluid] = p;
+                                   crack_forces_.find_there(begin, begin.time, &pressure);
+                                   add_crack_forces(1);
+                                   move(fluid);
+                                   return true;
+                               }};
+    if (const auto unsettled = unsettled_fluid(crack_forces_, fluids))
+        report.reject(Rejection::not_converged, crack_forces_.place(*unsettled, begin));
+    step.end.fluid_pressure = std::move(pressure);
 }
 
 /// The motion of the fans across borders of blocks, and of those with loads, prescribed motion and obstacles.

@@ -34,6 +34,8 @@ private:
                          const Corner* corner, const Vec2& force);
     double add_thermal_forces(const MeshBlock& block, const ExplicitStep& step, Vec2* force, StepReport& report);
     void find_obstacle_contacts(const ExplicitStep& step);
+    void add_crack_forces(double sign);
+    void settle_fluids(const ExplicitStep& step, StepReport& report);
     StepReport sweep_bordering(const ExplicitStep& step);
     template <class Force>
     bool is_bonded(Index fan, std::span<const InscribedCircle> circles, const Force& force_on, const Vec2& force,
@@ -64,7 +66,6 @@ private:
     ElasticForces forces_;
     std::optional<ThermalStress> thermal_;  // with heat
     CrackForces crack_forces_;
-    double largest_frequency2_ = 0;  // [1/s2] of free triangles, with injected fluids
     IncubationClock incubation_;
     AbsorbingBoundary absorbing_;
     FreePieces free_pieces_;
@@ -77,6 +78,7 @@ private:
     std::vector<double> amplitude_;               // of every history, at the start of the step
     std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
     std::vector<Vec2> corner_impulse_;            // [N s] likewise
+    std::vector<Vec2> corner_rate_;               // [m/s] per corner: v+ where a fluid presses, else 0
     std::vector<double> elastic_energy_;          // [J] per block, with large rotations
     std::vector<double> no_viscous_stress_;       // zeros, of a state without; empty: no viscosity
     std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion

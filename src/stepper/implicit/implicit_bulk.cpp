@@ -177,12 +177,21 @@ void ImplicitBulk::set_fluid_pressure(std::size_t fluid, double pressure) {
     largest_impulse_ = std::max(largest_impulse_, begin_impulse_);
 }
 
-ImplicitBulk::FluidBalance ImplicitBulk::fluid_balance(std::size_t fluid, const std::vector<Vec2>& rate) const {
-    const double entered = crack_forces_.injected(fluid, step_->begin->time + step_->h),
-                 change = step_->h * crack_forces_.volume_rate(fluid, *of_fluids_, rate, nodes_->node_of_corner),
-                 compressed = crack_forces_.storage(fluid) * fluid_pressure_[fluid];
-    return {.excess = compressed + fluid_volume_[fluid] + change - entered,
-            .scale = std::max({entered, std::abs(fluid_volume_[fluid]), compressed})};
+FluidStep ImplicitBulk::fluid_step(const std::vector<Vec2>& rate, const std::function<bool()>& solve) {
+    return {.balance =
+                [&, this](std::size_t fluid) {
+                    const double change = crack_forces_.volume_rate(
+                        fluid, *of_fluids_,
+                        [&](Index corner) -> const Vec2& { return rate[nodes_->node_of_corner[corner]]; });
+                    return crack_forces_.balance(fluid, fluid_volume_[fluid] + step_->h * change,
+                                                 step_->begin->time + step_->h);
+                },
+            .compliance = [this](std::size_t fluid) { return fluid_compliance(fluid); },
+            .solve_with =
+                [solve, this](std::size_t fluid, double pressure) {
+                    set_fluid_pressure(fluid, pressure);
+                    return solve();
+                }};
 }
 
 /// pi a^2/(2 E') per thickness, of a crack of length a in a wide body.

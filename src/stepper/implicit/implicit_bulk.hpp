@@ -24,8 +24,8 @@
 #include "element/triangle_matrices.hpp"
 #include "law/point_law.hpp"
 #include "model/state.hpp"
-#include "stepper/common/crack_forces.hpp"
 #include "stepper/common/dashpots.hpp"
+#include "stepper/common/fluid_pressures.hpp"
 #include "stepper/common/step_report.hpp"
 #include "stepper/implicit/corner_partition.hpp"
 #include "stepper/implicit/piece_frames.hpp"
@@ -82,17 +82,14 @@ public:
     std::span<const Dashpot> dashpots() const { return dashpots_; }  // in the order of the corners
     double mass_factor() const { return damping_ > 0 ? 1 + step_->kick() * damping_ : 1; }  // [-]
 
-    // Injected fluids, by their numbers in Model::crack_fluids. Their pressure p in the step is an unknown:
-    //     0 <= p  perp  g(p) = C p + V + h a' w(p) - Q(t + h) >= 0
+    // Injected fluids, by their numbers in Model::crack_fluids (stepper/common/fluid_pressures.hpp)
     bool has_injected_fluids() const { return model_.has_injected_fluids(); }
     const std::vector<double>& fluid_pressure() const { return fluid_pressure_; }  // [Pa]
-    void set_fluid_pressure(std::size_t fluid, double pressure);
-    struct FluidBalance {
-        double excess, scale;  // [m3] g, and the largest of its terms
-    };
-    FluidBalance fluid_balance(std::size_t fluid, const std::vector<Vec2>& rate) const;
-    double fluid_storage(std::size_t fluid) const { return crack_forces_.storage(fluid); }  // [m3/Pa] C <= dg/dp
-    double fluid_compliance(std::size_t fluid) const;                                       // [m3/Pa] about dg/dp
+    const CrackForces& crack_forces() const { return crack_forces_; }
+    /// `rate` [m/s]: of the nodes, the solution under the present pressures; solve() renews it under others, and is
+    /// false where there is none.
+    FluidStep fluid_step(const std::vector<Vec2>& rate, const std::function<bool()>& solve);
+    Vec2 place_of_fluid(std::size_t fluid) const { return crack_forces_.place(fluid, *of_fluids_); }  // [m]
 
     void impulse(const std::vector<Vec2>& rate, std::vector<Vec2>& of_corner) const;  // [N s] r(w)
     void sum_to_nodes(const std::vector<Vec2>& of_corner, std::vector<Vec2>& of_node) const;
@@ -132,6 +129,8 @@ private:
     void find_loads(const State& of_forces);
     const std::vector<CornerLoad>& find_crack_forces();
     void begin_fluids();
+    void set_fluid_pressure(std::size_t fluid, double pressure);
+    double fluid_compliance(std::size_t fluid) const;  // [m3/Pa] about dg/dp
     GreenStep::Motion motion() const;
     void begin_turning();
     void green_force(std::vector<Vec2>& of_corner) const;

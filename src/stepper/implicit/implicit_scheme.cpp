@@ -3,7 +3,6 @@
 #include "base/reserve_capacity.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/contact/retirement.hpp"
-#include "stepper/implicit/fluid_pressures.hpp"
 #include "stepper/implicit/step_lcp.hpp"
 
 #include <algorithm>
@@ -166,12 +165,13 @@ void ImplicitScheme::solve_points(StepReport& report) {
 void ImplicitScheme::solve_body(StepReport& report) {
     solve_under_pressures(report);
     if (!bulk_.has_injected_fluids() || report.rejection != Rejection::none) return;
-    const bool settled = settle_fluids(model_, bulk_, x_.rate, [&] {
+    const FluidStep step = bulk_.fluid_step(x_.rate, [&] {
         read_corner_rates(corner_rate_), store_guesses();
         solve_under_pressures(report);
         return report.rejection == Rejection::none;
     });
-    if (!settled) report.reject(Rejection::not_converged, Vec2::Zero());
+    const auto unsettled = unsettled_fluid(bulk_.crack_forces(), step);
+    if (unsettled) report.reject(Rejection::not_converged, bulk_.place_of_fluid(*unsettled));
 }
 
 /// With damping of vibrations the rigid motions of free pieces are known only with the solution.

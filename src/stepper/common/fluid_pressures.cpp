@@ -1,4 +1,4 @@
-#include "stepper/implicit/fluid_pressures.hpp"
+#include "stepper/common/fluid_pressures.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,15 +11,14 @@ constexpr int max_trials = 60, max_rounds = 20;
 
 enum class Outcome { as_it_was, changed, failed };
 
-Outcome settle(std::size_t fluid, ImplicitBulk& bulk, const std::vector<Vec2>& rate,
-               const std::function<bool()>& solve) {
-    double p = bulk.fluid_pressure()[fluid];
-    auto balance = bulk.fluid_balance(fluid, rate);
+Outcome settle(std::size_t fluid, const CrackForces& forces, const FluidStep& step) {
+    double p = forces.injected_pressures()[fluid];
+    FluidBalance balance = step.balance(fluid);
     const auto holds = [&] {
         return std::abs(balance.excess) <= tolerance * balance.scale || (p == 0 && balance.excess >= 0);
     };
     if (holds()) return Outcome::as_it_was;
-    const double storage = bulk.fluid_storage(fluid), guess = bulk.fluid_compliance(fluid),
+    const double storage = forces.storage(fluid), guess = step.compliance(fluid),
                  by_storage = std::max(0.0, p - balance.excess / storage);
     double low = std::min(p, by_storage), high = std::max(p, by_storage), slope = guess;
     for (int i = 0; i < max_trials; ++i) {
@@ -27,9 +26,8 @@ Outcome settle(std::size_t fluid, ImplicitBulk& bulk, const std::vector<Vec2>& r
         if (next < 0 && low == 0 && p > 0) next = 0;  // the cracks may have more room than there is fluid
         else if (!(next >= low && next <= high) || next == p) next = 0.5 * (low + high);
         const double before = balance.excess;
-        bulk.set_fluid_pressure(fluid, next);
-        if (!solve()) return Outcome::failed;
-        balance = bulk.fluid_balance(fluid, rate);
+        if (!step.solve_with(fluid, next)) return Outcome::failed;
+        balance = step.balance(fluid);
         slope = next == p ? guess : std::max((balance.excess - before) / (next - p), storage);
         p = next;
         if (holds()) return Outcome::changed;
@@ -40,21 +38,19 @@ Outcome settle(std::size_t fluid, ImplicitBulk& bulk, const std::vector<Vec2>& r
 
 }  // namespace
 
-bool settle_fluids(const Model& model, ImplicitBulk& bulk, const std::vector<Vec2>& rate,
-                   const std::function<bool()>& solve) {
-    const auto n_injected =
-        std::ranges::count_if(model.crack_fluids, [](const CrackFluid& fluid) { return fluid.given.is_injected(); });
+std::optional<std::size_t> unsettled_fluid(const CrackForces& forces, const FluidStep& step) {
+    const std::vector<std::size_t> injected = forces.injected_fluids();
+    std::optional<std::size_t> last;
     for (int round = 0; round < max_rounds; ++round) {  // they press on one body
-        bool changed = false;
-        for (std::size_t f = 0; f < model.crack_fluids.size(); ++f) {
-            if (!model.crack_fluids[f].given.is_injected()) continue;
-            const Outcome outcome = settle(f, bulk, rate, solve);
-            if (outcome == Outcome::failed) return false;
-            changed = changed || outcome == Outcome::changed;
+        last.reset();
+        for (const std::size_t f : injected) {
+            const Outcome outcome = settle(f, forces, step);
+            if (outcome == Outcome::failed) return f;
+            if (outcome == Outcome::changed) last = f;
         }
-        if (!changed || n_injected == 1) return true;
+        if (!last || injected.size() == 1) return std::nullopt;
     }
-    return false;
+    return last;
 }
 
 }  // namespace knap
