@@ -213,6 +213,24 @@ Chart tip_chart(const History& probes) {
     return chart;
 }
 
+Chart fluid_pressure_chart(const History& fluids) {
+    Chart chart = over_time("Pressure of fluids in cracks", "pressure", "Pa");
+    add_components(chart, fluids, {{"_pressure", "p"}});
+    return chart;
+}
+
+Chart fluid_volume_chart(const History& fluids) {
+    Chart chart = over_time("Volume of fluids in cracks", "volume", "m3");
+    add_components(chart, fluids, {{"_volume", "in cracks"}, {"_injected", "injected"}});
+    return chart;
+}
+
+Chart fluid_length_chart(const History& fluids) {
+    Chart chart = over_time("Cracks that fluids fill", "length", "m");
+    add_components(chart, fluids, {{"_length", "length"}});
+    return chart;
+}
+
 Chart stress_strain_chart(const History& stress_strain) {
     Chart chart{.title = "Stress and strain", .x_quantity = "strain [%]", .y_quantity = "stress", .y_unit = "Pa"};
     // the axis extends as far as the axial strain, in both directions: larger strains are those of flying fragments

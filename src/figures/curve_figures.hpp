@@ -20,6 +20,10 @@ Chart probe_velocity_chart(const History& probes);
 Chart probe_stress_chart(const History& probes);
 /// K_I and K_II of tips over time.
 Chart tip_chart(const History& probes);
+/// Of fluids in cracks; the volumes with those that have entered.
+Chart fluid_pressure_chart(const History& fluids);
+Chart fluid_volume_chart(const History& fluids);
+Chart fluid_length_chart(const History& fluids);
 /// Stress over all measured strains, with the stresses of crack initiation, dilatancy and crack damage.
 Chart stress_strain_chart(const History& stress_strain);
 /// Cumulative number of breaks in tension and in shear between two times [s].

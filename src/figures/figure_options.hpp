@@ -66,6 +66,7 @@ enum class FigureNeed {
     probe_of_stress,
     probe_of_tip,
     specimen,
+    fluid,      // in cracks
     breaks,     // breaks.csv
     fragments,  // a run that has ended
 };

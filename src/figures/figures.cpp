@@ -57,6 +57,15 @@ const CurveKind curve_kinds[] = {
      FigureNeed::probe_of_stress, true},
     {"probe_tips", "stress intensity factors of the tips of probes over time, until something breaks beside them",
      [](const Source& s) { return tip_chart(s.histories.probes); }, &Histories::probes, FigureNeed::probe_of_tip, true},
+    {"fluid_pressures", "pressures of the fluids of [[pressure]] over time",
+     [](const Source& s) { return fluid_pressure_chart(s.histories.fluids); }, &Histories::fluids, FigureNeed::fluid,
+     true},
+    {"fluid_volumes", "volumes of the cracks that these fluids fill, and of what was injected, over time",
+     [](const Source& s) { return fluid_volume_chart(s.histories.fluids); }, &Histories::fluids, FigureNeed::fluid,
+     true},
+    {"fluid_lengths", "lengths of the cracks that these fluids fill over time",
+     [](const Source& s) { return fluid_length_chart(s.histories.fluids); }, &Histories::fluids, FigureNeed::fluid,
+     true},
     {"stress_strain", "stress over strain of a [specimen], with its characteristic stresses",
      [](const Source& s) { return stress_strain_chart(s.histories.stress_strain); }, &Histories::stress_strain,
      FigureNeed::specimen, true},
@@ -121,6 +130,8 @@ const char* missing(const std::string& show, const std::string& colour, const Hi
         case FigureNeed::probe_of_stress: return unless_probe({"_stress_xx"}, "none of its probes watches a stress");
         case FigureNeed::specimen:
             return unless(histories.stress_strain, "stress_strain.csv is written where the scenario has a [specimen]");
+        case FigureNeed::fluid:
+            return unless(histories.fluids, "fluids.csv is written where the scenario has a [[pressure]]");
         case FigureNeed::breaks: return unless(histories.breaks, "breaks.csv is written with output.breaks = true");
         case FigureNeed::fragments: return unless(histories.fragments, "fragments.csv is written at the end of a run");
     }

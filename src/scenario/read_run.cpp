@@ -199,6 +199,9 @@ void check_subject(const Table& figure) {
         case FigureNeed::specimen:
             need(figure.reading().table("specimen").given(), "there is no specimen", "add a [specimen]");
             break;
+        case FigureNeed::fluid:
+            need(!figure.reading().list("pressure").empty(), "there is no fluid in cracks", "add a [[pressure]]");
+            break;
         case FigureNeed::nothing:
         case FigureNeed::breaks:  // read_breaks
         case FigureNeed::fragments: break;

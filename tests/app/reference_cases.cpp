@@ -1,5 +1,5 @@
 // Reference cases that need the whole program: a slowly opened beam (C2), an explicit debonding strip (C1), the
-// edge-cracked block (D1), a notched beam.
+// edge-cracked block (D1), a crack that a pump drives (E35), a notched beam.
 #include "app/program.hpp"
 #include "support/verification.hpp"
 
@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <regex>
 #include <sstream>
 #include <vector>
@@ -201,6 +202,43 @@ TEST_CASE("C1 a debonding strip by central differences" * doctest::test_suite("s
                {0.005, 0.0005});
         verify_small("energy residual" + at, run["energy_residual"], {1e-10});
     }
+}
+
+// The law is that of a crack without a process zone. The tip that it means lies in the zone of a cohesive crack, l_ch = E' G_c/sigma_c^2: for
+// linear softening .42 l_ch before the broken edges and .31 l_ch behind the damaged ones (Planas, Elices, Eng. Fract. Mech. 55 (1993) 647, of
+// cracks long against l_ch).
+TEST_CASE("E35 a pump drives a crack" * doctest::test_suite("slow")) {
+    describe(
+        "The scenario kgd_fracture: a fluid without flow resistance enters half of a crack at the rate Q (toughness "
+        "regime of "
+        "the KGD crack): a = (E' Q t/(sqrt(pi) K))^(2/3), p = K/sqrt(pi a), w = 4 p a/E', K^2 = E' G_c. Largest "
+        "deviations "
+        "from 6 ms on (a = 45 mm) until the pump stops at 10 ms, and after it. The length is that of the broken edges "
+        "and "
+        ".42 l_ch, l_ch = 2.34 mm.");
+    on_path("implicit, implicit");
+    const ReferenceRun run("pump", "kgd_fracture");
+    const double E = 30e9 / (1 - 0.2 * 0.2), K = std::sqrt(E * 30), Q = 8.75e-5, l_ch = E * 30 / (20e6 * 20e6);
+    const auto of = [&](const char* name) { return run.column("fluids.csv", name); };
+    const std::vector<double> time = of("time"), p = of("_pressure"), w = of("_aperture"), wet = of("_length"),
+                              broken = run.column("cracks.csv", "broken_length");
+    REQUIRE(time.size() == broken.size());
+    double of_p = 0, of_w = 0, of_tip = 0, of_ends = 0;
+    for (std::size_t i = 0; i < time.size(); ++i) {
+        if (time[i] < 6e-3) continue;
+        const double a = std::pow(E * Q * std::min(time[i], 10e-3) / (std::sqrt(std::numbers::pi) * K), 2. / 3),
+                     of_a = K / std::sqrt(std::numbers::pi * a);
+        const auto look = [](double& largest, double found, double exact) {
+            largest = std::max(largest, std::abs(found / exact - 1));
+        };
+        look(of_p, p[i], of_a), look(of_w, w[i], 4 * of_a * a / E), look(of_tip, 0.02 + broken[i] + 0.42 * l_ch, a);
+        look(of_ends, 0.02 + broken[i], a), look(of_ends, wet[i], a);
+    }
+    verify_small("pressure, largest relative deviation", of_p, {0.02, 0.01});
+    verify_small("opening at the well, likewise", of_w, {0.02, 0.01});
+    verify_small("length, likewise", of_tip, {0.02, 0.01});
+    verify_small("lengths of the broken and of the wet edges, likewise", of_ends, {0.03, 0.01});
+    verify_small("energy residual", run["energy_residual"], {1e-10});
 }
 
 TEST_CASE("D1 an edge-cracked block of glass is pulled apart" * doctest::test_suite("slow")) {

@@ -440,10 +440,19 @@ TEST_CASE("figures: reactions over time are all forces that can be seen") {
                     UserError);
 }
 
+TEST_CASE("figures: fluids in cracks have pressures and volumes and lengths over time") {
+    CHECK(fluid_pressure_chart(synthetic::fluids()).curves.size() == 1);
+    const Chart volumes = fluid_volume_chart(synthetic::fluids());
+    REQUIRE(volumes.curves.size() == 2);
+    CHECK(volumes.curves[1].label == "water, injected");
+    CHECK(volumes.curves[1].y.back() == doctest::Approx(1.02e-6));
+    CHECK(fluid_length_chart(synthetic::fluids()).curves.at(0).y.back() == doctest::Approx(0.08));
+}
+
 TEST_CASE("figures: what a run does not have is refused with a list of what it has") {
     Histories bare{.energy = synthetic::energy(5), .cracks = synthetic::cracks(5)};
-    for (const char* show :
-         {"reactions", "probes", "probe_velocities", "stress_strain", "breaks", "rose", "fragments"}) {
+    for (const char* show : {"reactions", "probes", "probe_velocities", "fluid_pressures", "fluid_volumes",
+                             "stress_strain", "breaks", "rose", "fragments"}) {
         CAPTURE(show);
         try {
             draw_figure({.file = "a.png", .show = show}, {}, bare, {}, pictures());

@@ -171,6 +171,15 @@ inline History probes(int n = 400) {
     return h;
 }
 
+inline History fluids(int n = 400) {
+    History h{{"time", "water_pressure", "water_volume", "water_injected", "water_length", "water_aperture"}, {}};
+    for (int i = 0; i <= n; ++i) {
+        const double s = static_cast<double>(i) / n, length = 0.02 + 0.06 * std::pow(s, 2. / 3);
+        h.rows.push_back({80e-6 * s, 2e6 * std::sqrt(0.02 / length), 1e-6 * s, 1.02e-6 * s, length, 1e-5 * s});
+    }
+    return h;
+}
+
 /// A rock in compression: elastic to 100 MPa, cracks from 40 MPa, most of them steep.
 inline History stress_strain(int n = 400) {
     History h{
@@ -208,6 +217,7 @@ inline Histories histories(int n = 400) {
     return {.energy = energy(n),
             .cracks = cracks(n),
             .reactions = reactions(n),
+            .fluids = fluids(n),
             .probes = probes(n),
             .breaks = breaks(),
             .stress_strain = stress_strain(n),
