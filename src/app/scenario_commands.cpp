@@ -375,7 +375,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
     if (scenario.bodies.size() > 1) std::printf("bodies %zu\n", scenario.bodies.size());
     print_mesh(judge(model.mesh));
-    std::fputs(placed_sets_text(scenario).c_str(), stdout);
+    std::fputs(placed_sets_text(scenario, model.mesh).c_str(), stdout);
     print_materials(scenario);
     std::fputs(laws_text(read, model).c_str(), stdout);
     print_resolution(scenario, model.mesh, plan.limits.cracking);
@@ -421,7 +421,7 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
         for (int i = 0; i < MeshReport::n_directions; ++i)
             std::printf("  %5.1f degree  %.4f\n", 180.0 * i / MeshReport::n_directions, report.path_excess[i]);
     }
-    std::fputs(placed_sets_text(read.scenario).c_str(), stdout);
+    std::fputs(placed_sets_text(read.scenario, model.mesh).c_str(), stdout);
     if (!model.mesh.grain.empty()) print_grains(read.scenario, model.mesh);
     if (output.empty()) return exit_done;
     const std::string ending = output.extension().string();

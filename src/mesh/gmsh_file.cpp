@@ -200,7 +200,8 @@ private:
         if (first.empty()) fail(0, "this file is empty");
         if (first == "$NOD") fail({0, how_to_convert}, "this file has version 1", readable);
         if (first != "$MeshFormat")
-            fail(0, "this is no Gmsh mesh: it begins with `" + std::string(first.substr(0, 40)) + "`, not $MeshFormat");
+            fail({0, "knap-convert FILE.inp FILE.msh reads Abaqus, and all that meshio does"},
+                 "this is no Gmsh mesh: it begins with `" + std::string(first.substr(0, 40)) + "`, not $MeshFormat");
         const std::size_t where = at_;
         const double version = real("the version of the format");
         const Integer type = text("the file type (0 ASCII, 1 binary)"), size = text("the size of numbers");

@@ -20,16 +20,17 @@ std::optional<GmshMesh> parse_mesh(const Table& table, const std::string& bytes)
     }
 }
 
-/// The material of each physical surface.
-std::vector<Index> materials_of_groups(const Table& table, const std::vector<GmshGroup>& groups) {
-    const std::optional<Index> of_others = table.material("material");
+/// The material of each physical surface; those that have mesh.material are others of the file.
+std::vector<Index> materials_of_groups(const Table& table, const std::vector<GmshGroup>& groups, MeshFile& file) {
+    file.of_others = table.material("material").value_or(0);
     const std::vector<std::string> materials = table.scenario().material_names();
     std::vector<Index> of_group;
     std::vector<std::string> unnamed;
     for (const GmshGroup& group : groups) {
         const auto found = std::ranges::find(materials, group.name);
-        of_group.push_back(found == materials.end() ? of_others.value_or(0)
-                                                    : static_cast<Index>(found - materials.begin()));
+        of_group.push_back(found == materials.end() ? file.of_others : static_cast<Index>(found - materials.begin()));
+        if (table.given("material") && found == materials.end() && group.n > 0)
+            file.others.push_back(group.name.empty() ? "no group" : group.name);
         if (table.given("material")) continue;
         if (found == materials.end() && !group.named && !group.name.empty()) unnamed.push_back(group.name);
         if (found != materials.end() || materials.empty() || (!group.named && materials.size() == 1)) continue;
@@ -84,7 +85,8 @@ void mark_curves(const Table& table, GmshMesh& read) {
     }
 }
 
-/// [[domain.region]] over the mesh: the triangles whose centroids lie inside.
+/// [[domain.region]] over the mesh: the triangles whose centroids lie inside. They leave their grains, so that the
+/// edges round them have the law of the two materials.
 void lay_regions(Reading& reading, Mesh& mesh) {
     MeshOptions sizes;
     sizes.size = mean_edge(mesh);
@@ -96,7 +98,10 @@ void lay_regions(Reading& reading, Mesh& mesh) {
         if (inside.empty())
             region.error("empty-region", "", "has no triangle of mesh.file: it is smaller than one, or lies elsewhere",
                          "coordinates of the body, after mesh.unit");
-        for (const Index t : inside) mesh.region[t] = *material;
+        for (const Index t : inside) {
+            mesh.region[t] = *material;
+            if (!mesh.grain.empty()) mesh.grain[t] = -1;
+        }
     }
 }
 
@@ -119,7 +124,8 @@ void read_mesh_file(Reading& reading) {
     if (!bytes) return;
     std::optional<GmshMesh> read = parse_mesh(table, *bytes);
     if (!read) return;
-    const std::vector<Index> material = materials_of_groups(table, read->surface_groups);
+    MeshFile file;
+    const std::vector<Index> material = materials_of_groups(table, read->surface_groups, file);
     mark_curves(table, *read);
     Mesh& mesh = read->mesh;
     const double unit = table.number("unit").value_or(1);
@@ -129,7 +135,8 @@ void read_mesh_file(Reading& reading) {
     if (table.get<bool>("grains").value_or(false)) mesh.grain = std::move(read->surface);
     lay_regions(reading, mesh);
     reading.scenario.files.push_back({table.path("file"), "mesh.msh", std::move(*bytes)});
-    reading.scenario.given = std::make_shared<const MeshFile>(MeshFile{std::move(mesh)});
+    file.mesh = std::move(mesh);
+    reading.scenario.given = std::make_shared<const MeshFile>(std::move(file));
 }
 
 }  // namespace knap

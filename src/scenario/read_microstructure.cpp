@@ -157,7 +157,10 @@ void read_map(const Table& table, std::size_t number) {
     if (!bytes) return;
     std::string problem;
     const std::optional<Picture> picture = read_png(*bytes, problem);
-    if (!picture) return table.error("bad-file", "file", problem);
+    if (!picture)
+        return table.error(
+            "bad-file", "file", problem,
+            "knap-convert PICTURE.tif PICTURE.png (or .jpg), of `pip install './tools/python[convert]'`");
     std::vector<Vec2> points;  // of the bodies
     if (scenario.given) points = scenario.given->mesh.vertices;
     for (const Body& body : scenario.bodies)
@@ -175,7 +178,12 @@ void read_map(const Table& table, std::size_t number) {
         table.error("bad-value", "", "has no pixel with one of the colours");
     } else if (n_none > 0) {
         const std::string percent = std::to_string(static_cast<int>(std::ceil(100 * n_none / n)));
-        table.warning("map", "file", "has " + percent + " % of its pixels in none of the colours; they change nothing");
+        table.warning(
+            "map", "file",
+            "has " + percent + " % of its pixels in none of the colours; they change nothing" +
+                (map.grains ? " and are no grain: edges among them have the law of their material with itself, "
+                              "not that within grains"
+                            : ""));
     }
     if (map.grains && n_none < n) {
         const Index n_grains = map.find_patches(picture->rgb);

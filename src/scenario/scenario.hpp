@@ -109,7 +109,9 @@ struct OutputOptions {
 
 /// A mesh that was read from a file.
 struct MeshFile {
-    Mesh mesh;  // regions are the scenario's materials
+    Mesh mesh;                             // regions are the scenario's materials
+    std::vector<std::string> others = {};  // surfaces of the file that are no material
+    Index of_others = 0;                   // their material
 };
 
 /// The copy of a file of the scenario in a run directory.

@@ -161,6 +161,11 @@ TEST_CASE("mesh file: one material for surfaces without a name of one and grains
     CHECK(grains.warnings.empty());
     CHECK(grains.scenario.given->mesh.region == std::vector<Index>{1, 1});
     CHECK(grains.scenario.given->mesh.grain == std::vector<Index>{0, 1});
+    CHECK(grains.scenario.given->others == std::vector<std::string>{"7", "8"});
+    const ReadResult pad = read(
+        "unit = 1\nmaterial = \"steel\"\ngrains = true\n[[domain.region]]\nbox = [-9, -9, 9, 9]\nmaterial = "
+        "\"glass\"\n");
+    CHECK(pad.scenario.given->mesh.grain == std::vector<Index>{-1, -1});  // no longer tied by the law within a grain
     try {
         read("unit = 1\nmaterial = \"stel\"\n");
         FAIL("an unknown material");

@@ -1,12 +1,16 @@
 // [[traces]]: maps of traces as csv and GeoJSON, and cracks with a law of their own.
+#include "base/random.hpp"
+#include "base/stopwatch.hpp"
 #include "mesh/triangulate.hpp"
 #include "scenario/samples.hpp"
 
 #include <doctest/doctest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 using namespace knap;
 
@@ -162,6 +166,36 @@ TEST_CASE("traces: a fault that the mesh cannot resolve names its line of the ma
         CHECK_MESSAGE(found.at(0).message.starts_with("`traces[0]` (line "), found.at(0).message);
         CHECK(found.at(0).line > 0);
     }
+}
+
+TEST_CASE("traces: a map of 2000 meshes in one round within 30 s") {
+    Random random(3, "traces");
+    std::string text = "trace, x [mm], y [mm]\n";
+    for (int n = 0; n < 2000;) {  // three sets
+        const double angle = (30 + 60 * (n % 3) + random.uniform(-10, 10)) * std::numbers::pi / 180;
+        const Vec2 a(random.uniform(0, 100), random.uniform(0, 40)),
+            b = a + random.uniform(1, 4) * Vec2(std::cos(angle), std::sin(angle));
+        if (b.x() < 0 || b.x() > 100 || b.y() > 40) continue;
+        ++n;
+        for (const Vec2& x : {a, b})
+            text += std::to_string(n) + ", " + std::to_string(x.x()) + ", " + std::to_string(x.y()) + "\n";
+    }
+    const Map map(text);
+    std::ofstream(map.directory / "s.toml")
+        << samples::changed(
+               "size = 0.001", "size = 0.0007",
+               samples::changed("size = [0.1, 0.04]", "size = [0.1, 0.04]\nsnap = \"0.15 mm\"", samples::least)) +
+               "[[traces]]\nfile = \"map.csv\"\ninterface = \"weak\"\n" + weak;
+    const Stopwatch watch;
+    const ReadResult read = read_scenario(map.directory / "s.toml");
+    const Mesh mesh = triangulate(read.scenario.bodies[0].shape, read.scenario.bodies[0].mesh);
+    CHECK(watch.cpu() < 30);  // 1.5 s where this was written
+    CHECK(read.scenario.placed_sets.at(0).n == 2000);
+    double length = 0;  // [m] of the faults
+    for (const InteriorEdge& edge : mesh.interior_edges)
+        if (edge.joint >= 0) length += mesh.side_vector(edge.triangle[0], edge.side[0]).norm();
+    CHECK(length > 4.5);  // 2000 of 2.5 mm, less what snap and crossings leave out
+    CHECK(length < 5.2);
 }
 
 TEST_CASE("cracks: one with an interface is a joint with that law") {

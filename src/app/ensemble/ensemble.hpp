@@ -41,6 +41,7 @@ struct RunResult {
     double cpu = NAN;            // [s] processor time without output
     double at_rest = NAN;        // 1: ended at rest, 0: time.end came before; NaN: it does not end at rest
     std::vector<double> values;  // per quantity; NaN without a value
+    std::vector<std::string> warnings;
 
     /// Whether its process wrote the record for the last time while it was at work.
     bool is_under_way() const { return status == "running" || status == "starting"; }
@@ -78,6 +79,8 @@ struct Variant {
 struct SafetySearch {
     SafetyOptions options;
     std::vector<std::string> common;  // KEY=VALUE of all runs
+    std::vector<std::string> notes;   // on laws whose cohesion does not act everywhere
+    double diagonal = 0;              // [m] of the bodies
     double low = 0, high = 0;         // [-] the body stands at `low`, and not at `high`; 0: not known
     std::string failure;              // why there is no factor; empty: it was found, or the search goes on
 };

@@ -163,6 +163,15 @@ fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
         .file;
 }
 
+/// A round number that magnifies displacements to a part of the body that can be seen; 1 where they can be anyway.
+double visible_magnification(double displacement, double diagonal) {
+    constexpr double seen = 0.05;
+    const double wanted = seen * diagonal / displacement;
+    if (!(wanted > 1 && std::isfinite(wanted))) return 1;
+    const double power = std::pow(10, std::floor(std::log10(wanted))), digit = wanted / power;
+    return (digit >= 5 ? 5 : digit >= 2 ? 2 : 1) * power;
+}
+
 /// The end of the run that does not stand at the smallest factor, of two the one that moved.
 std::vector<CaptionedFigure> draw_mechanism(const Ensemble& safety, const fs::path& directory) {
     const EnsembleRun* mechanism = nullptr;
@@ -171,8 +180,11 @@ std::vector<CaptionedFigure> draw_mechanism(const Ensemble& safety, const fs::pa
     if (mechanism == nullptr) return {};
     const auto source = panel_source(directory / "runs" / mechanism->name, safety.sheet);
     if (!source) return {};
-    return {{draw_figure(safety.sheet, source->frame, source->run.histories, source->run.context, directory / "figures")
-                 .file,
+    FigureOptions sheet = safety.sheet;
+    double largest = 0;
+    for (const Vec2& u : source->frame.displacement) largest = std::max(largest, u.norm());
+    if (sheet.deform == 1) sheet.deform = visible_magnification(largest, safety.safety->diagonal);
+    return {{draw_figure(sheet, source->frame, source->run.histories, source->run.context, directory / "figures").file,
              "The mechanism: the end of " + mechanism->name}};
 }
 

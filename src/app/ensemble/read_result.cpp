@@ -129,6 +129,7 @@ RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& qua
     result.factorisations = number(record["factorisations"]);
     result.step = number(record["step_s"]);
     result.cpu = number(record["cpu_s"]) - number(record["cpu_parts_s"]["output"]);
+    for (const Json& warning : record["warnings"]) result.warnings.push_back(warning.get<std::string>());
     if (result.status != "done") return result;
     if (const Json& summary = record["summary"]; summary.contains("rest_time"))
         result.at_rest = summary["rest_time"].is_null() ? 0 : 1;

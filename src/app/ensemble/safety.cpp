@@ -95,7 +95,8 @@ Ensemble plan_safety(const std::string& scenario, const Texts& overrides) {
                     .keys = {"factor"},
                     .safety = SafetySearch{.options = read.scenario.study.safety}};
     SafetyOptions& options = safety.safety->options;
-    if (options.runaway == 0) options.runaway = of_diagonal * diagonal_of(read.scenario);
+    safety.safety->diagonal = diagonal_of(read.scenario);
+    if (options.runaway == 0) options.runaway = of_diagonal * safety.safety->diagonal;
     if (options.laws.empty())
         for (const NamedLaw& named : read.scenario.laws)
             if (slides_or_breaks(named.law)) options.laws.push_back(named.name);
@@ -113,6 +114,13 @@ Ensemble plan_safety(const std::string& scenario, const Texts& overrides) {
         if (law.of_temperature && !law.of_temperature->friction.empty())
             refuse("`study.safety.laws`: the law `" + name + "` has a friction_table, which cannot be divided",
                    "friction at the temperature in question");
+    }
+    for (std::size_t s = 0; s < read.scenario.supports.size(); ++s) {
+        const Support& support = read.scenario.supports[s];
+        const NamedLaw& named = read.scenario.laws[support.law];
+        if (!support.glued && named.law.sigma_c > 0 && std::ranges::count(options.laws, named.name) > 0)
+            safety.safety->notes.push_back("`" + item("support", s) + "` is not glued: of the law `" + named.name +
+                                           "` it has the friction alone, and c = 0; glued = true for its cohesion");
     }
     for (const char* name : {"largest_displacement", "broken_length"})
         safety.quantities.push_back({.name = name, .of = name, .unit = std::string(unit_of("summary", name))});
@@ -195,7 +203,12 @@ std::string safety_text(const Ensemble& safety) {
         const std::string verdict = verdict_of(safety, *run);
         text += "- " + run->name + ": " + (verdict.empty() ? run->result.trouble() : verdict) + "\n";
     }
-    return text + "\n";
+    text += "\n";
+    for (const std::string& note : search.notes) text += "Note: " + note + "\n\n";
+    if (const EnsembleRun* last = search.low > 0 ? run_at(safety, search.low) : nullptr)
+        for (const std::string& warning : last->result.warnings)
+            text += "Warning of " + last->name + ": " + warning + "\n\n";
+    return text;
 }
 
 }  // namespace knap

@@ -461,7 +461,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
                        is_watched(scenario, options) ? starting_page(scenario, read.source.text(), record) : "");
     try {
         if (!place.resumes())
-            place.log().add(warnings + placed_sets_text(scenario) + probes_text(model, scenario.probes));
+            place.log().add(warnings + placed_sets_text(scenario, model.mesh) + probes_text(model, scenario.probes));
         std::optional<StartState> other;
         if (const NamedFile* file = scenario.start_file(); file != nullptr && !place.resumes()) {
             other.emplace(file->bytes, origin, scenario, model, excavations, adaptation);

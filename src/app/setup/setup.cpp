@@ -275,10 +275,33 @@ private:
     }
 };
 
+/// "70 of quartz (55 % of the area), 31 of mica (45 %)"
+std::string grains_text(const Scenario& scenario, const Mesh& mesh) {
+    std::vector<std::set<Index>> grains(scenario.materials.size());
+    std::vector<double> area(grains.size(), 0.0);
+    double total = 0, of_none = 0;  // [m2]
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        total += mesh.area(t);
+        if (mesh.grain[t] < 0) of_none += mesh.area(t);
+        else grains[mesh.region[t]].insert(mesh.grain[t]), area[mesh.region[t]] += mesh.area(t);
+    }
+    std::vector<std::string> texts;
+    for (std::size_t m = 0; m < grains.size(); ++m)
+        if (!grains[m].empty())
+            texts.push_back(formatted("%zu of %s (%.3g %%)", grains[m].size(), scenario.materials[m].name.c_str(),
+                                      100 * area[m] / total));
+    return joined(texts) + (of_none > 0 ? formatted("; %.3g %% of the area in no grain", 100 * of_none / total) : "");
+}
+
 }  // namespace
 
-std::string placed_sets_text(const Scenario& scenario) {
+std::string placed_sets_text(const Scenario& scenario, const Mesh& mesh) {
     std::string text;
+    if (scenario.given && !scenario.given->others.empty())
+        text += formatted("  mesh.material  %s: of %zu surfaces that are no material (%s)\n",
+                          scenario.materials[scenario.given->of_others].name.c_str(), scenario.given->others.size(),
+                          first_of(scenario.given->others).c_str());
+    if (!mesh.grain.empty()) text += "  grains         " + grains_text(scenario, mesh) + '\n';
     for (std::size_t i = 0; i < scenario.bodies.size(); ++i)
         if (scenario.bodies[i].shape.snap > 0) text += snap_text(scenario, i);
     std::map<std::size_t, CrackLengths> of_body;

@@ -43,7 +43,7 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
 
 /// The sets of inclusions and joints, and what the snap of a body did, a line each: "  inclusions[0]  30 placed, 12.3 %
 /// of the area".
-std::string placed_sets_text(const Scenario& scenario);
+std::string placed_sets_text(const Scenario& scenario, const Mesh& mesh);
 
 /// [m/s] Of the domain's first material.
 double rayleigh_speed(const Scenario& scenario);

@@ -210,6 +210,10 @@ TEST_CASE("a pressure that reaches nothing or draws is a warning") {
     CHECK_FALSE(check("", crack).has("pressure-enters-nothing"));
     CHECK_FALSE(check(right + joints, crack).has("pressure-enters-nothing"));  // the joint may open
     CHECK_FALSE(check("", crack).has("warning[implausible]"));
+    CHECK(check("", crack, "\"-2*x MPa\"").has("pressure[0] -2*x MPa, in all cracks; 50 mm of them"));
+    const std::string injected = "[[pressure]]\nrate = 1e-3\nstorage = 1e-12\n";
+    CHECK(command(plate(folder, injected, crack)).has("warning[coarse-crack]: the cracks that this fluid fills"));
+    CHECK_FALSE(command(plate(folder, injected, crack) + "-s mesh.order=2").has("coarse-crack"));
     CHECK(check("", crack, "-1e6").has("warning[implausible]: `pressure[0]` is negative at times"));
     CHECK(check("table = [[0, 1], [1e-5, -0.1]]\n", crack)
               .has("warning[implausible]: `pressure[0]` is negative at times"));
@@ -251,6 +255,13 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
         command("run " + folder.in_shell("plate.toml") + " -q -s 'time.end=1 us' -o " + folder.in_shell("run")).code ==
         0);
     CHECK(text_of(folder.path / "run/log.txt").find("inclusions[0]  5 placed, 6.28") != std::string::npos);
+    for (const std::string verb : {"check ", "mesh "}) {
+        plate(folder, "[[grains]]\nsize = \"8 mm\"\n");
+        const Answer grains = command(verb + folder.in_shell("plate.toml"));
+        CAPTURE(grains.text);
+        CHECK(grains.has("  grains         "));
+        CHECK(grains.has(" of rock (100 %)"));
+    }
     const Answer full = command(plate(folder, set) + "-s inclusions[0].number=500");
     CHECK(full.code == 2);
     CHECK(full.has("500 are requested"));

@@ -106,6 +106,7 @@ TEST_CASE("study --safety: what has no factor says why") {
     };
     says("-s study.safety.factors=[1.2,3]", 3, "the body does not stand at factor 1.2: no equilibrium");
     says("-s study.safety.factors=[1,1.05]", 3, "the body stands at factor 1.05, the largest one");
+    says("-s support[0].glued=false", 3, "`support[0]` is not glued: of the law `joint` it has the friction alone");
     says("--laws seam", 2, "there is no interface law `seam`");
     says("--laws default", 2, "the law `default` has neither strength nor friction to divide");
     says("-s study.safety.factors=[2,1]", 2, "does not ascend");
