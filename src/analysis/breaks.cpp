@@ -18,7 +18,10 @@ std::span<const Measure<Break>> break_columns() {
          "part of sliding in the opening at which the interface broke: 0 opened, 1 slid; above 1/2 it counts as a "
          "shear break",
          [](const B& b) { return b.shear; }},
-        {"energy", "J", "fracture energy of the interface: G_c (at the temperature of the moment) times its area",
+        {"energy", "J",
+         "fracture energy of the interface: G_c (at the temperature of the moment; with a G_II that of its mode mix) "
+         "times "
+         "its area",
          [](const B& b) { return b.energy; }},
         {"opening", "m", "mean opening of the interface at this time", [](const B& b) { return b.jump.x(); }},
         {"slip", "m",
@@ -88,7 +91,8 @@ std::vector<std::vector<double>> Breaks::found(const State& now) {
                 if (!now.incubation.empty())
                     factor += part * (now.strength_factor(model_.fan_of_corner[at.corner()]) - 1);
             }
-            const double energy = factor * law.G_c * interface.length * model_.thickness;
+            const double energy =
+                factor * law.G_c * law.energy_factor(mean.x(), mean.y()) * interface.length * model_.thickness;
             // T is N, from side A to side B, turned to the left: A lies to the left of T
             const Break broken{now.time, 0.5 * (a + b),        angle, interface.length, shear_[i],
                                energy,   {mean.x(), -mean.y()}};

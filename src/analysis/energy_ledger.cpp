@@ -102,7 +102,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     }
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.viscous_dissipation -
-                   (row_.surface() - start_surface_) - row_.excavated_recoverable;
+                   row_.mixed_dissipation - (row_.surface() - start_surface_) - row_.excavated_recoverable;
     largest_energy_ =
         std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable + row_.interface_elastic);
@@ -331,6 +331,15 @@ std::span<const EnergyTerm> energy_terms() {
                                          .label = "dissipated by delay",
                                          .colour = vermilion,
                                          .dash = 2}),
+        number<&R::mixed_dissipation>("mixed_dissipation", "J",
+                                      "energy that slip has dissipated so far in addition to `dissipated`, since it "
+                                      "costs another fracture energy than opening; with a G_II",
+                                      {.with = &W::mode_mix,
+                                       .step = &S::mixed_dissipation,
+                                       .drawn = 1,
+                                       .label = "dissipated by slip beyond G_c",
+                                       .colour = green,
+                                       .dash = 2}),
         number<&R::vibration_booked>("vibration_booked", "J",
                                      "kinetic energy of the vibration of pieces that became rigid so far, taken from "
                                      "the body: never positive; with [rigid]",

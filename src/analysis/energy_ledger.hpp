@@ -71,6 +71,7 @@ struct EnergyRow {
     double thermal_work = 0;                                 // of thermal strains that change
     double law_change = 0;                                   // of strengths that follow the temperature
     double viscous_dissipation = 0;                          // of delayed softening, in addition to `dissipated`
+    double mixed_dissipation = 0;                            // of slip with its own fracture energy, likewise
     double vibration_booked = 0, sleep_work = 0, projection_work = 0, rigid_injection = 0, exchange_work = 0,
            thaw_dissipation = 0;   // as in StepReport
     double heat = 0, heat_in = 0;  // with conduction: stored, and what came in
@@ -85,14 +86,14 @@ struct EnergyRow {
 struct RareWorks {
     bool rotation = false, damping = false, viscosity = false, radiation = false, excavation = false,
          adaptation = false, secant = false, heat = false, conduction = false, law_change = false, delay = false,
-         incubation = false, cohesive_friction = false, new_assumptions = false, rigid = false;
+         incubation = false, cohesive_friction = false, new_assumptions = false, rigid = false, mode_mix = false;
 
     static constexpr auto all() {
         using R = RareWorks;
         return std::array{&R::rotation,          &R::damping,         &R::viscosity, &R::radiation,
                           &R::excavation,        &R::adaptation,      &R::secant,    &R::heat,
                           &R::conduction,        &R::law_change,      &R::delay,     &R::incubation,
-                          &R::cohesive_friction, &R::new_assumptions, &R::rigid};
+                          &R::cohesive_friction, &R::new_assumptions, &R::rigid,     &R::mode_mix};
     }
     void include(const RareWorks& other) {
         for (const auto work : all()) this->*work = this->*work || other.*work;

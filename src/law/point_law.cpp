@@ -16,7 +16,8 @@ void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse&
     r.end_cohesion = law.may_soften() ? law.material->next_cohesion(law.cohesion, u_N, u_T, law.step->h) : law.cohesion;
     r.softens = r.end_cohesion < law.cohesion && r.end_cohesion > 0;
     r.breaks = r.end_cohesion < law.cohesion && r.end_cohesion == 0;
-    r.piece = r.softens ? law.material->piece_at(law.material->equivalent_opening(u_N, u_T)) : 0;
+    r.piece = r.softens ? law.material->piece_at(law.material->damage_opening(u_N, u_T)) : 0;
+    r.damage = law.material->damage_slope(u_N, u_T);
     r.cohesion_theta = law.step->theta * r.end_cohesion + (1 - law.step->theta) * law.cohesion;
     r.opens = u_N > 0;
 }
@@ -60,7 +61,7 @@ void find_tangential(const PointLaw& law, const Multipliers& at, double w_T, Poi
 
 std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
-    std::uint32_t state = r.closed | (r.sticks << 1);
+    std::uint32_t state = r.closed | (r.sticks << 1) | ((r.ramp_part == 0 && !r.on_ramp) << 17);
     if (r.closed && !r.sticks && at.friction_follows) state |= digit(r.friction_sign) << 2;
     state |= (r.lands << 16) | (r.opens_on_ramp << 13);
     if (r.on_ramp) state |= (digit(r.end_sign) << 14) | (1u << 12);
@@ -74,7 +75,7 @@ std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
 /// leaves.
 double respond_to_cohesion(const PointLaw& law, const Multipliers& at, double w_N, double w_T, double c,
                            PointResponse& r) {
-    const double h = law.step->h, kick = law.step->kick(), held = at.contact - law.strength * law.cohesion;
+    const double h = law.step->h, kick = law.reach(), held = at.contact - law.strength * law.cohesion;
     r = {.cohesion_theta = c / law.strength};
     double omega_N = w_N, omega_T = w_T;
     // along N the sides are open, at rest where the opening is zero, overlapping, or stopped by the contact
@@ -103,11 +104,11 @@ double respond_to_cohesion(const PointLaw& law, const Multipliers& at, double w_
     const auto sign = [](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; };
     update_cohesion(law, law.u_N + h * omega_N, end_T, r);
     r.full_cohesion = std::exchange(r.cohesion_theta, c / law.strength);
-    r.on_ramp = s < law.ramp;
-    r.ramp_part = std::min(s / law.ramp, 1.0);
+    r.on_ramp = law.on_ramp(s);
+    r.ramp_part = law.ramp_part(s);
     r.opens_on_ramp = mean_N > 0;
     r.cohesion_sign = sign(mean_T), r.end_sign = sign(end_T);
-    return law.strength * r.full_cohesion * std::min(s, law.ramp);
+    return law.strength * r.full_cohesion * std::clamp(s - law.ramp_foot(), 0.0, law.ramp);
 }
 
 /// [kg m] kappa dc/d omega of c = C beta_theta min(s/kappa, 1), s in the middle of the step, beta_theta of its end.
@@ -115,9 +116,10 @@ Vec2 ramp_slope(const PointLaw& law, const PointResponse& r, Softening softening
     const double gamma = law.material->gamma;
     Vec2 slope = Vec2::Zero();
     if (r.on_ramp)
-        slope = law.strength * r.full_cohesion * law.step->kick() * Vec2(r.opens_on_ramp, gamma * r.cohesion_sign);
+        slope = law.strength * r.full_cohesion * law.reach() * Vec2(r.opens_on_ramp, gamma * r.cohesion_sign);
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks))
-        slope -= law.ramp * r.ramp_part * softening_modulus(law, r, softening) * Vec2(r.opens, gamma * r.end_sign);
+        slope -= law.ramp * r.ramp_part * softening_modulus(law, r, softening) *
+                 Vec2(r.opens ? r.damage.x() : 0, r.damage.y() * r.end_sign);
     return slope;
 }
 
@@ -162,6 +164,11 @@ Eigen::Matrix2d ramp_tangent(const PointLaw& law, const Multipliers& at, const P
     if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
     if (std::abs(D(0, 1) - D(1, 0)) <= 8 * rounding * std::abs(D(0, 1))) D(1, 0) = D(0, 1);
     return D;
+}
+
+/// The direction in which an opening lowers the cohesion: that of its loss, unless slip has its own fracture energy.
+Vec2 damage_direction(const PointResponse& r) {
+    return {r.opens && !r.closed ? r.damage.x() : 0.0, r.sticks ? 0 : r.damage.y() * r.cohesion_sign};
 }
 
 constexpr double imposed_weight = 1e5;  // [-] where both sides are driven, the rate alone decides
@@ -265,8 +272,7 @@ Eigen::Matrix2d tangent_of_norm(const PointLaw& law, const Multipliers& at, cons
 void PointLaw::set_staircase() {
     tangential = {};
     add_friction_theta(friction, tangential);
-    const double until = ramp > 0 ? step->theta * step->h : step->h;  // [s] the slip at this time has the sign
-    tangential.add({.rate = u_T == 0 ? 0 : -u_T / until, .cohesive = material->gamma * strength, .friction = 0}, 0);
+    tangential.add({.rate = u_T == 0 ? 0 : -u_T / reach(), .cohesive = material->gamma * strength, .friction = 0}, 0);
 }
 
 PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
@@ -308,12 +314,12 @@ Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointR
     if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
     else if (with_friction) D(1, 0) = -law.friction * r.friction_sign * at.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
-        // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds (opens, gamma sgn) . dw
-        const Vec2 loss = loss_direction(law, r);
+        // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds d s_d/du . dw
+        const Vec2 loss = loss_direction(law, r), damage = damage_direction(r);
         const double modulus = softening_modulus(law, r, softening);
-        D -= modulus * loss * loss.transpose();
+        D -= modulus * loss * damage.transpose();
         // the contact of a closed point carries the lost tension, and its friction grows with it
-        if (with_friction) D(0, 1) -= modulus * loss.y();
+        if (with_friction) D(0, 1) -= modulus * damage.y();
     }
     return D;
 }

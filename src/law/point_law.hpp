@@ -15,6 +15,9 @@
 // a slip reverses the force takes every value between those of its two signs. (With the ramp at w it jumped there, and
 // equations with such a point had no solution.)
 //
+// Vertical unloading: the factor is clamp(1 + (s - kappa)/d, 0, 1) with s at the end of the step, u + h w, and a width
+// d so small that it is anything in [0, 1] at kappa.
+//
 // A law that is no staircase (norm_law.hpp) is a projection already: with the multipliers q^ its impulse is
 // project(q^ - rho w), and -dq/dw is rho times its slope.
 #include "base/vec.hpp"
@@ -24,6 +27,7 @@
 
 #include <Eigen/Core>
 
+#include <algorithm>
 #include <cstdint>
 
 namespace knap {
@@ -44,8 +48,9 @@ struct PointLaw {
     double strength;  // [N s] C = theta h S sigma_c; 0: no cohesion left
     double cohesion;  // [-] beta at its start
     const CohesiveLaw* material;
-    double ramp = 0;  // [m] kappa of secant unloading; 0: none
-    double friction;  // [-] Coulomb's mu; 0 where the scheme neglects friction
+    double ramp = 0;   // [m] kappa of secant unloading, d of vertical unloading; 0: none
+    double floor = 0;  // [m] kappa of vertical unloading
+    double friction;   // [-] Coulomb's mu; 0 where the scheme neglects friction
     ContactBound contact;
     const ThetaStep* step;
     bool keeps_cohesion = false;  // beta stays that of the start, whatever the openings: a first approximation
@@ -59,9 +64,21 @@ struct PointLaw {
     bool is_curved() const { return material->coupling != Coupling::sum && strength > 0; }
     /// The multiplier p^ has the cohesion that is not borne, too.
     bool holds_cohesion() const { return ramp > 0 || is_curved(); }
-    /// With a ramp: its sides may overlap in the middle of the step.
-    bool may_overlap() const { return u_N + step->kick() * contact.rate < -1e-12 * material->delta_c(); }
-    double ramp_stiffness() const { return ramp > 0 ? strength * cohesion * step->kick() / ramp : 0; }  // [kg]
+    /// [s] From the start of the step to where the cohesion looks at the opening.
+    double reach() const { return reach_part() * step->h; }
+    double reach_part() const { return ramp > 0 && floor == 0 ? step->theta : 1; }
+    /// [-] min(s/kappa, 1), or the step at kappa, and whether it grows with s there.
+    double ramp_part(double s) const { return std::clamp((s - ramp_foot()) / ramp, 0.0, 1.0); }
+    bool on_ramp(double s) const { return s < ramp_foot() + ramp && s >= ramp_foot(); }
+    /// [m] The energy that the traction of full cohesion gives back, over it.
+    double stored(double s) const {
+        return floor > 0 ? std::max(s - floor, 0.0) : CohesiveLaw::stored_opening(ramp, s);
+    }
+    double ramp_foot() const { return floor > 0 ? floor - ramp : 0; }  // [m]
+    /// With a ramp: its sides may overlap where it looks at them.
+    bool may_overlap() const { return u_N + reach() * contact.rate < -1e-12 * material->delta_c(); }
+    /// [kg] A step at kappa is as stiff as a contact: the multipliers find its force.
+    double ramp_stiffness() const { return ramp > 0 && floor == 0 ? strength * cohesion * step->kick() / ramp : 0; }
 };
 
 /// The iterate of the method of multipliers.
@@ -78,9 +95,9 @@ struct PointResponse {
     double tangential = 0;                        // [N s] q_T
     double friction_part = 0;                     // [N s] friction of q_T
     double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
-    // secant unloading: full_cohesion times ramp_part is cohesion_theta
+    // with a ramp: full_cohesion times ramp_part is cohesion_theta
     double full_cohesion = 0, ramp_part = 1;      // [-]
-    bool on_ramp = false, opens_on_ramp = false;  // ramp_part < 1; u_N > 0 in the middle of the step
+    bool on_ramp = false, opens_on_ramp = false;  // ramp_part grows; u_N > 0 where the ramp looks at it
     double end_sign = 0;                          // of the slip at the end of the step
     double pull = 1;          // [-] part of the cohesion that acts along N: none where the ramp overlaps
     bool lands = false;       // the ramp rests where the overlap begins, and pull is what it takes
@@ -91,6 +108,8 @@ struct PointResponse {
     double kink = 0;                              // [m/s] where it sticks
     Vec2 opening_rate = Vec2::Zero();             // [m/s] of a curved law: W of norm_law.hpp
     double curvature = 0;                         // [-] likewise: C rho/(|W| weight)
+
+    Vec2 damage = Vec2(1, 0);  // [-] d s_d/d(u_N, |u_T|) at the end of the step, where it softens
 
     bool loses_cohesion() const { return softens || breaks; }
     double normal(const PointLaw& law) const { return contact - law.strength * cohesion_theta * pull; }  // [N s] q_N

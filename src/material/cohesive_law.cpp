@@ -8,7 +8,8 @@ namespace knap {
 CohesiveLaw CohesiveLaw::at(double T) const {
     CohesiveLaw law = *this;
     if (!of_temperature) return law;
-    if (const TemperatureTable& phi = of_temperature->strength; !phi.empty()) law.sigma_c *= phi(T), law.G_c *= phi(T);
+    if (const TemperatureTable& phi = of_temperature->strength; !phi.empty())
+        law.sigma_c *= phi(T), law.G_c *= phi(T), law.G_II *= phi(T);
     if (!of_temperature->friction.empty()) law.friction = of_temperature->friction(T);
     return law;
 }
@@ -18,6 +19,7 @@ double CohesiveLaw::smallest_phi() const {
 }
 
 std::array<double, 2> CohesiveLaw::friction_range() const {
+    if (slip_distance > 0) return {std::min(friction, kinetic_friction), std::max(friction, kinetic_friction)};
     if (!of_temperature || of_temperature->friction.empty()) return {friction, friction};
     const auto [low, high] = std::ranges::minmax(of_temperature->friction.value);
     return {low, high};
@@ -33,16 +35,40 @@ double CohesiveLaw::slip_part(double u_N, double u_T) const {
     return coupling == Coupling::norm ? part * part : part;
 }
 
+double CohesiveLaw::energy_factor(double u_N, double u_T) const {
+    if (!has_mode_mix()) return 1;
+    const double m = slip_part(u_N, u_T), ratio = G_II / G_c;
+    if (mode_mix == ModeMix::benzeggagh_kenane) return 1 + (ratio - 1) * std::pow(m, mix_exponent);
+    if (mix_exponent == 1) return 1 / (1 - m + m / ratio);
+    return std::pow(std::pow(1 - m, mix_exponent) + std::pow(m / ratio, mix_exponent), -1 / mix_exponent);
+}
+
+double CohesiveLaw::damage_opening(double u_N, double u_T) const {
+    const double s = equivalent_opening(u_N, u_T);
+    return has_mode_mix() ? s / energy_factor(u_N, u_T) : s;
+}
+
+/// s_d = s/g(m) with dm = ((1 - m) gamma d|u_T| - m du_N)/s, so ds_d = (1/g) (ds - (g'/g) s dm).
+Vec2 CohesiveLaw::damage_slope(double u_N, double u_T) const {
+    if (!has_mode_mix()) return {1, gamma};
+    const double m = slip_part(u_N, u_T), g = energy_factor(u_N, u_T), ratio = G_II / G_c, a = mix_exponent;
+    double bends = 0;  // g'/g
+    if (mode_mix == ModeMix::benzeggagh_kenane) bends = (ratio - 1) * a * std::pow(m, a - 1) / g;
+    else if (a == 1) bends = g * (1 - 1 / ratio);
+    else bends = std::pow(g, a) * (std::pow(1 - m, a - 1) - std::pow(m / ratio, a - 1) / ratio);
+    return {(1 + bends * m) / g, gamma * (1 - bends * (1 - m)) / g};
+}
+
 double CohesiveLaw::next_cohesion(double cohesion, double u_N, double u_T, double h) const {
     // 0 <= A  perp  -d beta/dt >= 0,  A = sigma_c delta_c (1 - beta) - sigma_c s + xi,  0 <= xi perp beta >= 0
     if (cohesion == 0) return 0;
     if (relaxation_time > 0) {
-        const double s = equivalent_opening(u_N, u_T),
+        const double s = damage_opening(u_N, u_T),
                      B = softening ? softening->continued_traction(s * sigma_c / G_c) : 1 - s / delta_c();
         return std::clamp(cohesion - relaxed_part(h) * (cohesion - B), 0.0, cohesion);
     }
-    if (softening) return std::min(cohesion, softening->traction(equivalent_opening(u_N, u_T) * sigma_c / G_c));
-    return std::min(cohesion, std::max(0.0, 1 - equivalent_opening(u_N, u_T) / delta_c()));
+    if (softening) return std::min(cohesion, softening->traction(damage_opening(u_N, u_T) * sigma_c / G_c));
+    return std::min(cohesion, std::max(0.0, 1 - damage_opening(u_N, u_T) / delta_c()));
 }
 
 double CohesiveLaw::surface_energy(double cohesion, double u_N, double u_T) const {
@@ -53,7 +79,8 @@ double CohesiveLaw::surface_energy(double cohesion, double u_N, double u_T) cons
 }
 
 double CohesiveLaw::consumed(double cohesion, double kappa) const {
-    return surface_energy(cohesion, 0, 0) + 0.5 * cohesion * sigma_c * kappa;
+    const double part = unloading == Unloading::vertical ? 1 : 0.5;
+    return surface_energy(cohesion, 0, 0) + part * cohesion * sigma_c * kappa;
 }
 
 double CohesiveLaw::viscous_dissipation(double before, double after, double s) const {
@@ -65,6 +92,15 @@ double CohesiveLaw::viscous_dissipation(double before, double after, double s) c
 double CohesiveLaw::elastic_energy(double cohesion, double kappa, double s) const {
     if (cohesion == 0) return 0;
     return cohesion * sigma_c * stored_opening(kappa, s);
+}
+
+double CohesiveLaw::given_back(double cohesion, double kappa, double s) const {
+    switch (unloading) {
+        case Unloading::secant: return elastic_energy(cohesion, kappa, s);
+        case Unloading::vertical: return 0;
+        case Unloading::constant: break;
+    }
+    return cohesion * sigma_c * s;
 }
 
 }  // namespace knap

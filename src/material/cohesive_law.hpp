@@ -3,9 +3,22 @@
 //     Psi(u_N, u_T, beta) = beta sigma_c s + w f(beta),     w = G_c
 //     s = u_N + gamma |u_T|   or (coupling norm)   s = sqrt(u_N^2 + gamma^2 u_T^2)
 //     on first loading  beta = B(s sigma_c/w),   and beta never grows
-// Unloading keeps beta and the traction beta sigma_c, or (secant) the traction falls with the opening:
-//     sigma = beta sigma_c min(1, s/kappa),  kappa: the largest s so far
+// Unloading keeps beta and the traction beta sigma_c, or (secant) the traction falls with the opening, or (vertical:
+// C. Talon, A. Curnier, Eur. J. Mech. A 22, 2003, 545) it falls to zero at once. With the largest s so far, kappa:
+//     secant      sigma = beta sigma_c min(1, s/kappa)
+//     vertical    sigma = 0 for s < kappa, in [0, beta sigma_c] at s = kappa: nothing is given back
 // Linear softening: f = (1 - beta)^2, beta = 1 - s/delta_c, delta_c = 2 w/sigma_c. Other shapes: softening_shape.hpp.
+//
+// Slip may cost another fracture energy, G_II: cohesion then falls with another measure of the opening than s,
+//     beta = B(s_d sigma_c/G_c),    s_d = s G_c/G(m),    m = slip_part, the part of slip in the work of the traction,
+// with the traction as before. A point that opens in one proportion costs int beta sigma_c ds = G(m): what exceeds
+// G_c f(beta) is dissipated while beta falls, at the rate (G(m)/G_c - 1) G_c df. With
+//     power                G^-a = ((1 - m)/G_c)^a + (m/G_II)^a
+//     benzeggagh-kenane    G = G_c + (G_II - G_c) m^a
+// Power with a = 1 has s_d = u_N + gamma G_c/G_II |u_T|, and G_I/G_c + G_II/G_II = 1 holds on every way.
+//
+// Friction may fall with the slip: mu = friction + (kinetic_friction - friction) min(1, D/slip_distance), D: the way
+// that the sides have slid so far.
 //
 // Strength may follow the temperature: phi(T) multiplies sigma_c and w alike, so that delta_c stays and beta means the
 // same opening at every T; beta never grows, so what has opened does not heal when it freezes again.
@@ -13,6 +26,7 @@
 // continued below 0 by its last piece, so that a point that opens breaks in finite time. A step of size h takes
 //     d beta/dt = -<beta - B>/tau        beta+ = beta - <beta - B(s+)>/(1 + tau/h)
 // The strength stays, the energy of a break grows with the speed of opening: w + int sigma_c (s(beta) - s) d beta.
+#include "base/vec.hpp"
 #include "material/softening_shape.hpp"
 #include "material/thermal.hpp"
 
@@ -22,10 +36,17 @@
 namespace knap {
 
 /// What the traction of a damaged point does at openings below its largest one.
-enum class Unloading { constant, secant };
+enum class Unloading { constant, secant, vertical };
+
+constexpr const char* name_of(Unloading unloading) {
+    return unloading == Unloading::secant ? "secant" : unloading == Unloading::vertical ? "vertical" : "constant";
+}
 
 /// How opening and slip make the equivalent opening s: their sum, or their norm.
 enum class Coupling { sum, norm };
+
+/// How the fracture energy follows the part of slip in the work.
+enum class ModeMix { power, benzeggagh_kenane };
 
 /// phi(T) in (0, 1] [-] on sigma_c and G_c, and Coulomb's mu(T) [-]; either may be empty.
 struct StrengthOfTemperature {
@@ -39,6 +60,12 @@ struct CohesiveLaw {
     double friction = 0;     // [-]    Coulomb coefficient mu
     double restitution = 0;  // [-]    Newton's e
     std::shared_ptr<const SofteningShape> softening = nullptr;  // null: linear; shared by laws that differ in strength
+
+    double G_II = 0;                    // [J/m2] fracture energy of slip alone; 0: G_c
+    ModeMix mode_mix = ModeMix::power;  // between the two
+    double mix_exponent = 1;            // [-] a
+    double kinetic_friction = 0;        // [-] mu after the slip distance
+    double slip_distance = 0;           // [m] 0: mu is constant
 
     Coupling coupling = Coupling::sum;
     Unloading unloading = Unloading::constant;
@@ -84,11 +111,11 @@ struct CohesiveLaw {
     double opening_of_fall(double before, double after) const {
         return softening ? 0.5 * (softening->opening(after) - softening->opening(before)) : before - after;
     }
-    /// [m] kappa of a point with secant unloading that has been opened by `largest` so far; else 0.
+    /// [m] kappa of a point that bears less below its largest opening, which is `largest` so far; else 0.
     double ramp(double cohesion, double largest) const {
         return unloading == Unloading::constant || cohesion <= 0 ? 0 : largest;
     }
-    /// [m] The largest opening at the end of a step at the equivalent opening s; an opening by rounding is none.
+    /// [m] The largest opening after a step that reaches the equivalent opening s; an opening by rounding is none.
     double largest_opening(double before, double s) const {
         return unloading == Unloading::constant || s <= 1e-12 * delta_c() ? before : std::max(before, s);
     }
@@ -99,6 +126,18 @@ struct CohesiveLaw {
     double equivalent_opening(double u_N, double u_T) const;
     /// [-] Part of the slip in it: gamma |u_T|/s, of the norm its square. 0: opened, 1: slid.
     double slip_part(double u_N, double u_T) const;
+    bool has_mode_mix() const { return G_II > 0; }
+    /// [-] G(m)/G_c.
+    double energy_factor(double u_N, double u_T) const;
+    /// [m] s_d, which decides on the cohesion.
+    double damage_opening(double u_N, double u_T) const;
+    /// [-] Its derivative by (u_N, |u_T|) with the sum, where the slip is not zero.
+    Vec2 damage_slope(double u_N, double u_T) const;
+    /// [-] Coulomb's mu after the slip D [m].
+    double friction_after(double slid) const {
+        if (slip_distance == 0) return friction;
+        return friction + (kinetic_friction - friction) * std::min(1.0, slid / slip_distance);
+    }
     /// [-] Part of the way to B that the cohesion goes in a step of h [s].
     double relaxed_part(double h) const { return 1 / (1 + relaxation_time / h); }
     /// Cohesion at the end of a step of h [s] that began with `cohesion` and ends at opening (u_N, u_T).
@@ -106,14 +145,23 @@ struct CohesiveLaw {
     /// [J/m2] Delayed softening: what a fall of the cohesion at the equivalent opening s dissipates beyond G_c f(beta),
     /// int sigma_c (s - s(beta)) d beta.
     double viscous_dissipation(double before, double after, double s) const;
+    /// [J/m2] What a fall of the cohesion dissipates beyond G_c f(beta) and `viscous`, since `factor`, G(m)/G_c, is
+    /// not 1.
+    double mixed_dissipation(double before, double after, double viscous, double factor) const {
+        if (!has_mode_mix() || after >= before) return 0;
+        return (factor - 1) * (surface_energy(after, 0, 0) - surface_energy(before, 0, 0) + viscous);
+    }
     /// Psi [J/m2] of the state, with constant unloading.
     double surface_energy(double cohesion, double u_N, double u_T) const;
-    /// [J/m2] What a point that closes has lost for good: G_c f(beta), with secant unloading beta sigma_c kappa/2 more.
+    /// [J/m2] What a point that closes has lost for good: G_c f(beta), with vertical unloading beta sigma_c kappa more,
+    /// with secant unloading half of that.
     double consumed(double cohesion, double kappa) const;
     /// [m] The energy that the traction beta sigma_c gives back, over it: s, on the ramp up to kappa s^2/(2 kappa).
     static double stored_opening(double kappa, double s) { return s < kappa ? 0.5 * s * s / kappa : s - 0.5 * kappa; }
     /// [J/m2] Secant unloading: beta sigma_c s^2/(2 kappa), which a point that closes gives back; linear beyond kappa.
     double elastic_energy(double cohesion, double kappa, double s) const;
+    /// [J/m2] What a point gives back that closes from s.
+    double given_back(double cohesion, double kappa, double s) const;
 };
 
 }  // namespace knap

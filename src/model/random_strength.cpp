@@ -41,7 +41,7 @@ void scatter_strength(const ModelInput& input, Model& model) {
         const double factor = strength_factor(scatter, hazard);
         CohesiveLaw law = model.laws[interface.law];
         if (scatter.of_strength) law.sigma_c *= factor;
-        if (scatter.of_energy) law.G_c *= factor;
+        if (scatter.of_energy) law.G_c *= factor, law.G_II *= factor;
         interface.law = static_cast<Index>(model.laws.size());
         model.laws.push_back(law);
     }

@@ -14,11 +14,12 @@ namespace knap {
 struct PointState {
     double cohesion;             // [-] beta
     Vec2 traction;               // [Pa] (N, T) on the side `after`, mean over the last step
-    double largest_opening = 0;  // [m] kappa of secant unloading: the largest s at which works ended
+    double largest_opening = 0;  // [m] kappa: the largest s, of secant unloading where works ended
+    double slid = 0;             // [m] way of the slip so far, where friction follows it
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(cohesion, traction, largest_opening);
+        archive(cohesion, traction, largest_opening, slid);
     }
 };
 

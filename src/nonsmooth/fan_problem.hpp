@@ -17,6 +17,14 @@
 // C s^2/(2 k kappa) where the slip keeps its sign and h- = h, and more than that where the slip crosses zero (crossing
 // loss). A step that passes kappa takes the quotient of the changes of energy and opening (fan_ramps.hpp).
 //
+// Vertical unloading: C r with the r of the openings at the end of the step, so that what has come to rest at kappa
+// stays there,
+//
+//     r = clamp(1 + (s+ - kappa)/(h d), 0, 1),     s+ = u_N + gamma |u_T| at  u + h V
+//
+// a ramp, too. Its width d [m/s] is so small a speed that r is anything in [0, 1] at kappa; links of a vertex that are
+// redundant share their forces by it.
+//
 // k is the time over which forces act on the velocity, h the time over which the velocity moves the points (equal at
 // constant step). The bound b and the two signs of friction make the work of every contact with the mean velocity
 // (V+ + V-)/2 non-positive, as the leapfrog energy requires, and still let a sliding point come to exact rest.
@@ -53,15 +61,20 @@ struct FanLink {
     double given = 0;                // [m/s] the speed with which a surface gives way
     double ramp = 0;                 // [m/s] 4 kappa/h of secant unloading; 0: the cohesion is C at all openings
     Vec2 ramp_start = Vec2::Zero();  // [m/s] (4/h of the mean opening without V_N and the slip at the end, 2 u_T/h)
-    double ramp_shift = 0;           // [m/s] part of ramp_start: a ramp that is a tangent begins elsewhere than at 0
-    double kappa = 0;                // [m] on a ramp
-    Vec2 middle = Vec2::Zero();      // [m] on a ramp: (u_N, u_T) in the middle of the last step
+    double floor = 0;       // [m] kappa of vertical unloading: `ramp` is d, ramp_start (d + (u_N - kappa)/h, u_T/h)
+    double ramp_shift = 0;  // [m/s] part of ramp_start: a ramp that is a tangent begins elsewhere than at 0
+    double kappa = 0;       // [m] of secant unloading
+    Vec2 middle = Vec2::Zero();  // [m] likewise: (u_N, u_T) in the middle of the last step
     Coupling coupling = Coupling::sum;
     Vec2 last_impulse = Vec2::Zero();  // [N s] (N, T) of a curved link in the step before
 
     Vec2 tangent() const { return turned_left(normal); }
     void set_ramp(double h) { ramp = 4 / h * kappa; }
-    /// [-] Mean opening over kappa on the ramp at this relative velocity.
+    void set_floor(double h, double width) {
+        ramp = width;
+        ramp_start = Vec2(width + (u_N - floor) / h, u_T / h);
+    }
+    /// [-] r at this relative velocity, where it is between 0 and 1.
     double ramp_part(const Vec2& velocity) const {
         return (ramp_start.x() + normal.dot(velocity) + gamma * std::abs(ramp_start.y() + tangent().dot(velocity))) /
                ramp;

@@ -27,7 +27,7 @@ InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h
 /// Likewise, of a curved link. A law that is no staircase either has its name in Coupling and its row here.
 NormLaw norm_law(const FanLink& link, const Vec2& velocity_before, double h, double tolerance);
 
-/// How much of its cohesion a link with secant unloading bears: all, a part in proportion to its opening, nothing.
+/// How much of its cohesion a link on a ramp bears: all, a part in proportion to its opening, nothing.
 enum class Bearing { full, part, none };
 
 struct LinkState {

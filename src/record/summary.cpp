@@ -124,6 +124,7 @@ bool with_measured_strength(F f) { return f.sigma_c.measured > 0; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
 bool excavates(F f) { return f.recorder.options().works.excavation; }
 bool with_heat(F f) { return f.recorder.options().works.heat; }
+bool mixes_modes(F f) { return f.recorder.options().works.mode_mix; }
 bool delays(F f) { return f.recorder.options().works.delay; }
 bool incubates(F f) { return f.recorder.options().works.incubation; }
 bool with_cohesive_friction(F f) { return f.recorder.options().works.cohesive_friction; }
@@ -179,6 +180,9 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.energy.recoverable; }},
     {"viscous_dissipation", "J", "energy that delayed softening dissipated in addition; with a relaxation_time",
      [](F f) { return f.energy.viscous_dissipation; }, delays},
+    {"mixed_dissipation", "J",
+     "energy that slip dissipated in addition, since it costs another fracture energy than opening; with a G_II",
+     [](F f) { return f.energy.mixed_dissipation; }, mixes_modes},
     {"incubation_dissipation", "J",
      "part of `dissipated` beyond the fracture energy of the laws, by incubated strengths; with an incubation_time",
      [](F f) { return f.incubation; }, incubates},

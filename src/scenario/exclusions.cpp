@@ -38,6 +38,10 @@ std::span<const Exclusion> exclusions() {
          "the traction drops from the strength to 0 while its direction may turn at the same opening"},
         {"coupling = \"norm\"", "incubation_time",
          "the overload is measured by the half planes of the strength of the sum, and a half ellipse has none"},
+        {"coupling = \"norm\"", "unloading = \"vertical\"",
+         "at the largest opening, an ellipse of the norm, the traction has any size and a direction that turns with "
+         "the "
+         "opening, and its projection knows such a set at zero opening alone"},
         {"coupling = \"norm\"", "strength = \"as measured\"",
          "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"coupling = \"norm\"", "toughness = \"as measured\"",

@@ -40,6 +40,21 @@ private:
     std::string table_;
 };
 
+/// Of an interface, or an obstacle.
+template <class Law>
+void add_contact(KeyTable& t) {
+    t.number("friction", "", "Coulomb friction coefficient").at_least(0).otherwise("0").to(&Law::friction);
+    t.number("restitution", "",
+             "Newton's coefficient of restitution of the faces that touch: 0 plastic, 1 elastic "
+             "impact. A deformable body springs back by its own elasticity, whatever this is, with 0.8 to 0.98 of its "
+             "speed "
+             "(a few triangles with 0.3 to 0.6): R_N of an obstacle or [contact] is the rebound of bodies")
+        .at_least(0)
+        .at_most(1)
+        .otherwise("0")
+        .to(&Law::restitution);
+}
+
 /// `on`, or `key`, of `table`, whose keys follow: a selection by boundary, box and body.
 void add_place(KeyTable& t, const std::string& table, std::string_view doc, std::string_view key = "on");
 inline constexpr std::string_view factor_csv =
@@ -49,6 +64,7 @@ inline constexpr std::string_view factor_csv =
 void add_history(KeyTable& t, std::string_view what, std::string_view csv = factor_csv);
 /// Thermal keys of [material.NAME].
 void add_thermal(KeyTable& t);
+void add_keys_of_laws(KeyTable& t);
 void add_keys_of_heat(KeyTable& t);
 void add_keys_of_run(KeyTable& t);
 void add_keys_of_calibration(KeyTable& t);

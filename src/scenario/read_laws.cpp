@@ -90,10 +90,28 @@ CohesiveLaw read_law(const Table& table) {
         if (law.gamma == 0) table.exclude("coupling", "coupling = \"norm\"", "gamma = 0", cure);
         if (law.softening && std::isinf(law.softening->steepest()))
             table.exclude("coupling", "coupling = \"norm\"", "plateau = 1", "plateau = 0.9, or coupling = \"sum\"");
+        if (law.unloading == Unloading::vertical)
+            table.exclude("unloading", "coupling = \"norm\"", "unloading = \"vertical\"",
+                          "unloading = \"secant\", or coupling = \"sum\"");
         if (law.incubation_time > 0)
             table.exclude("coupling", "coupling = \"norm\"", "incubation_time",
                           "relaxation_time, or coupling = \"sum\"");
     }
+    const auto needs = [&](const char* key, const char* other) {
+        if (table.given(key) && !table.given(other))
+            table.error("missing-key", key, std::string("has no effect without `") + other + "`", other);
+    };
+    needs("mode_mix", "G_II"), needs("mix_exponent", "G_II");
+    needs("kinetic_friction", "slip_distance"), needs("slip_distance", "kinetic_friction");
+    if (table.given("G_II") && !has_cohesion)
+        table.error("exclusive-keys", "G_II", "belongs to a law with cohesion, and this one has no strength");
+    else if (law.has_mode_mix() && law.gamma == 0)
+        table.error("out-of-range", "G_II", "is the work of slip, and with gamma = 0 slip does none", "gamma above 0");
+    if (law.slip_distance > 0 && table.given("friction_table"))
+        table.error("exclusive-keys", "slip_distance",
+                    "changes the friction over the slip, and friction_table over "
+                    "the temperature",
+                    "one of them");
     for (const char* key : {"relaxation_time", "incubation_time"})
         if (table.number(key).value_or(0) > 0 && !has_cohesion)
             table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has no strength");
@@ -264,6 +282,16 @@ void check_softening(Reading& reading) {
                 table.exclude("incubation_time", "incubation_time", "bulk = \"implicit\"",
                               "bulk = \"explicit\" or \"auto\" in [time]");
     if (reading.scenario.time.scheme.cohesion != CohesionScheme::implicit_beta) return;
+    for (std::size_t k = 0; const Table& table : reading.list("interface"))
+        if (const CohesiveLaw& law = reading.scenario.laws[k++].law;
+            law.has_mode_mix() && law.coupling == Coupling::norm &&
+            reading.scenario.time.scheme.bulk != BulkScheme::explicit_lumped)
+            table.error(
+                "exclusive-keys", "G_II",
+                "does not go with coupling = \"norm\" in steps of implicit bulk and cohesion: its traction is the "
+                "gradient of "
+                "the size of the opening, and a cohesion that follows its direction, too, leaves it no potential",
+                "coupling = \"sum\", or cohesion = \"explicit\" in [time]");
     std::size_t i = 0;
     for (const Table& table : reading.list("interface")) {
         const auto& softening = reading.scenario.laws[i++].law.softening;

@@ -42,7 +42,7 @@ std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& value
         }
         if (within.material < 0) continue;  // joints, supports, pairs of materials: their cracks run along given lines
         within.meshed = {.softening = softening_words(*values.find("interface." + scenario.laws[i].name)),
-                         .unloading = law.unloading == Unloading::secant ? "secant" : "constant",
+                         .unloading = name_of(law.unloading),
                          .order = scenario.order,
                          .gamma = law.gamma,
                          .edges = shortest / edge};
@@ -75,7 +75,7 @@ void read_toughness(Reading& reading) {
             }
             named.measured_G_c = named.law.G_c;
             named.surplus = *surplus;
-            named.law.G_c /= surplus->mean;
+            named.law.G_c /= surplus->mean, named.law.G_II /= surplus->mean;
         }
     } catch (const UserError& error) {
         return report_bad_calibration(table, error);

@@ -233,7 +233,8 @@ struct Scenario {
                 .incubation = any_law([](const CohesiveLaw& law) { return law.incubation_time > 0; }),
                 .cohesive_friction =
                     any_law([](const CohesiveLaw& law) { return law.sigma_c > 0 && law.friction_range()[1] > 0; }),
-                .rigid = time.scheme.rigid.active()};
+                .rigid = time.scheme.rigid.active(),
+                .mode_mix = any_law([](const CohesiveLaw& law) { return law.has_mode_mix(); })};
     }
     std::vector<std::string> material_names() const {
         std::vector<std::string> names;

@@ -33,7 +33,7 @@ StepFault SchemeChange::fault(const StepReport& report) const {
     if (report.kinetic > (begins ? fast_at_begin : fast) * quiet_part(energy)) return StepFault::motion;
     const double consumed = surface - report.consumed_change - surface_,
                  lag = report.cohesive_work + report.law_change - report.crossing_loss - report.viscous_dissipation -
-                       consumed;
+                       report.mixed_dissipation - consumed;
     const double allowed =
         std::max({max_lag_of_step * std::abs(consumed), max_lag_of_all * surface, relative_tolerance * report.strain});
     return std::abs(lag) > allowed ? StepFault::cohesive_work : StepFault::none;

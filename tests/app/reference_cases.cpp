@@ -1,6 +1,7 @@
 // Reference cases that need the whole program: a slowly opened beam (C2), an explicit debonding strip (C1), the
 // edge-cracked block (D1), a crack that a pump drives (E35), a notched beam.
 #include "app/program.hpp"
+#include "support/relative.hpp"
 #include "support/verification.hpp"
 
 #include <doctest/doctest.h>
@@ -124,6 +125,71 @@ TEST_CASE("C2 a double cantilever beam is opened slowly" * doctest::test_suite("
         verify("crack tip from the right end [mm]" + at, 0.4 + 1e3 * broken[i], reference.length, {0.02, 0.005});
         verify("force [N]" + at, std::abs(force[i]), reference.P, {0.02, 0.005});
     }
+}
+
+TEST_CASE("delaminations grow where the criterion of their mode mix says") {
+    // arms bent by M + N and -M + N: G_I = 12 M^2/(E h^3), G_II = 9 N^2/(E h^3), whatever the length of the crack
+    constexpr double G_c = 969, G_II = 1719, exponent = 2.284, E = 122.7e9, h = 1.56e-3;
+    for (const bool power : {false, true})
+        for (const double m : {0.0, 0.2, 0.5, 0.8, 1.0}) {  // DCB, MMB, ENF
+            const double G = power ? 1 / ((1 - m) / G_c + m / G_II) : G_c + (G_II - G_c) * std::pow(m, exponent),
+                         M = std::sqrt((1 - m) * G * E * h * h * h / 12), N = std::sqrt(m * G * E * h * h * h / 9);
+            const auto bent = [&](int load, double moment, const char* sign) {
+                return " -s 'load[" + std::to_string(load) + "].traction=[\"" +
+                       std::to_string(12 * moment / (h * h * h * 1e9)) + "*(y " + sign + " 0.78e-3) GPa\", 0]'";
+            };
+            const ReferenceRun run("mmb", "mmb_beam" + bent(1, N + M, "-") + bent(2, N - M, "+") +
+                                              (power ? " -s interface.plies.mode_mix=power "
+                                                       "-s interface.plies.mix_exponent=1"
+                                                     : ""));
+            const double moments = 0.9 + 0.2 * run["first_growth_time"];  // over those of G
+            CAPTURE(m);
+            CAPTURE(power);
+            MESSAGE("m = ", m, power ? ", power: " : ", Benzeggagh and Kenane: ", "G over G(m) ", moments * moments);
+            CHECK(std::abs(moments * moments - 1) < 0.01);
+        }
+}
+
+TEST_CASE("a rupture of a fault becomes supershear where Andrews says") {
+    // L = 9.8 L_c/(1.77 - S)^3 from the middle of the nucleus, of the half length L_c; probes every half kilometre
+    const auto becomes_supershear = [](double S, double L_c, double length) {
+        const double tau_s = 81.24, tau_k = 63, tau_0 = (tau_s + S * tau_k) / (1 + S), end = length + 2;  // [MPa, km]
+        const auto km = [](double x) { return "\"" + std::to_string(x) + " km\""; };
+        const auto box = [&](double height) {
+            return "[" + km(-8) + "," + km(-height) + "," + km(end) + "," + km(height) + "]";
+        };
+        const auto line = [&](int i, double from, double to) {
+            return " -s 'domain.crack[" + std::to_string(i) + "].points=[[" + km(from) + ",0],[" + km(to) + ",0]]'";
+        };
+        const std::string stress = "[\"-120 MPa\", \"-120 MPa\", \"" + std::to_string(tau_0) + " MPa\"]'";
+        std::string probes;
+        const int first = 6, last = static_cast<int>(2 * length);
+        for (int i = first; i <= last; ++i)
+            probes += std::string(i > first ? ", " : "") + "{ at = [" + km(0.5 * i) +
+                      ", 0], watch = \"interface\", name = \"p" + std::to_string(i) + "\" }";
+        const ReferenceRun run(
+            "supershear", "supershear -s 'initial[0].stress=" + stress + " -s 'load[0].stress=" + stress +
+                              " -s 'load[0].on.box=" + box(12) + "' -s 'domain.size=[" + km(end + 8) + "," + km(24) +
+                              "]'" + line(0, -8, -L_c) + line(1, -L_c, L_c) + line(2, L_c, end) +
+                              " -s 'mesh.refine=[{ inside = " + box(0.2) + ", size = \"100 m\" }]' -s 'probe=[" +
+                              probes + "]' -s 'output.history_every=\"5 ms\"' -s 'time.end=\"" +
+                              std::to_string(length / 2.5) + " s\"'");
+        const std::vector<double> time = run.column("probes.csv", "time");
+        double before = 0;
+        for (int i = first; i <= last; ++i) {
+            const std::vector<double> slip = run.column("probes.csv", "p" + std::to_string(i) + "_slip");
+            const auto slides = std::ranges::find_if(slip, [](double s) { return std::abs(s) > 0.005; });
+            REQUIRE(slides != slip.end());
+            const double now = time[slides - slip.begin()];
+            if (i > first && now - before < 500 / (1.2 * 3464)) return 0.5 * (i - 0.5);
+            before = now;
+        }
+        return 0.0;  // [km]
+    };
+    const double L = becomes_supershear(0.8, 1, 14);
+    MESSAGE("supershear after ", L, " km");
+    CHECK(L == relative(10.4, 0.15));
+    CHECK(becomes_supershear(1, 1.2, 28) == 0);
 }
 
 // A strength of 180 instead of 45 MPa makes the process zone a tenth of the arm and less. The broken tip lags behind Williams' crack by a part of

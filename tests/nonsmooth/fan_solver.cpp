@@ -141,41 +141,46 @@ TEST_CASE("random fans meet every law and no impact or friction gives energy") {
         }
 }
 
-TEST_CASE("random fans with secant unloading meet every law") {
+TEST_CASE("random fans with secant and with vertical unloading meet every law") {
     FanSolver solver;
     FanResult result;
-    for (const bool prescribed : {false, true})
-        for (const bool friction : {false, true}) {
-            const int n = 6000;
-            int n_fallback = 0, n_unsolved = 0, n_on_ramp = 0, n_empty = 0, n_full = 0;
-            double worst = 0;
-            std::uint64_t worst_seed = 0;
-            for (int seed = 0; seed < n; ++seed) {
-                FanProblem fan =
-                    RandomFan(seed, {.friction = friction, .prescribed = prescribed, .secant = true}).problem();
-                const FanSolution solution = solver.solve(fan, result);
-                if (solution.residual >= 1) {  // reported: relaxed or failed
-                    ++n_unsolved;
-                    continue;
+    for (const bool vertical : {false, true})
+        for (const bool prescribed : {false, true})
+            for (const bool friction : {false, true}) {
+                const int n = 6000;
+                int n_fallback = 0, n_unsolved = 0, n_on_ramp = 0, n_empty = 0, n_full = 0;
+                double worst = 0;
+                std::uint64_t worst_seed = 0;
+                for (int seed = 0; seed < n; ++seed) {
+                    FanProblem fan =
+                        RandomFan(
+                            seed,
+                            {.friction = friction, .prescribed = prescribed, .secant = !vertical, .vertical = vertical})
+                            .problem();
+                    const FanSolution solution = solver.solve(fan, result);
+                    if (solution.residual >= 1) {  // reported: relaxed or failed
+                        ++n_unsolved;
+                        continue;
+                    }
+                    n_fallback += solution.status != FanSolution::Status::exact;
+                    const double violation = FanJudge(fan, result).verdict().worst();
+                    if (violation > worst) worst = violation, worst_seed = seed;
+                    for (std::size_t i = 0; i < fan.links.size(); ++i)
+                        if (const double cohesive_impulse = result.links[i].cohesive_impulse; fan.links[i].ramp > 0)
+                            ++(cohesive_impulse >= fan.links[i].cohesive ? n_full
+                               : cohesive_impulse > 0                    ? n_on_ramp
+                                                                         : n_empty);
                 }
-                n_fallback += solution.status != FanSolution::Status::exact;
-                const double violation = FanJudge(fan, result).verdict().worst();
-                if (violation > worst) worst = violation, worst_seed = seed;
-                for (std::size_t i = 0; i < fan.links.size(); ++i)
-                    if (const double cohesive_impulse = result.links[i].cohesive_impulse; fan.links[i].ramp > 0)
-                        ++(cohesive_impulse >= fan.links[i].cohesive ? n_full
-                           : cohesive_impulse > 0                    ? n_on_ramp
-                                                                     : n_empty);
+                CHECK_MESSAGE(worst <= 1e-10, "seed ", worst_seed, ", friction ", friction, ", prescribed ", prescribed,
+                              ", vertical ", vertical);
+                MESSAGE("vertical ", vertical, ", friction ", friction, ", prescribed ", prescribed, ": ", n_fallback,
+                        " of ", n, " needed pivots, worst violation ", worst, " at seed ", worst_seed, "; links full ",
+                        n_full, ", on the ramp ", n_on_ramp, ", empty ", n_empty, ", unsolved ", n_unsolved);
+                CHECK(n_fallback < (friction ? 0.2 : 0.1) * n);
+                // ramps of 1e-12 of the others, or large friction
+                CHECK(n_unsolved <= (friction && prescribed ? 0.002 * n : 2));
+                CHECK(n_on_ramp > 1000);
             }
-            CHECK_MESSAGE(worst <= 1e-10, "seed ", worst_seed, ", friction ", friction, ", prescribed ", prescribed);
-            MESSAGE("friction ", friction, ", prescribed ", prescribed, ": ", n_fallback, " of ", n,
-                    " needed pivots, worst violation ", worst, " at seed ", worst_seed, "; links full ", n_full,
-                    ", on the ramp ", n_on_ramp, ", empty ", n_empty, ", unsolved ", n_unsolved);
-            CHECK(n_fallback < (friction ? 0.2 : 0.1) * n);
-            // ramps of 1e-12 of the others, or large friction
-            CHECK(n_unsolved <= (friction && prescribed ? 0.002 * n : 2));
-            CHECK(n_on_ramp > 1000);
-        }
 }
 
 TEST_CASE("the active set and Lemke's pivots find the same velocities where they are unique") {

@@ -539,6 +539,12 @@ const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
 softening = "power"
 exponent = 3
 unloading = "secant"
+G_II = "6 J/m2"
+mode_mix = "benzeggagh-kenane"
+mix_exponent = 2
+friction = 0.6
+kinetic_friction = 0.1
+slip_distance = "1 mm"
 relaxation_time = "1 us"
 incubation_time = "2 us"
 scatter = { kind = "weibull", modulus = 8, of = ["sigma_c", "G_c"], length = "1 mm", lowest = 0.1, highest = 3 }
@@ -1109,6 +1115,11 @@ const Case cases[] = {
     {rock, "interface.default.exponent", "3"},
     {norm, "interface.default.coupling", "\"norm\""},
     {rock, "interface.default.unloading", "\"secant\""},
+    {rock, "interface.default.G_II", "6"},
+    {rock, "interface.default.mode_mix", "\"benzeggagh-kenane\""},
+    {rock, "interface.default.mix_exponent", "2"},
+    {rock, "interface.default.kinetic_friction", "0.1"},
+    {rock, "interface.default.slip_distance", "0.001"},
     {rock, "interface.default.relaxation_time", "1e-06"},
     {rock, "interface.default.incubation_time", "2e-06"},
     {rock, "interface.within.plateau", "0.6"},

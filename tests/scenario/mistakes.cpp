@@ -338,6 +338,18 @@ const Case cases[] = {
     {"incubation in implicit steps",
      changed("G_c = 3", "G_c = 3\nincubation_time = 1e-6", with("bulk = \"implicit\"\n")), "exclusive-keys", 14, 1, 15,
      "longer than the overload lasts"},
+    {"slip energy without slip", changed("G_c = 3", "G_c = 3\nG_II = 9\ngamma = 0"), "out-of-range", 14, 8, 1,
+     "slip does none"},
+    {"slip energy without strength", changed("sigma_c = 3.08e6\nG_c = 3", "sigma_c = 0\nG_II = 9"), "exclusive-keys",
+     13, 1, 4, "no strength"},
+    {"a mode mix of one energy", changed("G_c = 3", "G_c = 3\nmode_mix = \"power\""), "missing-key", 14, 12, 7,
+     "`G_II`"},
+    {"a slip distance to nowhere", changed("G_c = 3", "G_c = 3\nslip_distance = 1e-3"), "missing-key", 14, 17, 4,
+     "`kinetic_friction`"},
+    {"slip energy of an implicit norm",
+     changed("G_c = 3", "G_c = 3\nG_II = 9\ncoupling = \"norm\"",
+             with("bulk = \"implicit\"\ncohesion = \"implicit\"\n")),
+     "exclusive-keys", 14, 1, 4, "potential"},
     {"a norm without slip", changed("G_c = 3", "G_c = 3\ncoupling = \"norm\"\ngamma = 0"), "exclusive-keys", 14, 1, 8,
      "gamma = 1 or more"},
     {"a norm that drops", changed("G_c = 3", "G_c = 3\nsoftening = \"trapezoid\"\nplateau = 1\ncoupling = \"norm\""),
@@ -489,8 +501,8 @@ TEST_CASE("mistakes: as the user sees them") {
           "   | ^^^^^^ did you mean `sigma_c`?\n"
           "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, coupling, "
           "unloading, "
-          "relaxation_time, incubation_time, gamma, "
-          "strength_table, friction_table, friction, restitution, scatter\n");
+          "relaxation_time, incubation_time, gamma, G_II, mode_mix, mix_exponent, "
+          "strength_table, friction_table, friction, restitution, kinetic_friction, slip_distance, scatter\n");
 }
 
 TEST_CASE("mistakes: very many in one line and very long ones are short messages") {

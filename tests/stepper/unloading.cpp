@@ -1,4 +1,5 @@
-// Secant unloading on one point: the cycle of A1, a mass that closes, a mass that vibrates on its ramp, and a block.
+// Secant and vertical unloading on one point: the cycle of A1, a mass that closes, that vibrates on its ramp, that is
+// held or thrown at its largest opening, and a block.
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
 #include "support/relative.hpp"
@@ -176,36 +177,128 @@ TEST_CASE("B1 a mass on the ramp of its shear loses what it loses at zero slip w
         }
 }
 
-TEST_CASE("a pulled block breaks with secant unloading and its energies balance") {
-    for (const SchemeOptions& path : both_paths()) {
-        const CohesiveLaw law{.sigma_c = 8e6, .G_c = 60, .gamma = 1, .friction = 0.5, .unloading = Unloading::secant};
-        ModelInput input = body_with(bar_mesh(12, 6, 0.04, 0.02), {.density = 2450, .E = 32e9, .nu = 0.2}, law);
-        input.thickness = 1e-3;
-        input.loads = {load(Load::Kind::traction, "top", 0.0, 8e6, {{0, 5e-6}, {0, 1}}),
-                       load(Load::Kind::traction, "bottom", 0.0, -8e6, {{0, 5e-6}, {0, 1}})};
+TEST_CASE("A1 with vertical unloading a cycle gives nothing back") {
+    describe(
+        "The same cycle with vertical unloading: a point has no traction below its largest opening, so its work is "
+        ".1875 at t = 1, 2 and 3, all of it dissipated, and .25 at t = 4.");
+    for (const SchemeOptions& path : all_paths()) {
+        on_path(path);
+        const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::vertical};
+        ModelInput input = point_masses(law, true);
+        input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 3, 5}, {0, 0.5, 0, 0.5, 1.5}})};
         Run run(input, path);
-        const double h = 0.6 * MoreauJean(run.model, both_explicit).stable_step();
-        double elastic = 0;
-        while (run.now.time < 25e-6) {
+        constexpr int n = 1024;
+        double pull = 0;  // the largest one below the largest opening
+        const auto go_on = [&](bool is_below) {
+            for (int i = 0; i < n; ++i) {
+                run.step(1.0 / n);
+                REQUIRE(run.last.rejection == Rejection::none);
+                if (is_below && i < n - 1) pull = std::max(pull, std::abs(run.now.points[0].traction.x()));
+                CHECK(run.ledger.row().recoverable == 0);
+                CHECK(run.ledger.row().interface_elastic == 0);
+            }
+        };
+        go_on(false);
+        verify("energy consumed at t = 1", run.ledger.row().dissipated, 2 * 0.1875, {1e-12});
+        const double work = run.ledger.row().cohesive_work;
+        go_on(true), go_on(true);
+        verify("energy consumed at t = 3", run.ledger.row().dissipated, 2 * 0.1875, {1e-12});
+        verify_small("traction below the largest opening", pull, {1e-12});
+        verify_near("work on the way back and forth", run.ledger.row().cohesive_work, work, {2.0 / n});
+        go_on(false);
+        verify("energy consumed at t = 4", run.ledger.row().dissipated, 2 * 0.25, {1e-12});
+        CHECK(cohesion(run.model, run.now, 0) == 0);
+        CHECK(std::abs(run.ledger.row().law_lag + run.ledger.row().crossing_loss) < 3.0 / n);
+        CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
+    }
+}
+
+TEST_CASE("B1 with vertical unloading a mass at its largest opening bears any force up to its strength") {
+    describe(
+        "m = S = 1 at beta = 1/2 and s = kappa, at rest: under a force of .2 it stays, with just this traction; under "
+        ".3, above beta sigma_c = .25, it opens at once.");
+    for (const SchemeOptions& path : both_paths())
+        for (const double force : {0.2, 0.3}) {
+            on_path(path);
+            const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::vertical};
+            ModelInput input = point_masses(law, true);
+            input.loads = {load(Load::Kind::acceleration, "", 0.0, force)};
+            Run run(input, path);
+            damage(run, 0.5, {0, 0.5});
+            double off = 0, moved = 0;
+            for (int i = 0; i < 200; ++i) {
+                run.step(1e-2);
+                REQUIRE(run.last.rejection == Rejection::none);
+                moved = std::max(moved, std::abs(run.u(0, 0).y() - 0.5));
+                if (i > 2) off = std::max(off, std::abs(run.now.points[0].traction.x() + force));
+            }
+            if (force < 0.25) {
+                // with theta = 1/2 a point that is held has V+ = -V-, of the width of the step at kappa
+                verify_small("traction less the force", off, {path.bulk == BulkScheme::explicit_lumped ? 1e-9 : 1e-4});
+                verify_small("way at rest", moved, {1e-8});
+                CHECK(cohesion(run.model, run.now, 0) == doctest::Approx(0.5).epsilon(1e-8));
+            } else {
+                CHECK(moved > 0.05);
+            }
+        }
+}
+
+TEST_CASE("B1 with vertical unloading a mass thrown open comes to rest where its energy is spent") {
+    describe(
+        "m = S = 1 at beta = 1/2, closed, is thrown with v^2 = .08: it meets no traction up to s = .5, and rests at s "
+        "= "
+        ".7, where G_c (.5^2 - .3^2) = v^2/2 is dissipated.");
+    for (const SchemeOptions& path : both_paths()) {
+        on_path(path);
+        const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::vertical};
+        Run run(point_masses(law, true), path);
+        damage(run, 0.5, {0, 0});
+        for (Vec2& velocity : run.now.velocity) velocity = {0, std::sqrt(0.08)};
+        const double h = 1e-3;
+        while (run.now.time < 5) {
             run.step(h);
             REQUIRE(run.last.rejection == Rejection::none);
-            elastic = std::max(elastic, run.ledger.row().interface_elastic);
         }
-        const double scale = run.ledger.largest_energy();
-        CHECK(elastic > 1e-6 * scale);
+        verify_near("opening at rest", run.u(0, 0).y(), 0.7, {2 * h});
+        verify_near("cohesion at rest", cohesion(run.model, run.now, 0), 0.3, {2 * h});
         CHECK(run.ledger.row().recoverable == 0);
-        CHECK(run.ledger.row().dissipated > 0);
-        CHECK(run.ledger.largest_residual() <= 1e-11 * scale);
-        CHECK(run.ledger.worst().residual <= 1e-10);
-        CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * scale);
-        CHECK(run.ledger.worst().worst_friction_work <= 1e-14 * scale);
-        CHECK(run.ledger.worst().largest_beta_growth == 0);
-        CHECK(std::abs(run.ledger.row().law_lag) <
-              (path.bulk == BulkScheme::explicit_lumped ? 0.005 : 0.05) * run.ledger.row().dissipated);
-        MESSAGE(name_of(path), ": law lag over dissipated ", run.ledger.row().law_lag / run.ledger.row().dissipated,
-                ", crossing loss ", run.ledger.row().crossing_loss / run.ledger.row().dissipated, ", pivots ",
-                run.ledger.worst().fan_fallbacks, " of ", run.ledger.worst().fan_solves);
     }
+}
+
+TEST_CASE("a pulled block breaks with secant and with vertical unloading and its energies balance") {
+    for (const Unloading unloading : {Unloading::secant, Unloading::vertical})
+        for (const SchemeOptions& path : both_paths()) {
+            const CohesiveLaw law{.sigma_c = 8e6, .G_c = 60, .gamma = 1, .friction = 0.5, .unloading = unloading};
+            ModelInput input = body_with(bar_mesh(12, 6, 0.04, 0.02), {.density = 2450, .E = 32e9, .nu = 0.2}, law);
+            input.thickness = 1e-3;
+            input.loads = {load(Load::Kind::traction, "top", 0.0, 8e6, {{0, 5e-6}, {0, 1}}),
+                           load(Load::Kind::traction, "bottom", 0.0, -8e6, {{0, 5e-6}, {0, 1}})};
+            Run run(input, path);
+            const double h = 0.6 * MoreauJean(run.model, both_explicit).stable_step();
+            double elastic = 0;
+            while (run.now.time < 25e-6) {
+                run.step(h);
+                REQUIRE(run.last.rejection == Rejection::none);
+                elastic = std::max(elastic, run.ledger.row().interface_elastic);
+            }
+            const double scale = run.ledger.largest_energy();
+            if (unloading == Unloading::secant) CHECK(elastic > 1e-6 * scale);
+            else CHECK(elastic == 0);
+            CHECK(run.ledger.row().recoverable == 0);
+            CHECK(run.ledger.row().dissipated > 0);
+            CHECK(run.ledger.largest_residual() <= 1e-11 * scale);
+            CHECK(run.ledger.worst().residual <= 1e-10);
+            CHECK(run.ledger.worst().worst_impact_work <= 1e-14 * scale);
+            CHECK(run.ledger.worst().worst_friction_work <= 1e-14 * scale);
+            CHECK(run.ledger.worst().largest_beta_growth == 0);
+            CHECK(std::abs(run.ledger.row().law_lag) <
+                  (path.bulk == BulkScheme::explicit_lumped && unloading == Unloading::secant ? 0.005 : 0.05) *
+                      run.ledger.row().dissipated);
+            MESSAGE(name_of(unloading), ", ", name_of(path), ": law lag over dissipated ",
+                    run.ledger.row().law_lag / run.ledger.row().dissipated, ", crossing loss ",
+                    run.ledger.row().crossing_loss / run.ledger.row().dissipated, ", pivots ",
+                    run.ledger.worst().fan_fallbacks, " of ", run.ledger.worst().fan_solves);
+        }
 }
 
 }  // namespace unloading_test

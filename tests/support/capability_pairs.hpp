@@ -16,7 +16,7 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 41> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 44> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
                                                           {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
@@ -50,6 +50,9 @@ inline constexpr std::array<Capability, 41> capabilities{{{"rotation = \"large\"
                                                           {"[[initial]] stress", ""},
                                                           {"scatter", ""},
                                                           {"unloading = \"secant\"", ""},
+                                                          {"unloading = \"vertical\"", ""},
+                                                          {"G_II", ""},
+                                                          {"slip_distance", ""},
                                                           {"coupling = \"norm\"", ""},
                                                           {"softening = \"petersson\"", ""},
                                                           {"plateau = 1", ""},
@@ -65,7 +68,8 @@ inline bool are_alternatives(const CapabilityPair& pair) {
     const auto is = [&](std::string_view a, std::string_view b) {
         return capabilities[pair.first].name == a && capabilities[pair.second].name == b;
     };
-    return is("bulk = \"implicit\"", "bulk = \"auto\"") || is("softening = \"petersson\"", "plateau = 1");
+    return is("bulk = \"implicit\"", "bulk = \"auto\"") || is("softening = \"petersson\"", "plateau = 1") ||
+           is("unloading = \"secant\"", "unloading = \"vertical\"");
 }
 
 /// Those of which a scenario may be asked.
@@ -141,6 +145,9 @@ inline std::string scene_of(const CapabilityPair& pair) {
     text += has("strength = \"as measured\"") ? energy + "\n" : "30\n";
     add(has("strength_table"), "strength_table = [[0, 1], [100, 0.5]]\n");
     add(has("unloading = \"secant\""), "unloading = \"secant\"\n");
+    add(has("unloading = \"vertical\""), "unloading = \"vertical\"\n");
+    add(has("G_II"), "G_II = 90\n");
+    add(has("slip_distance"), "kinetic_friction = 0.1\nslip_distance = 1e-6\n");
     add(has("coupling = \"norm\""), "coupling = \"norm\"\n");
     add(has("softening = \"petersson\""), "softening = \"petersson\"\n");
     add(has("plateau = 1"), "softening = \"trapezoid\"\nplateau = 1\n");

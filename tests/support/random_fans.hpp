@@ -14,6 +14,7 @@ struct RandomFanOptions {
     bool prescribed = true;  // some bodies driven
     bool units = true;       // random units of length, mass, time
     bool secant = false;     // most links with cohesion have secant unloading
+    bool vertical = false;   // or vertical unloading, at or below their largest opening
     int max_bodies = 12;
 };
 
@@ -146,7 +147,17 @@ private:
             const Vec2 jump = at(link.after) - at(link.before);
             link.u_N = link.normal.dot(jump);
             link.u_T = turned_left(link.normal).dot(jump);
-            if (!options_.secant || link.cohesive == 0 || chance(0.2)) continue;
+            if (!(options_.secant || options_.vertical) || link.cohesive == 0 || chance(0.2)) continue;
+            if (options_.vertical) {
+                const Vec2 mobility = fan.inverse_mass(link.after) + fan.inverse_mass(link.before);
+                const double opened = std::max(link.u_N, 0.0) + link.gamma * std::abs(link.u_T);
+                link.restitution = 0;
+                link.floor = opened + fan.drift_time * speed_ * one_of({0.0, 0.0, 1e-6, 1e-2, 1.0});
+                if (link.floor > 0)
+                    link.set_floor(fan.drift_time, 1e-7 * link.cohesive * mobility.sum() +
+                                                       1e-12 * link.floor / fan.drift_time + 1e-12 * speed_);
+                continue;
+            }
             // from next to nothing, which is rigid, to far beyond what the step moves
             const Vec2 rate = fan.velocity_before(link.after) - fan.velocity_before(link.before);
             link.restitution = 0;

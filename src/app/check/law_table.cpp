@@ -28,7 +28,13 @@ std::string beyond_linear(const NamedLaw& named) {
     const CohesiveLaw& law = named.law;
     std::string text;
     const auto add = [&](const std::string& part) { text += (text.empty() ? "" : "; ") + part; };
-    if (law.unloading == Unloading::secant) add("unloading secant");
+    if (law.unloading != Unloading::constant) add(std::string("unloading ") + name_of(law.unloading));
+    if (law.has_mode_mix())
+        add(formatted("G_II by %s, exponent %.4g", law.mode_mix == ModeMix::power ? "power" : "benzeggagh-kenane",
+                      law.mix_exponent));
+    if (law.slip_distance > 0)
+        add(formatted("friction %.4g after a slip of %s", law.kinetic_friction,
+                      readable(law.slip_distance, "m", 4).c_str()));
     if (law.relaxation_time > 0) add(formatted("relaxation_time %s", readable(law.relaxation_time, "s", 4).c_str()));
     if (law.incubation_time > 0) add(formatted("incubation_time %s", readable(law.incubation_time, "s", 4).c_str()));
     if (law.restitution > 0) add(formatted("restitution %.4g", law.restitution));
@@ -46,7 +52,8 @@ std::string beyond_linear(const NamedLaw& named) {
 std::string mode_II_text(const CohesiveLaw& law) {
     const auto [low, high] = law.friction_range();
     if (law.gamma <= 0) return "never breaks";  // sliding alone opens nothing
-    const auto cost = [&](double mu) { return law.G_c * law.shear_strength(mu) / law.gamma; };
+    const double G = law.has_mode_mix() ? law.G_II : law.G_c;
+    const auto cost = [&](double mu) { return G * law.shear_strength(mu) / law.gamma; };
     return low == high ? formatted("%.4g", cost(high)) : formatted("%.4g to %.4g", cost(low), cost(high));
 }
 

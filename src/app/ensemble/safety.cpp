@@ -37,7 +37,9 @@ Texts divided(const ReadResult& read, const NamedLaw& named, double F) {
                  of_c = (of_less > 0 ? named.law.shear_strength(mu) / of_less : 1) / F;
     if (mu > 0) put("friction", mu / F);
     if (const auto sigma_c = number("sigma_c"); sigma_c && *sigma_c > 0) put("sigma_c", *sigma_c * of_c);
-    if (const auto G_c = number("G_c"); G_c && named.law.sigma_c > 0) put("G_c", *G_c * of_c);
+    if (mu > 0 && named.law.slip_distance > 0) put("kinetic_friction", named.law.kinetic_friction / F);
+    for (const char* energy : {"G_c", "G_II"})
+        if (const auto G = number(energy); G && named.law.sigma_c > 0) put(energy, *G * of_c);
     return set;
 }
 

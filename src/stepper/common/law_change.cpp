@@ -1,16 +1,6 @@
 #include "stepper/common/law_change.hpp"
 
 namespace knap {
-namespace {
-
-/// [J/m2] Given back by a point that closes.
-double stored(const CohesiveLaw& law, double beta, double kappa, const Vec2& u) {
-    const double s = law.equivalent_opening(u.x(), u.y());
-    return law.unloading == Unloading::secant ? law.elastic_energy(beta, kappa, s) : beta * law.sigma_c * s;
-}
-
-}  // namespace
-
 void account_law_change(const Model& model, const State& begin, StepReport& report) {
     const Temperatures &before = *begin.temperature_before, &now = *begin.temperature;
     if (&before == &now) return;
@@ -30,7 +20,8 @@ void account_law_change(const Model& model, const State& begin, StepReport& repo
             const Vec2 back = half_a_step * (velocity(point.after) - velocity(point.before));
             const Vec2 u =
                 begin.opening_of(point, {}) - Vec2(point.normal.dot(back), turned_left(point.normal).dot(back));
-            report.law_change += area * (stored(law, beta, kappa, u) - stored(old, beta, kappa, u));
+            const double s = law.equivalent_opening(u.x(), u.y());
+            report.law_change += area * (law.given_back(beta, kappa, s) - old.given_back(beta, kappa, s));
             report.consumed_change += area * (law.consumed(beta, kappa) - old.consumed(beta, kappa));
         }
     }

@@ -5,8 +5,9 @@
 // Contact and friction impulses work with the rate of the scheme: the mean velocity (V+ + V-)/2 in the leapfrog energy,
 // w/theta in the theta scheme. The energy Psi = beta sigma_c s + G_c f(beta) of a point has two parts: G_c f(beta),
 // which remains when the point closes, is dissipated; beta sigma_c s, the work of the constant traction, is
-// recoverable. With secant unloading half of that is dissipated where beta falls, and the rest is elastic. Delayed
-// softening dissipates more: what the point bears beyond the softening curve while beta falls.
+// recoverable. With secant unloading half of that is dissipated where beta falls, and the rest is elastic; with
+// vertical unloading all of it is dissipated. Delayed softening dissipates more: what the point bears beyond the
+// softening curve while beta falls.
 #include "base/tolerance.hpp"
 #include "material/cohesive_law.hpp"
 #include "model/model.hpp"
@@ -51,7 +52,7 @@ inline void account_drive(double impulse, double rate, StepReport& report, doubl
     report.external_work += impulse * rate + on_mass;
 }
 
-/// A point over a step. `kappa` [m]: of secant unloading, else 0.
+/// A point over a step. `kappa` [m]: of secant and vertical unloading, else 0.
 struct CohesionStep {
     double area;           // [m2] S, times phi where its strength was incubated
     double before, after;  // [-] beta at the start and at the end
@@ -59,6 +60,7 @@ struct CohesionStep {
     double at_works;       // [m] where the works of the scheme end: in the middle of the step with the explicit bulk
     double at_fall = opening;  // [m] where beta falls, as the works see it
     double kappa = 0;          // [m] at the end
+    double energy_factor = 1;  // [-] G(m)/G_c of the opening at the end
 };
 
 /// Books a point that keeps its beta and does not open with cohesion.
@@ -75,13 +77,16 @@ inline void account_cohesion(const FanPoint& point, const CohesiveLaw& law, cons
         if (drop > report.largest_drop) report.largest_drop = drop, report.drop_corner = point.corner();
         if (const double opened = 2 * (at.opening - at.at_works); opened > report.largest_opened * law.delta_c())
             report.largest_opened = opened / law.delta_c();
-        report.viscous_dissipation += at.area * law.viscous_dissipation(at.before, at.after, at.at_fall);
+        const double viscous = law.viscous_dissipation(at.before, at.after, at.at_fall / at.energy_factor);
+        report.viscous_dissipation += at.area * viscous;
+        report.mixed_dissipation += at.area * law.mixed_dissipation(at.before, at.after, viscous, at.energy_factor);
     }
     report.largest_beta_growth = std::max(report.largest_beta_growth, at.after - at.before);
     account_rest(point, law, at.area, at.after, at.kappa, report);
     if (law.unloading == Unloading::secant)
         report.interface_elastic += at.area * law.elastic_energy(at.after, at.kappa, at.at_works);
-    else if (at.after > 0) report.recoverable += at.area * at.after * law.sigma_c * at.opening;
+    else if (law.unloading == Unloading::constant && at.after > 0)
+        report.recoverable += at.area * at.after * law.sigma_c * at.opening;
 }
 
 }  // namespace knap

@@ -54,6 +54,7 @@ struct StepReport {
     double law_change = 0;           // of recoverable and elastic energy, by strengths that follow the temperature
     double consumed_change = 0;  // likewise of S G_c f(beta), which is in `dissipated` of this step and was not used
     double viscous_dissipation = 0;  // >= 0: of delayed softening, beyond `dissipated`
+    double mixed_dissipation = 0;    // where slip costs another fracture energy, beyond both
     double vibration_booked = 0;     // <= 0: kinetic energy of the vibration of pieces that become rigid
     double sleep_work = 0;           // <= 0: kinetic energy of pieces that fall asleep
     double projection_work = 0;      // of loads, against which positions of rigid pieces are corrected; no energy
@@ -130,6 +131,7 @@ struct StepReport {
                                          &R::law_change,
                                          &R::consumed_change,
                                          &R::viscous_dissipation,
+                                         &R::mixed_dissipation,
                                          &R::vibration_booked,
                                          &R::sleep_work,
                                          &R::projection_work,

@@ -146,8 +146,8 @@ bool advance_stationary(const Model& model, Index rank, const ExplicitStep& step
     }
     for (Index j = 0; j < fan.n_points; ++j) {
         PointState& state = end.points[end.first_point[rank] + j];
-        state = {
-            .cohesion = before[j].cohesion, .traction = Vec2::Zero(), .largest_opening = before[j].largest_opening};
+        state = before[j];
+        state.traction.setZero();
         const CohesiveLaw& law = law_of(model, step.begin, points[j]);
         account_rest(points[j], law, points[j].area * factor, state.cohesion,
                      law.ramp(state.cohesion, state.largest_opening), report);

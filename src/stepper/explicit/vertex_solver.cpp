@@ -14,6 +14,9 @@ constexpr double rest_tolerance = 1e-9, max_rest_tolerance = 1e-6;  // [-] of th
 constexpr double closed_opening =
     1e-5;                         // [-] of the softening length: where fans turn, an opening below it counts as none
 constexpr double far_away = 1e6;  // [m] a gap that no step closes
+constexpr double step_width = 1e-7,
+                 least_width = 1e-12;  // [-] of the step of vertical unloading: of the speed that its
+                                       // cohesion causes, of kappa/h
 constexpr double stick_tolerance =
     1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 
@@ -27,6 +30,12 @@ double cohesion_before(const Model& model, Index f, Index i, const State& begin)
 double largest_opening(Index f, Index i, const State& begin) {
     const Index rank = begin.split_rank[f];
     return rank >= 0 ? begin.points[begin.first_point[rank] + i].largest_opening : 0;
+}
+
+/// [m] way of the slip likewise.
+double slid(Index f, Index i, const State& begin) {
+    const Index rank = begin.split_rank[f];
+    return rank >= 0 ? begin.points[begin.first_point[rank] + i].slid : 0;
 }
 
 /// Newton's coefficient in this step, under the lasting pressure that causes the approach `push` [m/s] in a step.
@@ -167,7 +176,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                                  .u_T = u.y(),
                                  .cohesive = beta > 0 ? step.kick_time * law.sigma_c * (point.area * factor) * beta : 0,
                                  .gamma = law.gamma,
-                                 .friction = law.friction,
+                                 .friction = law.friction_after(slid(f, i, begin)),
                                  .restitution = retired ? 0 : law.restitution_at(beta),
                                  .unbreakable = sticks});
         FanLink& link = problem.links.back();
@@ -177,7 +186,14 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
         }
         if (frame.sine != 0 && beta > 0)
             for (double* u : {&link.u_N, &link.u_T}) *u = closed_below(law.softening_length(), *u);
-        if (const double kappa = law.ramp(beta, largest_opening(f, i, begin)); kappa > 0) {
+        const double kappa = law.ramp(beta, largest_opening(f, i, begin));
+        if (kappa > 0 && law.unloading == Unloading::vertical) {
+            const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
+            link.floor = kappa;
+            link.set_floor(step.drift_time,
+                           step_width * link.cohesive * mobility.sum() + least_width * kappa / step.drift_time);
+            problem.has_ramps = true;
+        } else if (kappa > 0) {
             const Vec2 rate = problem.velocity_before(link.after) - problem.velocity_before(link.before),
                        u(link.u_N, link.u_T),
                        half = 0.5 * begin.last_step * Vec2(link.normal.dot(rate), link.tangent().dot(rate));
@@ -382,7 +398,10 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             state.cohesion = law.next_cohesion(beta, u_N, u_T, step.drift_time);
             const double middle = law.equivalent_opening(u_N - 0.5 * step.drift_time * n.dot(after),
                                                          u_T - 0.5 * step.drift_time * t.dot(after));
-            state.largest_opening = law.largest_opening(largest_opening(f, i, step.begin), middle);
+            state.largest_opening =
+                law.largest_opening(largest_opening(f, i, step.begin),
+                                    law.unloading == Unloading::vertical ? law.equivalent_opening(u_N, u_T) : middle);
+            if (law.slip_distance > 0) state.slid = slid(f, i, step.begin) + step.drift_time * std::abs(t.dot(after));
             account_cohesion(point, law,
                              {.area = area,
                               .before = beta,
@@ -390,7 +409,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                               .opening = law.equivalent_opening(u_N, u_T),
                               .at_works = middle,
                               .at_fall = middle,
-                              .kappa = law.ramp(state.cohesion, state.largest_opening)},
+                              .kappa = law.ramp(state.cohesion, state.largest_opening),
+                              .energy_factor = law.energy_factor(u_N, u_T)},
                              report);
         } else {
             while (!is_within_fan(*contact)) ++contact;

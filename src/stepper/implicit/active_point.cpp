@@ -10,7 +10,8 @@ namespace {
 // [-] kappa/delta_c. A steeper ramp counts as an opening without one: rounding of the openings would be forces, and its
 // energy is less than a millionth of G_c.
 constexpr double steepest_ramp = 1e-6;
-const CohesiveLaw of_obstacles;  // without cohesion
+constexpr double width_at_kappa = 1e-9;  // [-] of delta_c: of vertical unloading
+const CohesiveLaw of_obstacles;          // without cohesion
 // [-] Of a slip, with large rotations: strains turn the frames of the points of a vertex by as much against each other,
 // so their gaps contradict each other.
 constexpr double closed_beside_slip = 1e-3;
@@ -31,6 +32,8 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     if (beta < relative_tolerance) beta = 0;  // what is left is rounding
     const PointState* known = state_of(model, *step.begin, at.point);
     const double kappa = known ? law.ramp(beta, known->largest_opening) : 0;
+    const double ramp = kappa > steepest_ramp * law.delta_c() ? kappa : 0;
+    const bool drops = ramp > 0 && law.unloading == Unloading::vertical;
     ActivePoint made{
         .sides = nodes.sides(model, fan_point),
         .fan = fan,
@@ -40,8 +43,9 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                 .strength = beta > 0 ? step.kick() * at.area * step.begin->strength_factor(fan) * law.sigma_c : 0,
                 .cohesion = beta,
                 .material = &law,
-                .ramp = kappa > steepest_ramp * law.delta_c() ? kappa : 0,
-                .friction = law.friction,
+                .ramp = drops ? width_at_kappa * law.delta_c() : ramp,
+                .floor = drops ? kappa : 0,
+                .friction = law.friction_after(known ? known->slid : 0),
                 .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
                                                touching_gap(model, *step.begin, at) +
                                                    (model.large_rotation ? closed_beside_slip * std::abs(u.y()) : 0)),

@@ -477,7 +477,8 @@ void ImplicitScheme::account_points(StepReport& report) const {
         const PointResponse& q = point.response;
         const Vec2 w = point.rate_at(x_.rate);
         const double cohesive_N = law.strength * q.cohesion_theta * q.pull, cohesive_T = q.friction_part - q.tangential;
-        report.cohesive_work += (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
+        const double work = (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
+        report.cohesive_work += work;
         const double u_N = law.u_N + step_.h * w.x(), u_T = law.u_T + step_.h * w.y();
         account_contact({.contact = q.contact,
                          .friction = q.friction_part,
@@ -489,13 +490,10 @@ void ImplicitScheme::account_points(StepReport& report) const {
                         report);
         if (point.fan < 0) continue;
         report.rotation_work += Vec2(q.normal(law), q.tangential).dot(point.support_rate) / theta;
-        if (law.is_curved()) {  // the force has the direction at the end of the step
-            const auto stored = [&](double N, double T) {
-                return CohesiveLaw::stored_opening(law.ramp, law.material->equivalent_opening(N, T));
-            };
+        if (law.is_curved() || law.floor > 0) {  // the force is that of the end of the step
+            const auto stored = [&](double N, double T) { return law.stored(law.material->equivalent_opening(N, T)); };
             report.crossing_loss +=
-                (cohesive_N * w.x() + cohesive_T * w.y()) / theta -
-                law.strength * q.full_cohesion / step_.kick() * (stored(u_N, u_T) - stored(law.u_N, law.u_T));
+                work - law.strength * q.full_cohesion / step_.kick() * (stored(u_N, u_T) - stored(law.u_N, law.u_T));
             continue;
         }
         if (law.ramp > 0) {  // secant unloading: the works of both components, where the slip changes its sign
@@ -503,8 +501,7 @@ void ImplicitScheme::account_points(StepReport& report) const {
                          s_end = law.material->equivalent_opening(u_N, u_T);
             if (law.u_T * u_T < 0 && s_end < law.ramp)
                 report.crossing_loss +=
-                    (cohesive_N * w.x() + cohesive_T * w.y()) / theta -
-                    law.strength * law.cohesion / step_.kick() * (s_end * s_end - s * s) / (2 * law.ramp);
+                    work - law.strength * law.cohesion / step_.kick() * (s_end * s_end - s * s) / (2 * law.ramp);
             continue;
         }
         const double stored_T = law.material->gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / step_.h;
@@ -568,6 +565,7 @@ void ImplicitScheme::store(State& end, StepReport& report) {
             const double s = law.equivalent_opening(u.x(), u.y()),
                          before = law.equivalent_opening(point.law.u_N, point.law.u_T);
             state.largest_opening = law.largest_opening(state.largest_opening, s);
+            if (law.slip_distance > 0) state.slid += std::abs(u.y() - point.law.u_T);
             // the work of beta_theta over the whole way is that of beta+ and beta on its two parts
             account_cohesion(at, law,
                              {.area = at.area * begin.strength_factor(end.split_fans[rank]),
@@ -576,7 +574,8 @@ void ImplicitScheme::store(State& end, StepReport& report) {
                               .opening = s,
                               .at_works = s,
                               .at_fall = step_.implicit_beta ? (1 - step_.theta) * s + step_.theta * before : s,
-                              .kappa = law.ramp(state.cohesion, state.largest_opening)},
+                              .kappa = law.ramp(state.cohesion, state.largest_opening),
+                              .energy_factor = law.energy_factor(u.x(), u.y())},
                              report);
         }
     }

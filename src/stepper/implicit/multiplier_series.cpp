@@ -56,7 +56,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             length += d.squaredNorm();
             const PointLaw& law = point.law;
             const Multipliers& multipliers = point.multipliers;
-            is_rigid = is_rigid && !point.response.on_ramp;
+            is_rigid = is_rigid && (!point.response.on_ramp || point.law.floor > 0);
             if (d.cwiseAbs().maxCoeff() < least) continue;
             if ((point.response.closed || law.holds_cohesion()) && d.x() < 0)
                 to_bound = std::min(to_bound, multipliers.contact / -d.x());

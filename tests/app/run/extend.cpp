@@ -57,19 +57,22 @@ TEST_CASE("a finished run goes on to a later end and is the run that its resolve
     check_same_output(run, folder.path / "twice");
 }
 
-TEST_CASE("a run with secant unloading and laws of rate is extended to the bits of the run of that length") {
+TEST_CASE("a run with laws of rate and of slip is extended to the bits of the run of that length") {
     const Folder folder("extend_rates");
     const std::string rates = "run " + block +
                               "-s interface.default.unloading=secant -s interface.default.relaxation_time=2e-7 -s "
-                              "interface.default.incubation_time=2e-6 ";
+                              "interface.default.incubation_time=2e-6 -s interface.default.G_II=9 -s "
+                              "interface.default.friction=0.6 -s interface.default.kinetic_friction=0.1 -s "
+                              "interface.default.slip_distance=1e-7 ";
     REQUIRE(command(rates + "-s 'time.end=35 us' -o " + folder.in_shell("run")).code == 0);
     REQUIRE(command(rates + "-s 'time.end=50 us' -o " + folder.in_shell("run")).code == 0);
     REQUIRE(command("run " + folder.in_shell("run/resolved.toml") + " -q -j 1 -o " + folder.in_shell("once")).code ==
             0);
     check_same_output(folder.path / "run", folder.path / "once");
-    // all three were at work
+    // all of them were at work
     const std::string record = text_of(folder.path / "once/run.json");
-    for (const char* number : {"largest_strength_factor", "incubation_dissipation", "viscous_dissipation"}) {
+    for (const char* number :
+         {"largest_strength_factor", "incubation_dissipation", "viscous_dissipation", "mixed_dissipation"}) {
         const auto at = record.find(number);
         REQUIRE(at != std::string::npos);
         CHECK(std::stod(record.substr(record.find(':', at) + 1)) > 0);

@@ -31,6 +31,12 @@ const Scene with_rates{"rates",
                        "interface.default.unloading=secant -s interface.default.relaxation_time=2e-7 -s "
                        "interface.default.incubation_time=2e-6",
                        "40 us"};
+const Scene with_slip_laws{
+    "slips",
+    "edge_cracked_block -s 'mesh.size=2 mm' -s 'time.end=60 us' -s interface.default.unloading=vertical -s "
+    "interface.default.G_II=9 -s interface.default.friction=0.6 -s interface.default.kinetic_friction=0.1 -s "
+    "interface.default.slip_distance=1e-7",
+    "40 us"};
 
 /// Implicit steps whose factor several threads share: a crack, and pieces that rub.
 const Scene implicit_scenes[]{
@@ -90,6 +96,7 @@ TEST_CASE("the same bits for one and three threads") {
     const Folder folder("threads");
     for (const Scene& scene : scenes) check_same_bits(scene, {3}, folder);
     check_same_bits(with_rates, {3}, folder);
+    check_same_bits(with_slip_laws, {3}, folder);
 }
 
 TEST_CASE("implicit steps: the same bits for one and two and four threads") {
