@@ -103,9 +103,9 @@ std::optional<std::array<double, 3>> PointTable::at(const Vec2& place, double t)
     const auto after = std::ranges::upper_bound(moments_, t, {}, &Moment::time);
     if (after == moments_.begin()) return at(moments_.front(), place);
     const auto first = at(*(after - 1), place);
-    if (after == moments_.end() || !first) return first;
-    const auto second = at(*after, place);
     const double start = (after - 1)->time;
+    if (after == moments_.end() || !first || t == start) return first;
+    const auto second = at(*after, place);
     return second ? std::optional(between(*first, *second, (t - start) / (after->time - start))) : std::nullopt;
 }
 
