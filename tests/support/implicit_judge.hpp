@@ -135,7 +135,6 @@ private:
         double reach, sign_u_T;         // [s] after which the slip decides the sign of the cohesion, [m] that slip
         double cohesion, end_cohesion;  // [-] before, and by the law
         double strength, tangential_strength;  // [N s] h S sigma_c beta_theta, times gamma
-        std::optional<double> beyond;          // [m] s+ - kappa of vertical unloading
         std::optional<double> overlap;         // [m] -u_N in the middle of the step, of a ramp that may overlap there
     };
 
@@ -153,8 +152,7 @@ private:
         made.cohesion = point.cracked || law.sigma_c == 0 ? 0 : knap::cohesion(model_, begin_, point.point);
         const PointState* known = state_of(model_, begin_, point.point);
         const double kappa = known ? law.ramp(made.cohesion, known->largest_opening) : 0;
-        const bool drops = kappa > 1e-6 * law.delta_c() && law.unloading == Unloading::vertical;
-        made.reach = kappa > 0 && law.unloading == Unloading::secant ? theta * h_ : h_;
+        made.reach = kappa > 0 ? theta * h_ : h_;
         made.sign_u_T = made.u_T + made.reach * made.w_T;
         const bool touches = u_N <= 1e-11 * scale;
         const double e = made.cohesion > 0 ? 0 : law.restitution;  // restitution is for faces without cohesion
@@ -165,11 +163,10 @@ private:
             made.cohesion > 0 ? law.next_cohesion(made.cohesion, u_N + h_ * made.w_N, made.u_T + h_ * made.w_T, h_) : 0;
         const bool implicit = options_.cohesion == CohesionScheme::implicit_beta;
         double beta = implicit ? theta * made.end_cohesion + (1 - theta) * made.cohesion : made.cohesion;
-        if (kappa > 0 && law.unloading == Unloading::secant)
+        if (kappa > 0)
             beta *= std::min(1.0, law.equivalent_opening(u_N + made.reach * made.w_N, made.sign_u_T) / kappa);
         if (kappa > 0 && (!made.bound || u_N + made.reach * *made.bound < -1e-12 * law.delta_c()))
             made.overlap = -(u_N + made.reach * made.w_N);
-        if (drops) made.beyond = law.equivalent_opening(u_N + h_ * made.w_N, made.sign_u_T) - kappa;
         made.strength = made.cohesion > 0 ? h_ * point.area * law.sigma_c * beta : 0;
         made.tangential_strength = law.gamma * made.strength;
         return made;
@@ -289,16 +286,8 @@ private:
         const double unit = passage.cohesion > 0 ? std::max(1.0, h_ * speed_ / law.delta_c()) : 1;
         found.contact = std::max(found.contact, std::abs(contact));
         found.cohesion = std::max(found.cohesion, std::abs(end.cohesion[point.point] - passage.end_cohesion) / unit);
-        const double pull = p - P.x();  // no cohesion pulls an overlap
-        double full = passage.strength, off_step = 0;
-        if (const std::optional<double>& beyond = passage.beyond) {  // full is what it bears of the step at kappa
-            const double at_step =
-                             std::max({std::abs(*beyond) / (h_ * speed_), -pull / impulse_, (pull - full) / impulse_}),
-                         beside = std::abs(pull - (*beyond > 0 ? full : 0)) / impulse_;
-            off_step = std::min(at_step, beside);
-            full = std::clamp(pull, 0.0, full);
-        }
-        double off = std::max(std::abs(pull - full) / impulse_, off_step);
+        const double pull = p - P.x(), full = passage.strength;  // no cohesion pulls an overlap
+        double off = std::abs(pull - full) / impulse_;
         if (const std::optional<double>& o = passage.overlap; o && *o >= -1e-9 * speed_ * h_) {
             const double between = std::max({-pull, pull - full, 0.0}) / impulse_;
             off = std::min(*o >= 0 ? std::abs(pull) / impulse_ : off,
@@ -307,10 +296,8 @@ private:
         found.normal = std::max(found.normal, off);
 
         // -P_T in G sgn(u_T+) + mu p sgn(w_T): distance of (w_T, P_T) from the graph
-        if (passage.beyond && passage.overlap && *passage.overlap > -1e-9 * speed_ * h_)
-            return;  // what the slip alone bears does not follow from the impulse along N
-        const double G = passage.beyond ? law.gamma * full : passage.tangential_strength,
-                     F = law.friction * std::max(p, 0.0), held = -P.y(), crossing = -passage.u_T / passage.reach;
+        const double G = passage.tangential_strength, F = law.friction * std::max(p, 0.0), held = -P.y(),
+                     crossing = -passage.u_T / passage.reach;
         const auto off_graph = [&](double at) {
             const double low = (at > crossing ? G : -G) + (at > 0 ? F : -F),
                          high = (at < crossing ? -G : G) + (at < 0 ? -F : F);

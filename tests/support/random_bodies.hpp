@@ -16,10 +16,9 @@ struct RandomBodyOptions {
     int max_cells = 3;  // each way, of two triangles
     Index order = 1;    // of the triangles
     std::shared_ptr<const SofteningShape> softening = nullptr;
-    double delay = 0;       // relaxation time of the laws over the step
-    bool secant = false;    // unloading, with explicit beta
-    bool vertical = false;  // likewise
-    double longest = 1.2;   // step, as a part of what Assumption 1 asks of the smallest triangle alone
+    double delay = 0;      // relaxation time of the laws over the step
+    bool secant = false;   // unloading, with explicit beta
+    double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
 
 struct RandomBody {
@@ -127,8 +126,6 @@ private:
         made.scheme.cohesion = chance(0.75) ? CohesionScheme::implicit_beta : CohesionScheme::explicit_beta;
         made.scheme.mass = chance(0.7) ? MassMatrix::lumped : MassMatrix::consistent;
         if (options_.secant) law.unloading = Unloading::secant, made.scheme.cohesion = CohesionScheme::explicit_beta;
-        if (options_.vertical)
-            law.unloading = Unloading::vertical, made.scheme.cohesion = CohesionScheme::explicit_beta;
         ModelInput& input = made.input;
         input.materials.assign(2, {.density = 1, .E = one_of({1.0, 10.0, 100.0}), .nu = random_.uniform(0, 0.4)});
         input.plane = chance(0.5) ? PlaneModel::strain : PlaneModel::stress;

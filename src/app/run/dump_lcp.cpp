@@ -24,7 +24,7 @@ double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
     double n_layers = 1;  // of the cohesion of a point
     for (const CohesiveLaw& law : model.laws) {
         if (law.softening) n_layers = std::max(n_layers, static_cast<double>(law.softening->knots().size() - 1));
-        ramps = ramps || law.unloading != Unloading::constant;
+        ramps = ramps || law.unloading == Unloading::secant;
     }
     for (const FanPoint& point : model.fan_points) {
         if (unbreakable(model, point) && point.before != rigid_support && point.after != rigid_support)
@@ -116,8 +116,8 @@ void check_dump(const Model& model, const SchemeOptions& scheme) {
             "use coupling = \"sum\"");
     if (!StepLcp::fits(model, scheme))
         throw UserError("exclusive-keys",
-                        "--dump-lcp stores a linear problem, and with an implicit cohesion unloading = \"secant\" "
-                        "or \"vertical\" multiplies two unknowns",
+                        "--dump-lcp stores a linear problem, and with an implicit cohesion the ramps of unloading = "
+                        "\"secant\" multiply two unknowns; nor has it a G_II, or unloading = \"vertical\"",
                         "use cohesion = \"explicit\" or unloading = \"constant\"");
     const double entries = upper_bound_of_entries(model, scheme);
     if (entries > max_entries)

@@ -54,9 +54,11 @@ bool StepLcp::fits(const Model& model, const SchemeOptions& options) {
     if (has_incubation(model)) return false;
     const auto is_curved = [](const CohesiveLaw& law) { return law.coupling != Coupling::sum; };
     if (std::ranges::any_of(model.laws, is_curved)) return false;
-    if (options.cohesion == CohesionScheme::explicit_beta) return true;
-    return std::ranges::all_of(
-        model.laws, [](const CohesiveLaw& law) { return law.unloading == Unloading::constant && !law.has_mode_mix(); });
+    const bool is_explicit = options.cohesion == CohesionScheme::explicit_beta;
+    return std::ranges::all_of(model.laws, [&](const CohesiveLaw& law) {
+        return law.unloading == Unloading::constant ? is_explicit || !law.has_mode_mix()
+                                                    : is_explicit && law.unloading == Unloading::secant;
+    });
 }
 
 void StepLcp::factorise(MassMatrix mass) {
@@ -132,7 +134,7 @@ void StepLcp::lay_out() {
         cohesive_.push_back(p);
         if (step_.implicit_beta) add_layers(law);
         if (law.ramp > 0) ramps_.push_back(static_cast<int>(cohesive_.size()) - 1);
-        const double end_at_bound = law.u_N + law.reach() * law.contact.rate;
+        const double end_at_bound = law.u_N + reach(law) * law.contact.rate;
         const bool lands = !law.contact.may_touch || end_at_bound < -relative_tolerance * law.material->delta_c();
         if ((step_.implicit_beta || law.ramp > 0) && lands) landing_.push_back(p);
     }
@@ -149,6 +151,9 @@ void StepLcp::lay_out() {
     pull_ = group(step_.implicit_beta ? 0 : landing_.size());
     ramp_ = group(ramps_.size());
 }
+
+/// [s] From the start of the step to where the cohesion looks at the opening.
+double StepLcp::reach(const PointLaw& law) const { return law.ramp > 0 ? step_.theta * step_.h : step_.h; }
 
 /// The layers of the last point of `cohesive_`.
 void StepLcp::add_layers(const PointLaw& law) {
@@ -206,15 +211,15 @@ void StepLcp::add_cohesion() {
             const int opening = opening_ + k, pull = pull_ + k;
             coupling_.emplace_back(opening, pull, -1);
             coupling_.emplace_back(pull, opening, 1);
-            rows_of_rate_.emplace_back(pull, 2 * p, -law.reach());
+            rows_of_rate_.emplace_back(pull, 2 * p, -reach(law));
             constant_[pull] = -law.u_N;
-            impulse_of_unknown_.emplace_back(2 * p, pull, -law.reach());
+            impulse_of_unknown_.emplace_back(2 * p, pull, -h * theta);
             continue;
         }
         const double S = model_.fan_points[points_[p].sides.fan_point].area,
                      stiffness = S * law.material->sigma_c / law.material->delta_c();  // [N/m]
         coupling_.emplace_back(opening_ + k, opening_ + k, stiffness);
-        rows_of_rate_.emplace_back(opening_ + k, 2 * p, -stiffness * law.reach());
+        rows_of_rate_.emplace_back(opening_ + k, 2 * p, -stiffness * reach(law));
         constant_[opening_ + k] = -stiffness * law.u_N;
     }
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
@@ -243,7 +248,7 @@ void StepLcp::add_opening(int row, Index point, double factor) {
         coupling_.emplace_back(row, opening_ + static_cast<int>(landing), factor);
         return;
     }
-    rows_of_rate_.emplace_back(row, 2 * point, factor * points_[point].law.reach());
+    rows_of_rate_.emplace_back(row, 2 * point, factor * reach(points_[point].law));
     constant_[row] += factor * points_[point].law.u_N;
 }
 
@@ -252,10 +257,10 @@ void StepLcp::add_ramps() {
         const Index p = cohesive_[ramps_[k]];
         const PointLaw& law = points_[p].law;
         const double S = model_.fan_points[points_[p].sides.fan_point].area,
-                     strength = law.material->sigma_c * law.cohesion, traction = strength / law.reach_part();
+                     strength = law.material->sigma_c * law.cohesion, traction = strength / step_.theta;
         const int row = ramp_ + k;
         coupling_.emplace_back(row, row, traction * law.ramp / S);
-        constant_[row] = -traction * (law.ramp + law.ramp_foot());
+        constant_[row] = -traction * law.ramp;
         add_opening(row, p, traction);
         if (lands(p)) {
             const int opening = opening_ + static_cast<int>(std::ranges::lower_bound(landing_, p) - landing_.begin());
@@ -287,9 +292,9 @@ void StepLcp::add_tangential_cohesion() {
         const Index p = cohesive_[i];
         const PointLaw& law = points_[p].law;
         const double S = model_.fan_points[points_[p].sides.fan_point].area;
-        const double traction = law.material->gamma * law.material->sigma_c / law.reach_part();
+        const double traction = law.material->gamma * law.material->sigma_c / (law.ramp > 0 ? step_.theta : 1);
         constant_[offset_ + i] = traction * (step_.implicit_beta ? 1 - step_.theta : 1) * S * law.cohesion;
-        add_sign(tangent_ + 2 * i, offset_ + i, p, law.reach(), law.u_T);
+        add_sign(tangent_ + 2 * i, offset_ + i, p, reach(law), law.u_T);
     }
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
         const int i = layers_[l].cohesive;

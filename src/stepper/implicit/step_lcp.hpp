@@ -27,10 +27,9 @@
 //     o                     S sigma_c beta (1 - D)/theta - y     only where the sides may overlap there
 //     y                     o - u_N                              P_N = p_N - theta h y
 //
-// so that P_N = p_N - h S sigma_c beta (1 - D) with 1 - D = min(s/kappa, 1), and no cohesion pulls an overlap. Vertical
-// unloading is the same with openings at the end, 1 in the place of theta, and kappa - d + d (1 - D) in that of
-// kappa (1 - D), d: the width of point_law.hpp. With implicit beta the force of the ramp is the product of two
-// unknowns, beta+ and 1 - D: such a step is no linear complementarity problem.
+// so that P_N = p_N - h S sigma_c beta (1 - D) with 1 - D = min(s/kappa, 1), and no cohesion pulls an overlap. With
+// implicit beta the force of the ramp is the product of two unknowns, beta+ and 1 - D: such a step is no linear
+// complementarity problem.
 //
 // Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
 // units of length, mass and time.
@@ -72,7 +71,7 @@ public:
             SharedTemperatures end_temperature = nullptr);
     StepLcp(const StepLcp&) = delete;
 
-    /// Not for secant and vertical unloading with implicit beta.
+    /// Not for vertical unloading, nor with implicit beta for secant unloading and a G_II.
     static bool fits(const Model& model, const SchemeOptions& options);
 
     const LcpProblem& problem() const { return problem_; }
@@ -88,6 +87,7 @@ private:
     void make_points();
     void lay_out();
     void add_layers(const PointLaw& law);
+    double reach(const PointLaw& law) const;
     bool lands(Index point) const;
     void add_opening(int row, Index point, double factor);
     void add_ramps();
@@ -117,7 +117,7 @@ private:
         double start, end, length;
     };
     std::vector<Layer> layers_;  // with implicit beta
-    std::vector<int> ramps_;     // into cohesive_: points with secant or vertical unloading
+    std::vector<int> ramps_;     // into cohesive_: points with secant unloading
     bool friction_ = false, tangential_ = false;
     int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, pull_, ramp_, size_ = 0;
 
