@@ -236,11 +236,19 @@ std::string html_figures(const std::vector<std::filesystem::path>& files,
     };
     std::vector<File> found;
     std::error_code gone;
+    const auto place_of = [](const std::filesystem::path& path) {
+        return (path.parent_path().filename() == "figures" ? "figures/" : "") + html_text(path.filename().string());
+    };
+    std::string others;  // that no page shows, or that are too large for it
+    const auto name_only = [&](const std::filesystem::path& path) {
+        others += (others.empty() ? "" : ", ") + ("<a href=\"" + place_of(path) + "\">" + place_of(path) + "</a>");
+    };
     for (const auto& path : files) {
         const std::string ending = path.extension().string();
         const std::size_t size = std::filesystem::file_size(path, gone);
         if (!gone && (ending == ".png" || ending == ".svg" || ending == ".webp" || ending == ".gif"))
             found.push_back({path, size});
+        else if (!gone) name_only(path);
     }
     std::vector<File*> by_size;
     for (File& file : found) by_size.push_back(&file);
@@ -250,14 +258,18 @@ std::string html_figures(const std::vector<std::filesystem::path>& files,
     std::string text;
     for (const auto& [path, size, whole] : found) {
         const std::string ending = path.extension().string(), type = ending == ".svg" ? "svg+xml" : ending.substr(1);
-        if (!whole && ending != ".png") continue;
-        const std::string words = html_text(caption(path)), name = html_text(path.filename().string());
-        text += "<figure><img alt=\"" + (words.empty() ? name : words) + "\" src=\"" +
+        if (!whole && ending != ".png") {
+            name_only(path);
+            continue;
+        }
+        const std::string words = html_text(caption(path));
+        text += "<figure><img alt=\"" + (words.empty() ? place_of(path) : words) + "\" src=\"" +
                 (whole ? address_of(type, read_whole_file(path)) : address_of("webp", webp_of_png(path, small_width))) +
-                "\">\n<figcaption>" + words + (words.empty() ? "" : " · ") +
-                (path.parent_path().filename() == "figures" ? "figures/" : "") + name + "</figcaption></figure>\n";
+                "\">\n<figcaption>" + words + (words.empty() ? "" : " · ") + place_of(path) +
+                "</figcaption></figure>\n";
     }
-    return text.empty() ? "" : "<div class=\"figures\">\n" + text + "</div>\n";
+    return (text.empty() ? "" : "<div class=\"figures\">\n" + text + "</div>\n") +
+           (others.empty() ? "" : "<p>Beside this page: " + others + "</p>\n");
 }
 
 std::string html_page(const std::string& title, const std::string& question, const std::string& body) {

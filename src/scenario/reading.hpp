@@ -136,7 +136,8 @@ private:
 template <class Visit>
 void for_each_line(const std::string& text, const Visit& visit) {
     int number = 0;
-    for (std::size_t begin = 0; begin < text.size();) {
+    constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";  // with which spreadsheets begin
+    for (std::size_t begin = text.starts_with(byte_order_mark) ? byte_order_mark.size() : 0; begin < text.size();) {
         const std::size_t end = std::min(text.find('\n', begin), text.size());
         std::string_view content(text.data() + begin, end - begin);
         begin = end + 1, ++number;

@@ -202,8 +202,8 @@ TEST_CASE("figures: the energy figure draws every term of the ledger") {
         work += term.use.work * row.*term.value;
     }
     row.kinetic = work - row.strain;  // nothing at the start
-    row.law_lag = row.cohesive_work + row.law_change - row.crossing_loss - row.viscous_dissipation - row.surface() -
-                  row.excavated_recoverable;
+    row.law_lag = row.cohesive_work + row.law_change - row.crossing_loss - row.viscous_dissipation -
+                  row.mixed_dissipation - row.surface() - row.excavated_recoverable;
     History energy;
     energy.rows.resize(2);
     for (const Measure<EnergyRow>& column : energy_columns(all)) {

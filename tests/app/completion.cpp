@@ -41,7 +41,7 @@ TEST_CASE("completion offers what fits the place") {
     CHECK(offered("run -o bi") == "bin|");
     CHECK(offered("run -s mesh.siz") == "mesh.size=|");
     CHECK(offered("run --set 'load[0].ram'") == "load[0].ramp=|");
-    CHECK(offered("run -s interface.default.G") == "interface.default.G_c=|");
+    CHECK(offered("run -s interface.default.G_c") == "interface.default.G_c=|");
 }
 
 TEST_CASE("help and manual name every command and what the exit codes mean") {

@@ -37,7 +37,7 @@ def by_zsh(*words, file=zsh_file):
 shells = [shell for shell in (by_fish, by_zsh) if shutil.which(shell.__name__.removeprefix("by_"))]
 for words, offered in ((("knap", "sw"), ["sweep"]), (("knap", "run", "edge_cracked_block_f"), ["edge_cracked_block_fine"]),
                        (("knap", "run", "-s", "mesh.siz"), ["mesh.size="]),
-                       (("knap", "run", "-s", "interface.default.G"), ["interface.default.G_c="]),
+                       (("knap", "run", "-s", "interface.default.G_c"), ["interface.default.G_c="]),
                        (("knap", "run", "rock.toml", "-s", "interface.granite-mica.sig"), ["interface.granite-mica.sigma_c="]),
                        (("knap", "run", "rock.toml", "-s", "material.mica.de"), ["material.mica.density="]),
                        (("knap", "render", "--show", "stress_y"), ["stress_yy"]),

@@ -52,6 +52,8 @@ const char* const two =
     "trace, x [mm], y [mm], class\n1, 10, 5, fault\n1, 40, 12, fault\n2, 60, 30, joint\n2, 70, 10, joint\n";
 
 TEST_CASE("traces: each is a crack of the body with the law of its class") {
+    // a file of a spreadsheet begins with a byte-order mark
+    CHECK(Map("\xEF\xBB\xBF" + std::string(two)).read().scenario.bodies[0].shape.cracks.size() == 2);
     const Map map(two);
     const Scenario all = map.read().scenario;
     REQUIRE(all.bodies[0].shape.cracks.size() == 2);

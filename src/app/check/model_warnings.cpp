@@ -227,6 +227,17 @@ public:
     }
 
     /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside.
+    void on_laws() {
+        if (scenario_.time.scheme.bulk == BulkScheme::explicit_lumped) return;
+        for (const NamedLaw& named : scenario_.laws)
+            if (named.law.breakable() && named.law.unloading == Unloading::vertical)
+                add("interface." + named.name + ".unloading", "many-cutbacks",
+                    "implicit steps with vertical unloading find no solution while cracks run, and are cut back again "
+                    "and again",
+                    "use `bulk = \"explicit\"` where cracks run fast, or `unloading = \"secant\"`; slow loops are "
+                    "exact");
+    }
+
     void on_rotation() {
         const auto& limits = scenario_.allowed_limits;
         if (scenario_.large_rotation || scenario_.initial_velocities.empty()) return;
@@ -413,6 +424,7 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_resolution();
     warnings.on_heat(plan.limits.largest);
     warnings.on_jumps(plan.limits.largest);
+    warnings.on_laws();
     warnings.on_rotation();
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
