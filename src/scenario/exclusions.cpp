@@ -40,8 +40,9 @@ std::span<const Exclusion> exclusions() {
          "the overload is measured by the half planes of the strength of the sum, and a half ellipse has none"},
         {"coupling = \"norm\"", "unloading = \"vertical\"",
          "at the largest opening, an ellipse of the norm, the traction has any size and a direction that turns with "
-         "the "
-         "opening, and its projection knows such a set at zero opening alone"},
+         "the opening, and its projection knows such a set at zero opening alone"},
+        {"slip_distance", "[contact]",
+         "the slip that weakens it is that of the two sides of one interface, and free faces meet others anywhere"},
         {"coupling = \"norm\"", "strength = \"as measured\"",
          "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"coupling = \"norm\"", "toughness = \"as measured\"",
@@ -69,6 +70,8 @@ std::span<const Exclusion> exclusions() {
         {"[rigid]", "[[excavation]]", "the forces that fade stress what stays, and a rigid piece has no stresses"},
         {"[rigid]", "[[absorb]]", "waves that leave the body are those of a deformable one"},
         {"[rigid]", "[specimen]", "its gauges and its stress are those of a body under load, which is not rigid"},
+        {"[rigid]", "unloading = \"vertical\"",
+         "at its largest opening a damaged point bears what the stresses ask for, and a rigid piece has no stresses"},
         {"[rigid]", "incubation_time", "its memory follows the stress at every time, and a rigid piece has none"},
         {"[adapt]", "bulk = \"implicit\"",
          "a vertex that splits in large triangles rejects the step, and large steps split many"},

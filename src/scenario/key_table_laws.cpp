@@ -51,8 +51,9 @@ void add_keys_of_laws(KeyTable& t) {
     t.number("gamma", "", "shear strength over tensile strength, without friction. Sliding alone costs G_c (1 + "
         "friction/gamma), with coupling = \"norm\" G_c (with a G_II that instead of G_c); 0: cohesion in mode I only")
         .at_least(0).otherwise("1").to(&CohesiveLaw::gamma);
-    t.number("G_II", "J/m2", "fracture energy of slip alone (mode II), with gamma above 0; what slip dissipates beyond "
-        "G_c is `mixed_dissipation`. Without it G_c").above(0).to(&CohesiveLaw::G_II);
+    t.number("G_II", "J/m2", "fracture energy of slip alone (mode II), with gamma above 0 and without friction, which "
+        "adds G_II friction/gamma, since it acts on the cohesion, too; what slip dissipates beyond G_c is "
+        "`mixed_dissipation`. Without it G_c").above(0).to(&CohesiveLaw::G_II);
     t.word("mode_mix", {"power", "benzeggagh-kenane"}, "fracture energy G where slip does the part m of the work: "
         "power: G^-a = ((1 - m)/G_c)^a + (m/G_II)^a; benzeggagh-kenane: G = G_c + (G_II - G_c) m^a. Exact for openings "
         "in one proportion, power with a = 1 for all").computed("power")

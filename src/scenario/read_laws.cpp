@@ -91,7 +91,7 @@ CohesiveLaw read_law(const Table& table) {
         if (law.softening && std::isinf(law.softening->steepest()))
             table.exclude("coupling", "coupling = \"norm\"", "plateau = 1", "plateau = 0.9, or coupling = \"sum\"");
         if (law.unloading == Unloading::vertical)
-            table.exclude("unloading", "coupling = \"norm\"", "unloading = \"vertical\"",
+            table.exclude("coupling", "coupling = \"norm\"", "unloading = \"vertical\"",
                           "unloading = \"secant\", or coupling = \"sum\"");
         if (law.incubation_time > 0)
             table.exclude("coupling", "coupling = \"norm\"", "incubation_time",
@@ -276,6 +276,10 @@ static void check_coupling(Reading& reading) {
 
 void check_softening(Reading& reading) {
     check_coupling(reading);
+    if (reading.table("contact").given())
+        for (const Table& table : reading.list("interface"))
+            if (table.given("slip_distance"))
+                table.exclude("slip_distance", "slip_distance", "[contact]", "friction alone, or no [contact]");
     if (!reading.scenario.time.scheme.takes_explicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)

@@ -58,9 +58,14 @@ void read_rigid(Reading& reading) {
     exclude(!scenario.excavations.empty(), "[[excavation]]", "no [[excavation]]");
     exclude(!scenario.time.scheme.absorbing.empty(), "[[absorb]]", "a support or an obstacle");
     exclude(reading.table("specimen").given(), "[specimen]", "no [specimen]");
-    exclude(std::ranges::any_of(scenario.laws,
-                                [](const NamedLaw& law) { return law.law.breakable() && law.law.incubation_time > 0; }),
-            "incubation_time", "incubation_time = 0");
+    const auto any_law = [&](const auto& has) {
+        return std::ranges::any_of(scenario.laws,
+                                   [&](const NamedLaw& law) { return law.law.breakable() && has(law.law); });
+    };
+    exclude(any_law([](const CohesiveLaw& law) { return law.incubation_time > 0; }), "incubation_time",
+            "incubation_time = 0");
+    exclude(any_law([](const CohesiveLaw& law) { return law.unloading == Unloading::vertical; }),
+            "unloading = \"vertical\"", "unloading = \"secant\"");
     refuse_loads(reading);
 }
 

@@ -228,14 +228,13 @@ public:
 
     /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside.
     void on_laws() {
-        if (scenario_.time.scheme.bulk == BulkScheme::explicit_lumped) return;
+        if (scenario_.time.scheme.bulk != BulkScheme::implicit_theta) return;
         for (const NamedLaw& named : scenario_.laws)
             if (named.law.breakable() && named.law.unloading == Unloading::vertical)
-                add("interface." + named.name + ".unloading", "many-cutbacks",
-                    "implicit steps with vertical unloading find no solution while cracks run, and are cut back again "
-                    "and again",
-                    "use `bulk = \"explicit\"` where cracks run fast, or `unloading = \"secant\"`; slow loops are "
-                    "exact");
+                add("interface." + named.name + ".unloading", "no-solution",
+                    "implicit steps with vertical unloading often find no solution, and are cut back until the run "
+                    "ends",
+                    "use `bulk = \"auto\"` or \"explicit\" in [time], or `unloading = \"secant\"`");
     }
 
     void on_rotation() {
