@@ -1,5 +1,7 @@
 """Tests of tools/python/knap_traces.py: ctest runs them with KNAP and a directory; exit code 77: skipped."""
+import contextlib
 import csv
+import io
 import pathlib
 import subprocess
 import sys
@@ -48,6 +50,19 @@ class Numbers(unittest.TestCase):
         self.assertEqual(len(inside), 2)
         self.assertAlmostEqual(sum(map(traces.length, inside)), 2 / 3 * np.hypot(2, 3), places=12)
 
+    def test_ends_on_the_box_of_the_traces_are_inside(self):
+        two = lines([[0, 0], [5, 5]], [[0, 3], [2, 5]])
+        n = traces.statistics(two)  # all four ends lie on the box
+        self.assertEqual((n["traces"], n["I"], n["E"]), (2, 4, 0))
+        self.assertAlmostEqual(n["P20"], 2 / 25, places=12)
+        self.assertAlmostEqual(n["P21"], 7 * np.sqrt(2) / 25, places=12)
+        cut = traces.statistics(two, traces.box(two))  # a window that was asked for cuts what ends on it
+        self.assertEqual((cut["E"], cut["P20"]), (4, 0))
+        longer = traces.statistics(lines([[-5, -5], [10, 10]]), traces.box(two), closed=True)
+        self.assertEqual((longer["E"], longer["P20"]), (2, 0))
+        with self.assertRaisesRegex(knap.KnapError, "no area"):
+            traces.statistics(lines([[0, 0], [5, 0]]))
+
     def test_the_rose_has_the_whole_length(self):
         ends, length = traces.rose(lines([[0, 0], [1, 0]], [[0, 0], [0, 2]], [[1, 1], [0, 0]]), bins=4)
         np.testing.assert_allclose(length, [1, np.sqrt(2), 2, 0])
@@ -71,6 +86,34 @@ class Files(unittest.TestCase):
         found = traces.read(folder / "t.geojson", unit=1e-3)
         self.assertEqual([t.kind for t in found], ["a", "a"])
         np.testing.assert_allclose(found[0].points, [[0, 0], [1, 0]])
+        traces.write(folder / "parts.csv", found)  # no bridge joins the parts
+        self.assertEqual([len(t.points) for t in traces.read(folder / "parts.csv")], [2, 2])
+        traces.write(folder / "parts.csv", [t._replace(name="one") for t in found])
+        self.assertEqual(len(traces.read(folder / "parts.csv")), 2)
+
+    def test_what_is_no_line_is_said(self):
+        (folder / "p.geojson").write_text('{"features": [{"geometry": {"type": "Polygon", "coordinates": [[[0, 0], [1, 0], [0, 1], [0, 0]]]}}, '
+                                          '{"geometry": {"type": "LineString", "coordinates": [[0, 0], [3, 4]]}}]}')
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            self.assertEqual(len(traces.read(folder / "p.geojson")), 1)
+        self.assertIn("1 Polygon", said.getvalue())
+
+    def test_csv_of_a_table_calculation_is_read_and_mistakes_have_their_line(self):
+        (folder / "e.csv").write_text("\ufefftrace;x [km];y [km];class\n1;0;0;a # start\n1;3;4;a\n", encoding="utf-8")
+        found = traces.read(folder / "e.csv")
+        self.assertEqual((found[0].kind, traces.length(found[0])), ("a", 5000.0))
+        for content, message in (("trace,x,y\n1,0,0\n1,east,2\n", ":3: x or y"), ("trace;x;y\n1;0,5;0\n", ":2: .*decimal commas"),
+                                 ("trace,x,y\n1,0,0\n2,0,0\n2,1,1\n1,3,3\n", ":5: trace `1` goes on"), ("trace,x,y\n1,0,0\n", ":2: .*one point"),
+                                 ("trace,x [mile],y\n", ":1: .*mile"), ("trace,x,y\n1,0\n", ":2: .*2 values for 3")):
+            (folder / "bad.csv").write_text(content)
+            with self.assertRaisesRegex(knap.KnapError, "bad.csv" + message):
+                traces.read(folder / "bad.csv")
+
+    def test_units_are_lengths(self):
+        self.assertEqual([traces.metres(text) for text in ("1 km", "mm", "0.3048", "2.5e1m")], [1000, 1e-3, 0.3048, 25])
+        for text in ("1 s", "0", "m km", "-1 m"):
+            with self.assertRaisesRegex(knap.KnapError, "no length"):
+                traces.metres(text)
 
     def test_dxf_has_its_layers_as_classes(self):
         try:
@@ -83,6 +126,33 @@ class Files(unittest.TestCase):
         drawing.saveas(folder / "t.dxf")
         found = traces.read(folder / "t.dxf")
         self.assertEqual([(t.kind, traces.length(t)) for t in found], [("faults", 5.0), ("joints", 2.0)])
+
+    def test_curves_of_a_dxf_become_lines_in_its_unit(self):
+        try:
+            import ezdxf
+        except ImportError:
+            self.skipTest("python3-ezdxf is not installed")
+        drawing = ezdxf.new(units=4)  # mm
+        space = drawing.modelspace()
+        space.add_circle((0, 0), 2)
+        space.add_arc((0, 0), 2, 0, 90)
+        space.add_spline([(0, 0), (1, 1), (2, 0)])
+        space.add_lwpolyline([(0, 0), (3, 0), (3, 4)], close=True)
+        space.add_text("A")
+        space.add_point((1, 1))
+        space.add_point((2, 1))
+        drawing.blocks.new("faults").add_line((0, 0), (3, 4))
+        space.add_blockref("faults", (1, 1))
+        drawing.saveas(folder / "curves.dxf")
+        with contextlib.redirect_stderr(io.StringIO()) as said:
+            found = traces.read(folder / "curves.dxf")
+        self.assertIn("2 POINT, 1 TEXT", said.getvalue())
+        self.assertIn("a unit is 0.001 m", said.getvalue())
+        self.assertEqual(len(found), 5)
+        for trace, expected in zip(found, (4e-3 * np.pi, 1e-3 * np.pi, None, 12e-3, 5e-3)):
+            if expected:
+                self.assertAlmostEqual(traces.length(trace) / expected, 1, delta=2e-3)
+        self.assertAlmostEqual(traces.length(traces.read(folder / "curves.dxf", unit="1 m")[3]), 12)  # what was asked for
 
     def test_a_shapefile_is_read_and_degrees_are_refused(self):
         try:
@@ -159,6 +229,12 @@ report = false
         rows = {row[0]: row[1] for row in csv.reader(out.splitlines())}
         self.assertEqual(rows["traces"], "3")
         self.assertEqual(float(rows["P10 [1/m]"]), 30)
+
+    def test_a_reader_that_ends_early_ends_the_command_without_a_word(self):
+        command = subprocess.Popen([sys.executable, repo / "tools" / "python" / "knap-traces", folder / "map.csv"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        command.stdout.close()
+        self.assertEqual((command.stderr.read(), command.wait()), (b"", 141))
+        command.stderr.close()
 
 
 if __name__ == "__main__":

@@ -25,6 +25,7 @@ import re
 import shutil
 import struct
 import subprocess
+import sys
 import xml.etree.ElementTree as xml
 import zlib
 
@@ -33,6 +34,23 @@ import numpy as np
 
 class KnapError(Exception):
     """A run that failed, or a file that cannot be read."""
+
+
+def note(text):
+    """What a reader did that its user did not ask for, on stderr."""
+    print(text, file=sys.stderr)
+
+
+def command_line(name, work):
+    """Does the work of a command; mistakes are a line, and where `head` reads no more of what it prints it ends without a word."""
+    try:
+        work()
+        sys.stdout.flush()
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # or Python complains at its end
+        sys.exit(141)  # as of SIGPIPE
+    except (KnapError, OSError, ValueError) as error:
+        sys.exit(f"{name}: {error}")
 
 
 class Table(dict):

@@ -7,7 +7,7 @@
     centres, rate = events.rate(run, found, over="stress_strain.axial_strain", bins=20)
     events.plot(run, found, "events.png")
 
-`python3 knap_events.py RUN -o events.csv --figure events.png` writes both. Needs numpy; the figure matplotlib (Debian: python3-matplotlib).
+`knap-events RUN -o events.csv --figure events.png` writes both. Needs numpy; the figure matplotlib (Debian: python3-matplotlib).
 
 Columns: time [s] of the first break, duration [s], x, y [m] (mean by energy), breaks, length [m], energy [J] (fracture energy),
 shear (part of the energy of breaks that slid more than they opened), moment [N m], isotropic, magnitude.
@@ -22,7 +22,6 @@ those of the moment at which interfaces broke: later slip does not count.
 """
 import argparse
 import csv
-import sys
 
 import knap
 import numpy as np
@@ -154,18 +153,19 @@ def command():
     parser.add_argument("-o", "--output", help="csv file of the events")
     parser.add_argument("--figure", help="picture: magnitudes over time, and their frequency")
     options = parser.parse_args()
-    try:
-        run = knap.read(options.run)
-        found = join(run, options.distance, options.within)
-        if options.output:
-            with open(options.output, "w", newline="") as out:
-                rows = csv.writer(out, lineterminator="\n")
-                rows.writerow([f"{name} [{unit}]" if unit else name for name, unit in found.units.items()])
-                rows.writerows([f"{value:.9g}" for value in row] for row in zip(*found.values()))
-        if options.figure:
-            plot(run, found, options.figure)
-    except (knap.KnapError, OSError) as error:
-        sys.exit(f"knap-events: {error}")
+    knap.command_line("knap-events", lambda: _write(options))
+
+
+def _write(options):
+    run = knap.read(options.run)
+    found = join(run, options.distance, options.within)
+    if options.output:
+        with open(options.output, "w", newline="") as out:
+            rows = csv.writer(out, lineterminator="\n")
+            rows.writerow(found.titles)
+            rows.writerows([f"{value:.9g}" for value in row] for row in zip(*found.values()))
+    if options.figure:
+        plot(run, found, options.figure)
     b, error, completeness = b_value(found["magnitude"])
     print(f"{len(found['time'])} events of {int(found['breaks'].sum())} breaks" +
           (f"; b = {b:.2f} +- {error:.2f} from magnitude {completeness:.1f} on" if np.isfinite(b) else "; too few for b"))

@@ -10,14 +10,18 @@
     traces.rose(drawn, bins=18)                               # ends of the classes [deg], length in each [m]
     traces.write("faults.csv", drawn)                         # as [[traces]] reads it
 
+Curves of a DXF become polylines; what is no line is left out, and counted on stderr.
+
 The command `knap-traces FILE...` prints the numbers side by side. A trace is `(points, name, class)`, points in m.
 csv, GeoJSON, .msh and runs need numpy alone; .dxf needs ezdxf, shapefiles and GeoPackages GDAL (Debian: python3-ezdxf,
 python3-gdal).
 """
 import argparse
+import collections
 import csv
 import json
 import pathlib
+import re
 import sys
 from typing import NamedTuple
 
@@ -35,80 +39,178 @@ class Trace(NamedTuple):
 
 # ---- files
 
-def read(file, unit=1.0, property="class", time=np.inf):
-    """Traces of a file, or the cracks of a run at a time. `unit` [m]: of coordinates that have none in the file."""
+def read(file, unit=None, property="class", time=np.inf):
+    """Traces of a file, or the cracks of a run at a time. `unit`: of coordinates that have none in the file, in m or as "1 km"; without it
+    that of a DXF is its $INSUNITS, and 1 m else."""
     file = pathlib.Path(file)
     kind = file.suffix.lower()
+    unit = metres(unit) if isinstance(unit, str) else unit
     if file.is_dir():
         return _of_run(knap.read(file), time)
     if kind == ".csv":
-        return _of_csv(file, unit, property)
+        return _of_csv(file, unit or 1.0, property)
     if kind == ".msh":
         return _of_mesh(file)
     if kind == ".dxf":
         return _of_dxf(file, unit)
     if kind in (".json", ".geojson"):
-        return _of_geojson(json.loads(file.read_text()), unit, property)
-    return _of_gdal(file, unit, property)
+        try:
+            root = json.loads(file.read_text(encoding="utf-8-sig"))
+        except ValueError as error:
+            raise knap.KnapError(f"{file}: this is no JSON: {error}") from None
+        return _of_geojson(file, root, unit or 1.0, property)
+    return _of_gdal(file, unit or 1.0, property)
 
 
 def write(file, traces):
-    """A csv file for [[traces]]."""
-    with open(file, "w", newline="") as out:
+    """A csv file for [[traces]]. Traces have their names where these tell them apart, as parts of a trace that a window cut do not; else numbers."""
+    names = [trace.name for trace in traces]
+    if not all(names) or len(set(names)) < len(names):
+        names = range(1, len(traces) + 1)
+    with open(file, "w", newline="", encoding="utf-8") as out:
         rows = csv.writer(out, lineterminator="\n")
         rows.writerow(["trace", "x [m]", "y [m]", "class"])
-        for number, trace in enumerate(traces, 1):
-            for x, y in trace.points:
-                rows.writerow([trace.name or number, repr(float(x)), repr(float(y)), trace.kind])
+        for name, trace in zip(names, traces):
+            for x, y in trace.points:  # the cells of this format have no quotes
+                rows.writerow([name, repr(float(x)), repr(float(y)), re.sub(r'[,;\t#"\r\n]+', " ", trace.kind)])
+
+
+LENGTHS = {"m": 1.0, "nm": 1e-9, "um": 1e-6, "mm": 1e-3, "cm": 1e-2, "km": 1e3}
+
+
+def metres(text):
+    """Of a length as "1 km", "km" or "0.3048"."""
+    number, unit = re.fullmatch(r"\s*([-+.\deE]*)\s*(.*?)\s*", text).groups()
+    try:
+        length = float(number or 1) * LENGTHS[unit or "m"]
+    except (ValueError, KeyError):
+        length = 0
+    if not 0 < length < np.inf:
+        raise knap.KnapError(f"the unit {text!r} is no length, as 1 km or 0.3048; units are {', '.join(LENGTHS)}")
+    return length
 
 
 def _of_csv(file, unit, property):
-    with open(file, newline="") as lines:
-        rows = [row for row in csv.reader(line.split("#")[0] for line in lines) if any(cell.strip() for cell in row)]
-    names = [cell.split("[")[0].strip() for cell in rows[0]]
-    units = dict(zip(names, (cell.split("[")[1].rstrip("] ") if "[" in cell else "" for cell in rows[0])))
-    metres = {"": unit, "m": 1.0, "mm": 1e-3, "cm": 1e-2, "km": 1e3}
-    if not {"trace", "x", "y"} <= set(names) or units["x"] not in metres or units["y"] not in metres:
-        raise knap.KnapError(f"{file}: the first line is not `trace, x [m], y [m], class`")
-    at = {name: names.index(name) for name in names}
-    found = []
-    for row in rows[1:]:
-        name, point = row[at["trace"]].strip(), (float(row[at["x"]]) * metres[units["x"]], float(row[at["y"]]) * metres[units["y"]])
-        if not found or found[-1][1] != name:
-            found.append(([], name, row[at[property]].strip() if property in at else ""))
-        found[-1][0].append(point)
-    return [Trace(np.array(points), name, kind) for points, name, kind in found]
+    found, ended, names = [], set(), None
+    with open(file, newline="", encoding="utf-8-sig") as lines:
+        for number, line in enumerate(lines, 1):
+            def fail(problem):
+                raise knap.KnapError(f"{file}:{number}: {problem}")
+
+            line = line.split("#")[0]
+            if not line.strip():
+                continue
+            if re.search(r"[;\t]", line) and re.search(r"\d,\d", line):
+                fail("this line has decimal commas: 1,5 is 1.5 in this file")
+            cells = [cell.strip() for cell in re.split(r"[,;\t]", line)]
+            if names is None:
+                titles = [re.fullmatch(r"([^\[]*?)\s*(?:\[\s*([^\]]*?)\s*\].*)?", cell).groups() for cell in cells]
+                names = [name for name, _ in titles]
+                if not {"trace", "x", "y"} <= set(names):
+                    fail("the first line is not `trace, x [m], y [m], class`")
+                at = {name: names.index(name) for name in names}
+                one = [titles[at[axis]][1] for axis in "xy"]
+                for text in one:
+                    if text and text not in LENGTHS:
+                        fail(f"the unit `{text}` is none of {', '.join(LENGTHS)}")
+                scale = [LENGTHS[text] if text else unit for text in one]
+                continue
+            if len(cells) < len(names):
+                fail(f"this line has {len(cells)} values for {len(names)} names")
+            try:
+                point = [float(cells[at[axis]]) * factor for axis, factor in zip("xy", scale)]
+            except ValueError:
+                point = [np.nan]
+            if not np.isfinite(point).all():
+                fail("x or y of this line is not a number; units stand in the line of names: x [m], y [m]")
+            name = cells[at["trace"]]
+            if not found or found[-1][1] != name:
+                if name in ended:
+                    fail(f"trace `{name}` goes on after another one; the points of a trace follow one another")
+                ended.add(name)
+                found.append(([], name, cells[at[property]] if property in at else "", number))
+            found[-1][0].append(point)
+    for points, name, _, number in found:
+        if len(points) < 2:
+            raise knap.KnapError(f"{file}:{number}: trace `{name}` has one point; a line needs two")
+    return [Trace(np.array(points), name, kind) for points, name, kind, _ in found]
 
 
-def _of_geojson(root, unit, property):
-    found = []
-    for number, feature in enumerate(root.get("features", [root])):
-        geometry = feature.get("geometry", feature)
-        if geometry is None:
-            continue
-        parts = {"LineString": lambda g: [g], "MultiLineString": lambda g: g}.get(geometry["type"], lambda g: [])(geometry["coordinates"])
-        for part in parts:
-            found.append(Trace(unit * np.array([point[:2] for point in part], float), f"{number + 1}",
-                               str((feature.get("properties") or {}).get(property, ""))))
+def _say_left_out(file, kinds):
+    if kinds:
+        knap.note(f"{file}: left out, since these are no lines: {', '.join(f'{n} {kind}' for kind, n in sorted(kinds.items()))}")
+
+
+def _of_geojson(file, root, unit, property):
+    found, left_out = [], collections.Counter()
+
+    def add(geometry, kind):
+        shape = geometry.get("type")
+        if shape == "GeometryCollection":
+            for part in geometry["geometries"]:
+                add(part, kind)
+        elif shape in ("LineString", "MultiLineString"):
+            for part in [geometry["coordinates"]] if shape == "LineString" else geometry["coordinates"]:
+                points = np.array([point[:2] for point in part], float)
+                if len(points) < 2:
+                    left_out["line of one point"] += 1
+                else:
+                    found.append(Trace(unit * points, f"{len(found) + 1}", kind))
+        else:
+            left_out[str(shape)] += 1
+
+    for number, feature in enumerate(root.get("features", [root]) if isinstance(root, dict) else [root]):
+        try:
+            geometry = feature.get("geometry", feature)
+            kind = (feature.get("properties") or {}).get(property)
+            if geometry is not None:
+                add(geometry, "" if kind is None else str(kind))
+        except (AttributeError, KeyError, TypeError, ValueError, IndexError):
+            raise knap.KnapError(f"{file}: features[{number}] has no type and coordinates of a line: [[x, y], [x, y], ...]") from None
+    _say_left_out(file, left_out)
     return found
 
 
 def _of_dxf(file, unit):
     try:
         import ezdxf
+        import ezdxf.path
+        import ezdxf.units
     except ImportError:
         raise knap.KnapError(f"{file}: a .dxf file needs ezdxf (Debian: python3-ezdxf)") from None
-    found = []
-    for entity in ezdxf.readfile(file).modelspace():  # the class is the layer
-        if entity.dxftype() == "LINE":
-            points = [tuple(entity.dxf.start)[:2], tuple(entity.dxf.end)[:2]]
-        elif entity.dxftype() == "LWPOLYLINE":
-            points = [p[:2] for p in entity.get_points()]
-        elif entity.dxftype() == "POLYLINE":
-            points = [tuple(p)[:2] for p in entity.points()]
-        else:
-            continue
-        found.append(Trace(unit * np.array(points, float), str(len(found) + 1), entity.dxf.layer))
+    try:
+        drawing = ezdxf.readfile(file)
+    except ezdxf.DXFError as error:
+        raise knap.KnapError(f"{file}: ezdxf cannot read it: {error}") from None
+    if unit is None:
+        unit, code = 1.0, drawing.header.get("$INSUNITS", 0)
+        if code:
+            try:
+                unit = float(ezdxf.units.conversion_factor(code, ezdxf.units.M))
+            except (KeyError, TypeError, ValueError, ZeroDivisionError):
+                raise knap.KnapError(f"{file}: its $INSUNITS = {code} is no known length; give the unit") from None
+            knap.note(f"{file}: a unit is {unit:g} m, its $INSUNITS")
+    found, left_out = [], collections.Counter()
+
+    def add(entity):
+        if entity.dxftype() == "INSERT":  # a block
+            for part in entity.virtual_entities():
+                add(part)
+            return
+        try:
+            path = ezdxf.path.make_path(entity)
+            ends = np.array([tuple(p)[:2] for p in path.control_vertices()], float)
+            if len(ends) < 2:
+                raise TypeError
+            points = [tuple(p)[:2] for p in path.flattening(1e-3 * max(np.ptp(ends, axis=0).max(), 1e-300))]
+        except (TypeError, ValueError, ezdxf.DXFError):
+            left_out[entity.dxftype()] += 1
+            return
+        found.append(Trace(unit * np.array(points, float), str(len(found) + 1), entity.dxf.layer))  # the class is the layer
+
+    for entity in drawing.modelspace():
+        add(entity)
+    _say_left_out(file, left_out)
     return found
 
 
@@ -127,7 +229,7 @@ def _of_gdal(file, unit, property):
             raise knap.KnapError(f"{file}: its coordinates are longitudes and latitudes; project them to metres first")
         for feature in layer:
             features.append(json.loads(feature.ExportToJson()))
-    return _of_geojson({"features": features}, unit, property)
+    return _of_geojson(file, {"features": features}, unit, property)
 
 
 def _of_mesh(file):
@@ -277,7 +379,7 @@ def nodes(traces, window, touch):
     ends = np.array([p for t in traces for p in (t.points[0], t.points[-1])])
     on_border = np.zeros(len(ends), bool)
     for a, b in border:
-        on_border |= _distance(ends, a, b) <= touch
+        on_border |= _distance(ends, a, b) <= TOUCH * np.ptp(window, axis=0).max()
     places = [segments[i, 0] + s * (segments[i, 1] - segments[i, 0])
               for i, j, s, _ in _meetings(segments, segments, touch) if owner[i] < owner[j]]
     tips = ends[~on_border]
@@ -316,20 +418,30 @@ def _unique(points, touch):
     return [p for cell in cells.values() for p in cell]
 
 
-def statistics(traces, window=None, touch=None):
+def box(traces):
+    """The corners of the smallest window of traces, parallel to the axes."""
+    points = np.concatenate([t.points for t in traces])
+    (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
+    return [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
+
+
+def statistics(traces, window=None, touch=None, closed=None):
     """P20 (traces per area), P21 (length per area), lengths and connectivity in a window, a knap.Table with units. A
     trace whose end lies on the border counts half in P20 (M. Mauldon, W. M. Dunne, M. B. Rohrbaugh, J. Struct. Geol. 23
-    (2001) 247: half of the ends inside over the area). C_B, C_L: connections per branch and per line."""
-    everything = np.concatenate([t.points for t in traces])
-    low, high = everything.min(axis=0), everything.max(axis=0)
-    if window is None:
-        window = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]]
-    window = np.asarray(window, float)
-    touch = touch or TOUCH * np.ptp(window, axis=0).max()
+    (2001) 247: half of the ends inside over the area). C_B, C_L: connections per branch and per line.
+    `closed`: traces end on the border, as on their own box, the default window; then these ends are inside."""
+    closed = window is None if closed is None else closed
+    window = np.asarray(box(traces) if window is None else window, float)
+    extent = np.ptp(window, axis=0).max()
+    touch = touch or TOUCH * extent
     area = 0.5 * abs(_cross(window, np.roll(window, -1, axis=0)).sum())
-    inside = clipped(traces, window)
+    if not area > TOUCH * extent * extent:
+        raise knap.KnapError("the window, or the box of the traces, has no area: give a window")
+    # a border farther out than what counts as on it
+    around = window + 4 * TOUCH * extent * np.sign(window - window.mean(axis=0)) if closed else window
+    inside = clipped(traces, around)
     lengths = np.array([length(t) for t in inside])
-    n = nodes(inside, window, touch) if inside else dict.fromkeys("IYXE", 0)
+    n = nodes(inside, around, touch) if inside else dict.fromkeys("IYXE", 0)
     n_lines, n_branches = (n["I"] + n["Y"]) / 2, (n["I"] + 3 * n["Y"] + 4 * n["X"]) / 2
     table = knap.Table()
     for name, value, unit in (
@@ -349,29 +461,30 @@ def command():
     parser.add_argument("source", nargs="+", help=".csv, .geojson, .dxf, .shp, .gpkg; .msh of `knap mesh`; a run")
     parser.add_argument("--window", type=float, nargs=4, metavar=("X0", "Y0", "X1", "Y1"), help="in m; default: the box of the first source")
     parser.add_argument("--scanline", type=float, nargs=4, metavar=("X0", "Y0", "X1", "Y1"), help="P10 along it")
-    parser.add_argument("--unit", type=float, default=1.0, help="of coordinates without one, in m")
+    parser.add_argument("--unit", help="of coordinates without one, in m or as \"1 km\"; default: $INSUNITS of a DXF, else 1 m")
     parser.add_argument("--property", default="class", help="column or property that gives the class")
     parser.add_argument("--touch", type=float, help="in m: ends that are nearer than this to a trace meet it")
     parser.add_argument("-o", "--output", help="write the traces of the first source as a csv file for [[traces]]")
     options = parser.parse_args()
-    try:
-        maps = [read(source, options.unit, options.property) for source in options.source]
-        if not all(maps):
-            raise knap.KnapError(f"{options.source[[bool(m) for m in maps].index(False)]}: there are no traces")
-        if options.output:
-            write(options.output, maps[0])
-        if options.window:
-            x0, y0, x1, y1 = options.window
-        else:
-            points = np.concatenate([t.points for t in maps[0]])
-            (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
+    knap.command_line("knap-traces", lambda: _print(options))
+
+
+def _print(options):
+    unit = metres(options.unit) if options.unit else None
+    maps = [read(source, unit, options.property) for source in options.source]
+    if not all(maps):
+        raise knap.KnapError(f"{options.source[[bool(m) for m in maps].index(False)]}: there are no traces")
+    if options.output:
+        write(options.output, maps[0])
+    if options.window:
+        x0, y0, x1, y1 = options.window
         window = [[x0, y0], [x1, y0], [x1, y1], [x0, y1]]
-        columns = [statistics(m, window, options.touch) for m in maps]
-        if options.scanline:
-            for m, column in zip(maps, columns):
-                column["P10"], column.units["P10"] = p10(m, options.scanline[:2], options.scanline[2:]), "1/m"
-    except (knap.KnapError, OSError, ValueError) as error:
-        sys.exit(f"knap-traces: {error}")
+    else:
+        window = box(maps[0])
+    columns = [statistics(m, window, options.touch, closed=not options.window) for m in maps]
+    if options.scanline:
+        for m, column in zip(maps, columns):
+            column["P10"], column.units["P10"] = p10(m, options.scanline[:2], options.scanline[2:]), "1/m"
     rows = csv.writer(sys.stdout, lineterminator="\n")
     rows.writerow(["number", *options.source])
     for name in columns[0]:
