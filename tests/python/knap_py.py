@@ -1,4 +1,6 @@
 """Tests of tools/python: ctest runs them with KNAP and a directory for the runs; exit code 77: skipped."""
+import fcntl
+import json
 import pathlib
 import re
 import subprocess
@@ -31,6 +33,22 @@ class OneRun(unittest.TestCase):
         self.assertEqual((summary.units["dissipated"], summary.units["fragments"]), ("J", ""))
         self.assertTrue(np.isnan(summary["first_branch_time"]))
         self.assertEqual(summary["fragments"], 2)
+
+    def test_a_run_says_how_it_ended(self):
+        self.assertRegex(repr(self.run_), r"ein Stab µ: done, \d+ triangles, \d+ steps")
+        self.assertRegex(str(self.run_.frame()), r"frame at .*µs: bulk with \d+ cells \(.*stress")
+        other = runs / "ended"
+        other.mkdir(exist_ok=True)
+        for status, reason, shown in (("failed", "a pivot < 0", "failed (a pivot &lt; 0)"), ("running", "", "killed"), ("interrupted", "", "interrupted")):
+            (other / "run.json").write_text(json.dumps({**self.run_.info, "status": status, "reason": reason}))
+            (other / "log.txt").write_text("")
+            self.assertIn(f"</b>: {shown}, ", knap.read(other)._repr_html_())
+        (other / "run.json").write_text(json.dumps({**self.run_.info, "status": "running"}))
+        with open(other / "log.txt") as log:
+            fcntl.flock(log, fcntl.LOCK_EX)  # as knap does
+            self.assertEqual(knap.read(other).status, "running")
+        said = subprocess.run([knap.program(), "info", "--json", other], capture_output=True, text=True, check=True).stdout
+        self.assertEqual(json.loads(said)["status"], knap.read(other).status)
 
     def test_tables_are_those_of_the_files(self):
         energy = self.run_.table("energy")

@@ -29,6 +29,11 @@ import sys
 import xml.etree.ElementTree as xml
 import zlib
 
+try:
+    import fcntl
+except ImportError:
+    fcntl = None
+
 import numpy as np
 
 
@@ -93,6 +98,10 @@ class Frame:
         grids = {pathlib.Path(file).name.rsplit("_", 1)[0]: read_vtu(directory / file) for file in files}
         self.bulk, self.interfaces, self.obstacles = map(grids.get, ("bulk", "interfaces", "obstacles"))
 
+    def __repr__(self):
+        return f"frame at {_readable(self.time, 's')}: " + ", ".join(
+            f"{name} with {len(grid.cells)} cells ({', '.join(grid)})" for name, grid in vars(self).items() if isinstance(grid, Grid))
+
 
 class Run:
     """A run directory. `info`: run.json; `summary`: its numbers, with units."""
@@ -106,7 +115,18 @@ class Run:
 
     @property
     def status(self):
-        return self.info["status"]
+        """That of run.json; "killed" where no process goes on with it, as `knap info` says."""
+        status = self.info["status"]
+        return "killed" if status in ("running", "starting") and not _has_process(self.directory) else status
+
+    def __repr__(self):
+        """Its directory, and how it ended."""
+        return f"{self.directory}: {self._state()}"
+
+    def _state(self):
+        reason = f" ({self.info['reason']})" if self.info.get("reason") else ""
+        return f"{self.status}{reason}, {self.info.get('triangles', 0)} triangles, {self.info.get('steps', 0)} steps, " \
+               f"{self.info.get('cpu_s', 0):.3g} s of processor time"
 
     @property
     def reached_end(self):
@@ -116,8 +136,7 @@ class Run:
     def _repr_html_(self):
         """In a notebook: its state, its numbers and its first picture."""
         rows = [(name, _readable(value, self.summary.units.get(name, ""))) for name, value in self.summary.items()]
-        state = f"<b>{html.escape(self.info.get('name', ''))}</b>: {html.escape(self.status)}, {self.info.get('triangles', 0)} triangles, " \
-                f"{self.info.get('steps', 0)} steps, {self.info.get('cpu_s', 0):.3g} s of processor time"
+        state = f"<b>{html.escape(self.info.get('name', ''))}</b>: {html.escape(self._state())}"
         return f"<p>{state}</p>{_first_picture(self.directory)}<details><summary>numbers</summary>{html_table(('number', 'value', 'unit'), rows)}</details>"
 
     @property
@@ -163,6 +182,9 @@ class Ensemble:
     def __len__(self):
         return len(self.table["status"])
 
+    def __repr__(self):
+        return f"{self.directory}: {self.kind} of {len(self)} runs"
+
     def _repr_html_(self):
         """In a notebook: its picture and the first lines of its table."""
         most = 20
@@ -186,6 +208,20 @@ class Ensemble:
     def runs(self):
         """All runs that were started, by name."""
         return {file.parent.name: Run(file.parent) for file in sorted(self.directory.glob("runs/*/run.json"))}
+
+
+def _has_process(directory):
+    """Whether a process holds the lock of log.txt, as knap does while it runs."""
+    if fcntl is None:
+        return True  # Windows does not tell
+    try:
+        with open(directory / "log.txt", "rb") as log:
+            fcntl.flock(log, fcntl.LOCK_SH | fcntl.LOCK_NB)  # closing it gives it back
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    return False
 
 
 def _first_picture(directory):

@@ -225,7 +225,7 @@ def _of_gdal(file, unit, property):
     features = []
     for layer in (source.GetLayer(i) for i in range(source.GetLayerCount())):
         system = layer.GetSpatialRef()
-        if system is not None and system.IsGeographic():
+        if system is not None and system.IsGeographic() and not system.GetName().startswith("Undefined"):  # of a GeoPackage without one
             raise knap.KnapError(f"{file}: its coordinates are longitudes and latitudes; project them to metres first")
         for feature in layer:
             features.append(json.loads(feature.ExportToJson()))
