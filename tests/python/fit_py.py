@@ -492,7 +492,7 @@ class Quick(unittest.TestCase):
         """Of the exact relation, whatever the scale of the parameters: bounds of 1 and 4 make sums and products differ."""
         for log in (True, False):
             for kind, function, measured, words in (("product", lambda a, b: a * b, 4, "product a b"), ("ratio", lambda a, b: a / b, 1, "ratio a/b"),
-                                                    ("product", lambda a, b: a * b**2, 12, "product a b^2"), ("ratio", lambda a, b: a / b**0.5, 1.4, "ratio a/b^0.5"),
+                                                    ("product", lambda a, b: a * b**2, 12, "product a b^2"), ("ratio", lambda a, b: a / b**0.5, 1.4, "ratio a^2/b"),
                                                     ("sum", lambda a, b: a + b, 5, "sum a + 1 b"), ("difference", lambda a, b: a - 0.5 * b, 1, "difference a - 0.5 b")):
                 fit = inferred(study("together", {"x": measured}, lambda a, b, s: Answer(x=function(a, b)), log=log, scatter=0.02))
                 text, = fit.combinations()
@@ -500,6 +500,19 @@ class Quick(unittest.TestCase):
                 self.assertEqual(found.split()[0], kind, (log, text))
                 power, exact = ([*map(float, re.findall(r"[0-9.]+", part))] or [1.0] for part in (found, words))
                 self.assertAlmostEqual(power[0], exact[0], delta=0.06 * exact[0], msg=(log, text))
+
+    @needs_libraries
+    def test_two_numbers_do_not_determine_three_parameters(self):
+        """Dissipated and force of a bar: thickness G and thickness sigma are told; bounds of sigma alone narrow the thickness."""
+        for scatter in (0.03, 0.005):
+            fit = study("three", {"x": 3, "y": 3.16}, lambda t, g, s: None, scatter=scatter)
+            fit.problem.parameters = [Parameter(n, [n], bounds, "", True) for n, bounds in (("t", (0.5, 2)), ("G", (1, 4)), ("s", (2.5, 5)))]
+            fit.runs.model = lambda test, u, seed: Answer(**dict(zip("xy", (lambda t, g, s: (t * g, t * s))(*fit.problem.values(u[None])[0]))))
+            fit = inferred(fit, n=24, steps=400)
+            self.assertLess(fit.narrowed_to()[0][0], 0.4)  # taken alone it would count as determined
+            self.assertGreater(fit.narrowed_to()[1].min(), 0.8)
+            self.assertNotIn("yes", fit.determined())
+            self.assertEqual([re.findall("only the (.*) is", text)[0] for text in fit.combinations()], ["product t G", "product t s"])
 
     @needs_libraries
     def test_only_the_product_is_determined_and_a_further_test_is_named(self):

@@ -1,4 +1,7 @@
 """The posterior of the parameters, further runs where they teach most, and what the data determine."""
+import itertools
+import math
+
 import numpy as np
 
 import knap
@@ -122,16 +125,26 @@ def _same(a, b):
 
 
 def _combined(members, log):
-    """A sentence on what is determined of the (name, power or coefficient) of each of some parameters."""
-    (text, one), *others = members
-    for name, c in ((name, c / one) for name, c in others):
+    """A sentence on what is determined of the (name, power or coefficient) of each of some parameters; the first one is positive."""
+    text = ""
+    for name, c in members:
         if log:
             text += ("/" if c < 0 else " ") + name + f"^{abs(c):.2g}" * (f"{abs(c):.2g}" != "1")
         else:
-            text += f" {'-' if c < 0 else '+'} {abs(c):.3g} {name}"
-    unlike = bool(len(others) == 1 and others[0][1] / one < 0)
+            text += f" {'-' if c < 0 else '+'} {abs(c):.3g} {name}" if text else name
+    unlike = bool(len(members) == 2 and members[1][1] < 0)
     kind = (("product", "ratio") if log else ("sum", "difference"))[unlike]
-    return f"only the {kind} {text} is determined, not each of {', '.join(name for name, _ in members)}"
+    return f"only the {kind} {text.strip()} is determined, not each of {', '.join(name for name, _ in members)}"
+
+
+def _whole_powers(n):
+    """Products of two or three of n parameters, by whole powers up to three."""
+    for size in (2, 3):
+        for place, powers in itertools.product(itertools.combinations(range(n), size), itertools.product((1, 2, 3, -1, -2, -3), repeat=size)):
+            if powers[0] > 0 and math.gcd(*powers) == 1:
+                found = np.zeros(n)
+                found[list(place)] = powers
+                yield found
 
 
 class Fit:
@@ -277,33 +290,52 @@ class Fit:
         """Whether the model misses more of the data than its largest error term takes up."""
         return self.contradicted and (not self.posterior.tau.any() or np.percentile(self.posterior.tau, 95) > 0.9)
 
+    def narrowed_to(self):
+        """Of each parameter, deviation over that before, and the part of its variance in directions that the data narrow by less than half:
+        eigenvectors of the covariance in units of that before. There the bounds alone limit it, its own or those of others."""
+        covariance = np.atleast_2d(np.cov(self.posterior.u.T / self.prior_deviation()[:, None]))
+        values, vectors = np.linalg.eigh(covariance)
+        return np.sqrt(np.diag(covariance)), vectors**2 @ np.where(values > 0.25, values, 0) / np.diag(covariance)
+
     def determined(self):
-        """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no". Parameters of
-        a model that cannot meet the data, or from data of unknown scatter, are at most "partly" determined, and "no" where no error
-        term takes up the misfit."""
-        part, yes = self.posterior.u.std(axis=0) / self.prior_deviation(), "partly" if self.contradicted or self.unknown_scatter() else "yes"
-        return ["no" if self.beyond_error else yes if x < 0.4 else "partly" if x < 0.75 else "no" for x in part]
+        """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no". Parameters most of whose
+        variance lies in directions that the data do not tell, of a model that cannot meet the data, or from data of unknown scatter are
+        at most "partly" determined, and "no" where no error term takes up the misfit."""
+        doubted = self.contradicted or bool(self.unknown_scatter())
+        return ["no" if self.beyond_error else "yes" if part < 0.4 and untold < 0.5 and not doubted else "partly" if part < 0.75 else "no"
+                for part, untold in zip(*self.narrowed_to())]
 
     def combinations(self):
         """Texts: parameters that the data determine together only. Directions of the covariance of those that are not determined
         alone, of their values (sums) or of the logarithms (products), whichever has the narrowest one, over what they had before:
-        v_i (x_i - mean)/d_i is known, so sum_i v_i/d_i x_i is."""
-        alone, found = self.posterior.u.std(axis=0) / self.prior_deviation() > 0.4, {}
+        v_i (x_i - mean)/d_i is known, so sum_i v_i/d_i x_i is. A product of few parameters with small whole powers stands for a
+        direction where it is at most 1.5 times as wide."""
+        part, untold = self.narrowed_to()
+        found = {}
         for log in (False, True):
-            free = [p for p, unknown in zip(self.problem.parameters, alone) if unknown and (p.low > 0 or not log)]
-            if len(free) < 2:
-                continue
-            scale = np.log if log else np.asarray
-            x = np.array([scale(p.value(u)) for p, u in zip(self.problem.parameters, self.posterior.u.T) if p in free])
-            deviation = np.array([p.deviation(scale) for p in free])
-            found[log] = (*np.linalg.eigh(np.cov(x / deviation[:, None])), free, deviation)
-        texts = []
+            free = [i for i, p in enumerate(self.problem.parameters) if (part[i] > 0.4 or untold[i] > 0.5) and (p.low > 0 or not log)]
+            if len(free) < 2 or (not log and len({p.unit for p in map(self.problem.parameters.__getitem__, free) if p.low > 0}) > 1):
+                continue  # values of two units have no sum
+            scale, parameters = np.log if log else np.asarray, [self.problem.parameters[i] for i in free]
+            deviation = np.array([p.deviation(scale) for p in parameters])
+            covariance = np.cov([scale(p.value(self.posterior.u[:, i])) / d for i, p, d in zip(free, parameters, deviation)])
+            found[log] = (*np.linalg.eigh(covariance), covariance, parameters, deviation)
+        texts, named = [], []
         for log in sorted(found, key=lambda log: found[log][0][0])[:1]:
-            values, vectors, free, deviation = found[log]
-            for value, vector in zip(values, vectors.T):
-                members = [(p.name, c / d) for p, c, d in zip(free, vector, deviation) if abs(c) > 0.3]
-                if np.sqrt(value) < 0.4 and len(members) > 1:
-                    texts.append(_combined(members, log))
+            values, vectors, covariance, parameters, deviation = found[log]
+
+            def width(powers):
+                w = powers * deviation
+                return np.sqrt(w @ covariance @ w / (w @ w))
+            simple = sorted(_whole_powers(len(parameters)) if log else [], key=lambda powers: ((powers != 0).sum(), np.abs(powers).sum(), width(powers)))
+            for value, vector in zip(np.sqrt(values), vectors.T):
+                vector = np.where(np.abs(vector) > 0.3, vector, 0) / deviation
+                vector /= vector[np.flatnonzero(vector)[0]]
+                known = [powers for powers in simple if width(powers) < min(1.5 * value, 0.4)] + [vector]
+                chosen = next((powers for powers in known if np.linalg.matrix_rank([*named, powers]) > len(named)), vector)
+                if value < 0.4 and (chosen != 0).sum() > 1:
+                    named.append(chosen)
+                    texts.append(_combined([(p.name, c) for p, c in zip(parameters, chosen) if c], log))
         return texts
 
     def further_tests(self):
