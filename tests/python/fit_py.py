@@ -288,6 +288,10 @@ class Quick(unittest.TestCase):
         self.assertIn("a is pressed against its upper bound, a = 4: widen it", page)
         self.assertNotIn("b is pressed", page)
         self.assertIn("All 10 points fill the space", page)
+        for error in ("auto", "fitted"):  # a model error that lets a lie anywhere hides no bound
+            fit = inferred(study("hidden", {"x": 4.8, "y": 2}, lambda a, b, s: Answer(x=a, y=b), scatter=0.02, model_error=error))
+            self.assertLess((fit.posterior.u[:, 0] > 0.97).mean(), 0.15)
+            self.assertIn("a is pressed against its upper bound, a = 4: widen it", " ".join(report.said(fit, [], [])))
         pictures = re.findall(r'src="([^"]{20})', page)  # one file
         self.assertEqual(set(pictures), {"data:image/png;base6"} if importlib.util.find_spec("matplotlib") else set())
         for words in ("How it was made", sys.argv[0], f"numpy {np.__version__}", "<summary>none</summary>"):
@@ -401,9 +405,10 @@ class Quick(unittest.TestCase):
         self.assertEqual((printed.stdout, printed.returncode), ("", 0), printed.stderr)
         self.assertIn("G_c = ", printed.stderr)
         for text, code, words in ((bar + expect.format("3 J/m2"), 0, "expect G_c 3"), (bar + expect.format("2 J/m2"), 4, "FAILED"),
+                                  (bar.replace('"4 J/m2"', '"2.5 J/m2"') + expect.format("2.5 J/m2"), 0, "G_c is pressed against its upper bound"),
                                   (bar.replace("budget = 20", "budget = 2").replace('"2 mm"', '"2.5 mm"'), 3, "the best so far: G_c = ")):
             file.write_text(text)
-            done = subprocess.run([*command, *["--force"] * (code == 3)], capture_output=True, text=True)
+            done = subprocess.run([*command, *["--force"] * ("2.5" in text)], capture_output=True, text=True)
             self.assertEqual(done.returncode, code, done.stderr)
             self.assertIn(words, done.stdout + done.stderr)
         file.write_text(bar.replace('"2 mm"', '"3 mm"'))

@@ -156,7 +156,6 @@ class Fit:
         self.problem, self.runs, self.log = problem, runs, log
         self.emulators, self.history, self.posterior, self.p, self.stopped = {}, [], None, np.nan, ""
         self.is_filled = False  # whether the budget ends with the points that fill the space
-        self.with_error = problem.options["model_error"] == "fitted"
 
     def design(self, n, seed=None):
         return sobol(n, len(self.problem.parameters), self.problem.options["seed"] if seed is None else seed)
@@ -232,9 +231,10 @@ class Fit:
         return True
 
     def infer(self, steps):
-        """The posterior from the emulators. An error term of the model is added where the data need one."""
+        """The posterior from the emulators. An error term of the model is added where the data need one; `exact` has the draws without it,
+        since it hides that the data lie beyond a bound."""
         rng, stats = np.random.default_rng(self.problem.options["seed"]), need("scipy.stats", "python3-scipy", "the test of the misfit")
-        self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, self.with_error)
+        self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, False)
         drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         z = np.hstack([z[0] for z, _ in self.likelihood.terms(drawn[0][[np.argmax(drawn[2])]], np.zeros(1))])
         # chi-squared of all residuals, and twice the tail beyond the largest one, times their number: one number alone may contradict
@@ -243,7 +243,8 @@ class Fit:
             self.p = min(float(stats.chi2.sf(z @ z, freedom)), largest)
         else:
             self.p = largest if largest < _contradiction else np.nan
-        if self.problem.options["model_error"] == "auto" and self.contradicted:
+        self.exact, wanted = drawn[0], self.problem.options["model_error"]
+        if wanted == "fitted" or (wanted == "auto" and self.contradicted):
             self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, True)
             drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         self.posterior = Posterior(self.problem, *drawn)
@@ -391,6 +392,12 @@ class Fit:
             y += tau[:, None] * m.level * rng.multivariate_normal(np.zeros(m.size), correlation(m.x), len(u), method="eigh")
             found.append((m, *np.percentile(y, [self.posterior.tails[0], 50, self.posterior.tails[1]], axis=0)))
         return found
+
+
+def pressed(problem, u):
+    """Texts: parameters that lie at a bound, of rows of u: more than 15 % of them within 3 % of it."""
+    return [f"{p.name} is pressed against its {side} bound, {', '.join(p.keys)} = {bound:g} {p.unit}".rstrip() + ": widen it, unless it is knowledge; the data may lie beyond."
+            for p, x in zip(problem.parameters, u.T) for side, bound, near in (("lower", p.low, x < 0.03), ("upper", p.high, x > 0.97)) if near.mean() > 0.15]
 
 
 def least_squares(problem, runs, log=lambda text: None):

@@ -10,6 +10,7 @@ import numpy as np
 
 import knap
 
+from .inference import pressed
 from .problem import label
 from .runs import table
 
@@ -120,11 +121,7 @@ def said(fit, further, predictions):
         most = ", ".join(f"{p.name} by {100 * part:.0f} %" for p, part in zip(parameters, narrowed) if part >= 0.01)
         notes.append(f"{title} would narrow the intervals: {most}." if most else f"{title} would narrow no interval.")
     notes += [f"{m.title}: too few runs have a value to say what it would tell." for m in fit.problem.measured if m.title not in fit.emulators]
-    for u, p in zip(fit.posterior.u.T, parameters):
-        for side, bound, pressed in (("lower", p.low, u < 0.03), ("upper", p.high, u > 0.97)):
-            if pressed.mean() > 0.15:
-                notes.append(f"{p.name} is pressed against its {side} bound, {', '.join(p.keys)} = {bound:g} {p.unit}".rstrip() + ": widen it, unless it is knowledge"
-                             + "; the data may lie beyond." * fit.contradicted + "." * (not fit.contradicted))
+    notes += dict.fromkeys(text for u in (fit.exact, fit.posterior.u) for text in pressed(fit.problem, u))
     if predictions:
         notes.append(f"Left out: {sum(row[-1] == 'yes' for row in predictions)} of {len(predictions)} values lie in their intervals.")
     for m in (m for m in fit.problem.measured if m.title in fit.emulators):
@@ -149,7 +146,7 @@ def write_least_squares(problem, runs, u, residuals):
     tables = [("Parameters", "parameters.csv", ["parameter", "unit", "best"], rows),
               ("Measured and model", "residuals.csv", ["measured", "x", "unit of x", "value", "model", "unit", "residual"], compared)]
     notes = [f"{runs.counted()}; root of the sum of squares {np.sqrt((residuals**2).sum()):.3g} deviations. Least squares give the best values alone, without intervals "
-             "(method)."]
+             "(method)." + " THE MODEL MISSES THESE DATA by more than their scatter." * (all(m.scatter for m in problem.fitted) and residuals @ residuals > 4 * len(problem.fitted)), *pressed(problem, u[None])]
     page(runs, notes, tables, [curves_over(runs, [(m, found, found, found) for m, found in best], "model")])
     print(*(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)), *notes, f"fit:     {runs.directory}", sep="\n")
     return meets(problem, {p.name: float(value) for p, value in zip(problem.parameters, values)})
