@@ -669,6 +669,10 @@ class Quick(unittest.TestCase):
         self.assertGreater(np.median(halves), 1.64 * 0.13)
         self.assertGreater(min(halves), 0.08)
         exact = fit_of(1, 0)[0].run()  # seeds change nothing: known by the repeats
+        self.assertEqual(exact.determined(), ["partly"])  # one specimen, whose scatter nothing tells
+        self.assertIn("t: x: no `scatter` is given; that of the seeds is taken, at least 0.1 %: ", said := " ".join(report.said(exact, [], [])))
+        self.assertIn("(0.1 % of its largest value). Nothing tells that of specimens", said)
+        exact.problem.fitted[0].n = 12
         self.assertEqual((exact.determined(), exact.unknown_scatter()), (["yes"], []))
         self.assertLess(exact.posterior.widths()[0], 0.02)
         blind = fit_of(1, 0)[0]
@@ -677,7 +681,7 @@ class Quick(unittest.TestCase):
         self.assertEqual([m.title for m in blind.unknown_scatter()], ["t: x"])
         self.assertNotIn("yes", blind.determined())
         report.write(blind)
-        self.assertIn("t: x: nothing tells its scatter", (directory / "six" / "report.html").read_text())
+        self.assertIn("Too few runs differ by their seed alone", (directory / "six" / "report.html").read_text())
 
     @needs_libraries
     def test_intervals_of_a_curve_cover_as_often_as_they_say(self):

@@ -172,8 +172,8 @@ class Fit:
         return self.design(len(self.runs.values) + n)[-n:]
 
     def unknown_scatter(self):
-        """Measurements of which nothing tells the scatter."""
-        return [m for m in self.problem.fitted if m.scatter is None and self.emulators[m.title].freedom < 2]
+        """Measurements of which nothing tells the scatter: one specimen, or runs of too few seeds."""
+        return [m for m in self.problem.fitted if m.scatter is None and (m.n == 1 or self.emulators[m.title].freedom < 2)]
 
     def run(self):
         options = self.problem.options

@@ -10,7 +10,7 @@ import numpy as np
 
 import knap
 
-from .inference import pressed
+from .inference import data_covariance, pressed
 from .problem import label
 from .runs import table
 
@@ -103,8 +103,12 @@ def said(fit, further, predictions):
     else:
         notes.append("There are no more numbers than parameters: whether the model can meet the data cannot be judged, and no model error is found. "
                      "See the residuals.")
-    notes += [f"{m.title}: nothing tells its scatter, since too few runs differ by their seed alone: THE INTERVALS DO NOT HOLD THE SCATTER OF MESHES, and no parameter counts "
-              "as determined. Give `scatter`, `seeds = 2`, or more runs." for m in fit.unknown_scatter()]
+    for m in (m for m in fit.problem.fitted if m.scatter is None):
+        emulator, unknown = fit.emulators[m.title], m in fit.unknown_scatter()
+        taken = float(np.sqrt(np.diag(data_covariance(m, emulator)).max() * m.n))
+        notes.append(f"{m.title}: no `scatter` is given; that of the seeds is taken, at least 0.1 %: {m.in_file(taken):.3g} {m.shown}".rstrip() + f" ({100 * taken / m.level:.2g} % of its largest value)."
+                     + " Too few runs differ by their seed alone: THE INTERVALS DO NOT HOLD THE SCATTER OF MESHES." * bool(emulator.freedom < 2)
+                     + f" Nothing tells that of specimens, and no parameter counts as determined: give `scatter`{', `seeds = 2`, or more runs' * (m.n > 1)}." * unknown)
     if fit.posterior.tau.any():
         tau = np.percentile(fit.posterior.tau, [5, 50, 95]) * 100
         notes.append(f"A model error of {tau[1]:.2g} % ({tau[0]:.2g} to {tau[2]:.2g} %) of the largest value of each measurement is part of the "
@@ -145,7 +149,8 @@ def write_least_squares(problem, runs, u, residuals):
     compared = [[*row[:5], row[-1], row[3] - row[4]] for m, found in best for row in places(m, found)]
     tables = [("Parameters", "parameters.csv", ["parameter", "unit", "best"], rows),
               ("Measured and model", "residuals.csv", ["measured", "x", "unit of x", "value", "model", "unit", "residual"], compared)]
-    notes = [f"{runs.counted()}; root of the sum of squares {np.sqrt((residuals**2).sum()):.3g} deviations. Least squares give the best values alone, without intervals "
+    notes = [f"{runs.counted()}; root of the sum of squares {np.sqrt((residuals**2).sum()):.3g} deviations"
+             + " (without `scatter` 1 % of the largest value)" * (not all(m.scatter for m in problem.fitted)) + ". Least squares give the best values alone, without intervals "
              "(method)." + " THE MODEL MISSES THESE DATA by more than their scatter." * (all(m.scatter for m in problem.fitted) and residuals @ residuals > 4 * len(problem.fitted)), *pressed(problem, u[None])]
     page(runs, notes, tables, [curves_over(runs, [(m, found, found, found) for m, found in best], "model")])
     print(*(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)), *notes, f"fit:     {runs.directory}", sep="\n")
