@@ -111,6 +111,11 @@ class Package(unittest.TestCase):
         self.assertTrue(shown.stdout.startswith(str(fresh.resolve())) or shown.stdout.startswith(str(fresh)), shown.stdout + shown.stderr)
         for command in ("knap-fit", "knap-sensitivity"):
             self.assertIn("FILE", subprocess.run([fresh / "bin" / command, "--help"], capture_output=True, text=True, check=True).stdout)
+        scripts = re.search(r"\[project.scripts\]\n(.*?)\n\n", (tools / "pyproject.toml").read_text(), re.DOTALL)[1]
+        for command in re.findall(r"^(\S+) =", scripts, re.MULTILINE):  # installed and by its path
+            self.assertTrue(os.access(tools / command, os.X_OK), command)
+            for run in ([fresh / "bin" / command], [sys.executable, tools / command]):
+                self.assertIn(f"usage: {command}", subprocess.run([*run, "--help"], capture_output=True, text=True, check=True).stdout)
 
     def test_version_is_that_of_the_program(self):
         version = re.search(r"VERSION (\S+) LANG", (tools.parents[1] / "CMakeLists.txt").read_text())[1]

@@ -475,7 +475,7 @@ class _Reader:
     def csv(self, name, units, path):
         """Points and units of a csv file; all its mistakes are one error with a line for each. None: it has some."""
         try:
-            head, *rows = csv.reader((self.file.parent / name).read_text(encoding="utf-8").splitlines() or [""])
+            head, *rows = csv.reader((self.file.parent / name).read_text(encoding="utf-8-sig").splitlines() or [""])
         except (OSError, UnicodeDecodeError) as error:
             self.error(path, f"= {name!r} cannot be read: {getattr(error, 'strerror', None) or error}", keys["measured"]["curve"]["allowed"])
             return None, units
