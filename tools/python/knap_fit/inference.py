@@ -340,18 +340,19 @@ class Fit:
         return texts
 
     def further_tests(self):
-        """(what would be measured, part by which the interval of each parameter would shrink): of all candidates and left-out
-        measurements by their emulators; of other numbers of the same tests by a linear fit over the points, the three that tell
-        most of each parameter that is not determined. Measured once, with the scatter of seeds or at least 3 %."""
-        u, asked, others = self.posterior.u, [], []
+        """(what would be measured, part by which the interval of each parameter would shrink, the scatter and the model error of this, over
+        its level): of all candidates and left-out measurements by their emulators; of other numbers of the same tests by a linear fit over
+        the points, the three that tell most of each parameter that is not determined. Measured once, with the scatter of seeds or of
+        that fit, at least 3 %, and the model error that the fit found."""
+        u, error, asked, others = self.posterior.u, float(np.median(self.posterior.tau)), [], []
         for m in self.problem.measured:
             if m.use != "fit" and m.title in self.emulators:
                 emulator = self.emulators[m.title]
                 mean = emulator(u)[0]
-                level = np.abs(mean).max()
+                level = np.abs(mean).max() if m.values is None else m.level
                 scatter = m.scatter or max((m.part or 0.03) * level, np.sqrt(np.diag(emulator.seed_covariance()).max()))
-                together = (scatter**2 + (np.median(self.posterior.tau) * level) ** 2) * correlation(m.x)  # with the model error
-                asked.append((m.title, self.narrowed(mean, together + m.noise**2 * np.eye(m.size))))
+                together = (scatter**2 + (error * level) ** 2) * correlation(m.x)
+                asked.append((m.title, self.narrowed(mean, together + m.noise**2 * np.eye(m.size)), float(scatter / level), error))
         known = [self.runs.numbers(m.test, m.name) for m in self.problem.measured if m.x is None]
         design = np.hstack([np.ones((len(self.runs.points), 1)), self.runs.points])
         for test in self.problem.tests:
@@ -366,11 +367,13 @@ class Fit:
                 slope = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
                 rest = (y[keep] - design[keep] @ slope).std()
                 if rest < 0.5 * y[keep].std():
-                    narrowed = self.narrowed((u @ slope[1:] + slope[0])[:, None], np.array([[max(rest, 0.03 * np.abs(y[keep]).mean()) ** 2]]))
-                    others.append((f"{test.name}: {name}", narrowed))
-        told = np.array([narrowed for _, narrowed in others]).reshape(-1, u.shape[1])
+                    level = np.abs(y[keep]).mean()
+                    scatter = max(rest / level, 0.03)
+                    narrowed = self.narrowed((u @ slope[1:] + slope[0])[:, None], np.array([[(scatter**2 + error**2) * level**2]]))
+                    others.append((f"{test.name}: {name}", narrowed, float(scatter), error))
+        told = np.array([row[1] for row in others]).reshape(-1, u.shape[1])
         most = (told > 0.1) & (told >= np.sort(told, axis=0)[-3:][:1]) & (np.array(self.determined()) != "yes")
-        return asked + [(title, narrowed) for (title, narrowed), shown in zip(others, most) if shown.any()]
+        return asked + [row for row, shown in zip(others, most) if shown.any()]
 
     def narrowed(self, f, covariance):
         """Part by which the deviation of each parameter would shrink if f, a row for each draw, were measured with errors of this

@@ -47,8 +47,8 @@ def write(fit):
     columns = ["measured", "x", "unit of x", "value", "model", f"low {level}", f"high {level}", "unit"]
     tables = [("Parameters", "parameters.csv", head, rows),
               ("Correlations", "correlations.csv", ["parameter", *names], correlations),
-              ("Further tests: by how much they would narrow the intervals", "further_tests.csv", ["measured once", *(f"{name} [%]" for name in names)],
-               [[title, *(100 * narrowed).tolist()] for title, narrowed in further]),
+              ("Further tests: by how much they would narrow the intervals", "further_tests.csv", ["measured once", *(f"{name} [%]" for name in names), "with a scatter of [%]", "and a model error of [%]"],
+               [[title, *(100 * narrowed).tolist(), 100 * scatter, 100 * error] for title, narrowed, scatter, error in further]),
               ("Residuals", "residuals.csv", [*columns, "residual", "in deviations"], residuals),
               ("Predictions of what was left out", "predictions.csv", [*columns, "inside"], predictions)]
     (out / "parameters.tex").write_text(knap.latex(head[:5], [row[:5] for row in rows], "Parameters of " + problem.name), encoding="utf-8")
@@ -121,9 +121,10 @@ def said(fit, further, predictions):
               for p, u, low, high in zip(parameters, fit.posterior.best, *fit.posterior.interval()) if not low <= p.value(u) <= high]
     notes += [f"{p.name} is {'only partly' if s == 'partly' else 'not'} determined by these data." for p, s in zip(parameters, states) if s != "yes"]
     notes += [text[0].upper() + text[1:] + "." for text in fit.combinations()]
-    for title, narrowed in further:
+    for title, narrowed, scatter, error in further:
         most = ", ".join(f"{p.name} by {100 * part:.0f} %" for p, part in zip(parameters, narrowed) if part >= 0.01)
-        notes.append(f"{title} would narrow the intervals: {most}." if most else f"{title} would narrow no interval.")
+        notes.append(f"{title} would narrow {f'the intervals: {most}' if most else 'no interval'}, with a scatter of {100 * scatter:.2g} % and "
+                     f"{f'the model error of this fit, {100 * error:.2g} %' if error else 'no model error'}.")
     notes += [f"{m.title}: too few runs have a value to say what it would tell." for m in fit.problem.measured if m.title not in fit.emulators]
     notes += dict.fromkeys(text for u in (fit.exact, fit.posterior.u) for text in pressed(fit.problem, u))
     if predictions:
