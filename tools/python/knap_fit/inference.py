@@ -277,10 +277,6 @@ class Fit:
 
     # ---- what the data say
 
-    def prior_deviation(self):
-        """Of each parameter in u: 1/sqrt(12), or that of its `normal`."""
-        return np.array([parameter.deviation(parameter.place) for parameter in self.problem.parameters])
-
     @property
     def contradicted(self):
         """Whether the model cannot meet the data."""
@@ -294,7 +290,8 @@ class Fit:
     def narrowed_to(self):
         """Of each parameter, deviation over that before, and the part of its variance in directions that the data narrow by less than half:
         eigenvectors of the covariance in units of that before. There the bounds alone limit it, its own or those of others."""
-        covariance = np.atleast_2d(np.cov(self.posterior.u.T / self.prior_deviation()[:, None]))
+        before = np.array([p.deviation(p.place) for p in self.problem.parameters])
+        covariance = np.atleast_2d(np.cov(self.posterior.u.T / before[:, None], bias=True))
         values, vectors = np.linalg.eigh(covariance)
         return np.sqrt(np.diag(covariance)), vectors**2 @ np.where(values > 0.25, values, 0) / np.diag(covariance)
 
@@ -311,8 +308,7 @@ class Fit:
         alone, of their values (sums) or of the logarithms (products), whichever has the narrowest one, over what they had before:
         v_i (x_i - mean)/d_i is known, so sum_i v_i/d_i x_i is. A product of few parameters with small whole powers stands for a
         direction where it is at most 1.5 times as wide."""
-        part, untold = self.narrowed_to()
-        found = {}
+        (part, untold), found = self.narrowed_to(), {}
         for log in (False, True):
             free = [i for i, p in enumerate(self.problem.parameters) if (part[i] > 0.4 or untold[i] > 0.5) and (p.low > 0 or not log)]
             if len(free) < 2 or (not log and len({p.unit for p in map(self.problem.parameters.__getitem__, free) if p.low > 0}) > 1):
@@ -330,7 +326,7 @@ class Fit:
                 return np.sqrt(w @ covariance @ w / (w @ w))
             simple = sorted(_whole_powers(len(parameters)) if log else [], key=lambda powers: ((powers != 0).sum(), np.abs(powers).sum(), width(powers)))
             for value, vector in zip(np.sqrt(values), vectors.T):
-                vector = np.where(np.abs(vector) > 0.3, vector, 0) / deviation
+                vector = np.where(np.abs(vector) >= min(0.3, np.abs(vector).max()), vector, 0) / deviation
                 vector /= vector[np.flatnonzero(vector)[0]]
                 known = [powers for powers in simple if width(powers) < min(1.5 * value, 0.4)] + [vector]
                 chosen = next((powers for powers in known if np.linalg.matrix_rank([*named, powers]) > len(named)), vector)

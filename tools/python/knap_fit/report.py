@@ -33,7 +33,7 @@ def write(fit):
     """All files of a fit, and what a terminal shows; whether the values of [expect] are met."""
     problem, posterior, out, level = fit.problem, fit.posterior, fit.runs.directory, f"{100 * fit.problem.options['interval']:g} %"
     names, values = [p.name for p in problem.parameters], problem.values(posterior.u)
-    numbers = [np.median(values, axis=0), *posterior.interval(), values.mean(axis=0), values.std(axis=0), posterior.u.std(axis=0) / fit.prior_deviation(),
+    numbers = [np.median(values, axis=0), *posterior.interval(), values.mean(axis=0), values.std(axis=0), fit.narrowed_to()[0],
                problem.values(posterior.best)]
     head = ["parameter", "unit", "median", f"low {level}", f"high {level}", "mean", "deviation", "deviation over that before", "most likely", "determined"]
     rows = [[p.name, p.unit, *map(float, row), state] for p, row, state in zip(problem.parameters, np.transpose(numbers), fit.determined())]
@@ -106,7 +106,7 @@ def said(fit, further, predictions):
     for m in (m for m in fit.problem.fitted if m.scatter is None):
         emulator, unknown = fit.emulators[m.title], m in fit.unknown_scatter()
         taken = float(np.sqrt(np.diag(data_covariance(m, emulator)).max() * m.n))
-        notes.append(f"{m.title}: no `scatter` is given; that of the seeds is taken, at least 0.1 %: {m.in_file(taken):.3g} {m.shown}".rstrip() + f" ({100 * taken / m.level:.2g} % of its largest value)."
+        notes.append(f"{m.title}: no `scatter` is given; that of the seeds is taken, at least 0.1 %: {'at most ' * (m.x is not None)}{m.in_file(taken):.3g} {m.shown}".rstrip() + f" ({100 * taken / m.level:.2g} % of its largest value)."
                      + " Too few runs differ by their seed alone: THE INTERVALS DO NOT HOLD THE SCATTER OF MESHES." * bool(emulator.freedom < 2)
                      + f" Nothing tells that of specimens, and no parameter counts as determined: give `scatter`{', `seeds = 2`, or more runs' * (m.n > 1)}." * unknown)
     if fit.posterior.tau.any():
