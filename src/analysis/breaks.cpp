@@ -20,8 +20,7 @@ std::span<const Measure<Break>> break_columns() {
          [](const B& b) { return b.shear; }},
         {"energy", "J",
          "fracture energy of the interface: G_c (at the temperature of the moment; with a G_II that of its mode mix) "
-         "times "
-         "its area",
+         "times its area",
          [](const B& b) { return b.energy; }},
         {"opening", "m", "mean opening of the interface at this time", [](const B& b) { return b.jump.x(); }},
         {"slip", "m",

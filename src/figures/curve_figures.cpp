@@ -75,6 +75,13 @@ void add_components(Chart& chart, const History& table, const std::vector<Compon
     }
 }
 
+Chart components_over_time(const char* title, const char* quantity, const char* unit, const History& table,
+                           const std::vector<Component>& components) {
+    Chart chart = over_time(title, quantity, unit);
+    add_components(chart, table, components);
+    return chart;
+}
+
 /// A sum that rises at each x, from `start` to `end`.
 Curve staircase(const std::string& label, const Column& x, const Column& rise, const Colour& colour, double start,
                 double end) {
@@ -143,9 +150,8 @@ Chart crack_speed_chart(const History& cracks, double rayleigh_speed) {
 
 Chart reaction_chart(const History& reactions, bool at_times) {
     if (at_times) {
-        Chart chart = over_time("Reactions", "force", "N");
-        add_components(chart, reactions, {{"_force_x", "F_{x}"}, {"_force_y", "F_{y}"}});
-        return chart;
+        return components_over_time("Reactions", "force", "N", reactions,
+                                    {{"_force_x", "F_{x}"}, {"_force_y", "F_{y}"}});
     }
     Chart chart{.title = "Force and displacement",
                 .x_quantity = "displacement",
@@ -195,40 +201,31 @@ Chart probe_chart(const History& probes, bool over_temperature, bool celsius) {
 }
 
 Chart probe_velocity_chart(const History& probes) {
-    Chart chart = over_time("Velocity", "velocity", "m/s");
-    add_components(chart, probes, {{"_v_x", "v_{x}"}, {"_v_y", "v_{y}"}});
-    return chart;
+    return components_over_time("Velocity", "velocity", "m/s", probes, {{"_v_x", "v_{x}"}, {"_v_y", "v_{y}"}});
 }
 
 Chart probe_stress_chart(const History& probes) {
-    Chart chart = over_time("Mean stress", "mean stress", "Pa");
-    add_components(chart, probes,
-                   {{"_stress_xx", "\u03c3_{xx}"}, {"_stress_yy", "\u03c3_{yy}"}, {"_stress_xy", "\u03c3_{xy}"}});
-    return chart;
+    return components_over_time(
+        "Mean stress", "mean stress", "Pa", probes,
+        {{"_stress_xx", "\u03c3_{xx}"}, {"_stress_yy", "\u03c3_{yy}"}, {"_stress_xy", "\u03c3_{xy}"}});
 }
 
 Chart tip_chart(const History& probes) {
-    Chart chart = over_time("Stress intensity factors", "stress intensity factor", "Pa√m");
-    add_components(chart, probes, {{"_K_I", "K_{I}"}, {"_K_II", "K_{II}"}});
-    return chart;
+    return components_over_time("Stress intensity factors", "stress intensity factor", "Pa√m", probes,
+                                {{"_K_I", "K_{I}"}, {"_K_II", "K_{II}"}});
 }
 
 Chart fluid_pressure_chart(const History& fluids) {
-    Chart chart = over_time("Pressure of fluids in cracks", "pressure", "Pa");
-    add_components(chart, fluids, {{"_pressure", "p"}});
-    return chart;
+    return components_over_time("Pressure of fluids in cracks", "pressure", "Pa", fluids, {{"_pressure", "p"}});
 }
 
 Chart fluid_volume_chart(const History& fluids) {
-    Chart chart = over_time("Volume of fluids in cracks", "volume", "m3");
-    add_components(chart, fluids, {{"_volume", "in cracks"}, {"_injected", "injected"}});
-    return chart;
+    return components_over_time("Volume of fluids in cracks", "volume", "m3", fluids,
+                                {{"_volume", "in cracks"}, {"_injected", "injected"}});
 }
 
 Chart fluid_length_chart(const History& fluids) {
-    Chart chart = over_time("Cracks that fluids fill", "length", "m");
-    add_components(chart, fluids, {{"_length", "length"}});
-    return chart;
+    return components_over_time("Cracks that fluids fill", "length", "m", fluids, {{"_length", "length"}});
 }
 
 Chart stress_strain_chart(const History& stress_strain) {

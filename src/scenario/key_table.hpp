@@ -45,10 +45,9 @@ template <class Law>
 void add_contact(KeyTable& t) {
     t.number("friction", "", "Coulomb friction coefficient").at_least(0).otherwise("0").to(&Law::friction);
     t.number("restitution", "",
-             "Newton's coefficient of restitution of the faces that touch: 0 plastic, 1 elastic "
-             "impact. A deformable body springs back by its own elasticity, whatever this is, with 0.8 to 0.98 of its "
-             "speed "
-             "(a few triangles with 0.3 to 0.6): R_N of an obstacle or [contact] is the rebound of bodies")
+             "Newton's coefficient of restitution of the faces that touch: 0 plastic, 1 elastic impact. A deformable "
+             "body springs back by its own elasticity, whatever this is, with 0.8 to 0.98 of its speed (a few "
+             "triangles with 0.3 to 0.6): R_N of an obstacle or [contact] is the rebound of bodies")
         .at_least(0)
         .at_most(1)
         .otherwise("0")

@@ -105,10 +105,7 @@ std::string describe_one(const Key& key, std::string_view unit) {
         case Kind::boolean: return "true or false";
         case Kind::integer: return "a whole number";
         case Kind::text:
-            return key.takes_values     ? "a value"
-                   : key.takes_formulas ? "a formula of x, y, t"
-                   : key.words.empty()  ? "a text"
-                                        : "one of " + joined(key.words);
+            return key.takes_values ? "a value" : key.words.empty() ? "a text" : "one of " + joined(key.words);
         case Kind::number: break;
         default: return "a table";
     }
@@ -120,8 +117,7 @@ std::string describe_one(const Key& key, std::string_view unit) {
 
 std::string describe(const Key& key, std::string_view unit) {
     const std::string one = describe_one(key, unit), text = key.rule().text;
-    if (key.takes_formulas && key.kind == Kind::number)
-        return text + (text.empty() ? "" : ", each ") + one + "; or a csv file";
+    if (key.takes_formulas) return text + (text.empty() ? "" : ", each ") + one + "; or a csv file";
     if (key.form == Form::one_or_list) return one + ", or a list of them";
     if (key.form != Form::points || key.second_unit == "=") return text + (text.empty() ? "" : ", each ") + one;
     return text + ", a being " + one + " and b " + describe_unit(key.second_unit);

@@ -72,8 +72,7 @@ struct Key {
     bool is_required = false;           // within its table
     bool is_a_name = false;             // of a text: it must be a name (is_name)
     bool takes_values = false;          // of a text: numbers and lists stand for their text
-    bool takes_formulas =
-        false;  // of a number: also a formula, or a csv file in the place of all numbers; of a text: it is one
+    bool takes_formulas = false;        // of a number: also a formula, or a csv file in the place of all numbers
     Condition condition = {};
     std::string_view text_key = {};                      // of a table: the key that a text in place of the table gives
     const std::type_info* owner = nullptr;               // the options struct that has a member for the value

@@ -109,9 +109,7 @@ CohesiveLaw read_law(const Table& table) {
         table.error("out-of-range", "G_II", "is the work of slip, and with gamma = 0 slip does none", "gamma above 0");
     if (law.slip_distance > 0 && table.given("friction_table"))
         table.error("exclusive-keys", "slip_distance",
-                    "changes the friction over the slip, and friction_table over "
-                    "the temperature",
-                    "one of them");
+                    "changes the friction over the slip, and friction_table over the temperature", "one of them");
     for (const char* key : {"relaxation_time", "incubation_time"})
         if (table.number(key).value_or(0) > 0 && !has_cohesion)
             table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has no strength");
@@ -274,7 +272,7 @@ static void check_coupling(Reading& reading) {
     }
 }
 
-void check_softening(Reading& reading) {
+void check_laws(Reading& reading) {
     check_coupling(reading);
     if (reading.table("contact").given())
         for (const Table& table : reading.list("interface"))
@@ -293,8 +291,8 @@ void check_softening(Reading& reading) {
             table.error(
                 "exclusive-keys", "G_II",
                 "does not go with coupling = \"norm\" in steps of implicit bulk and cohesion: its traction is the "
-                "gradient of "
-                "the size of the opening, and a cohesion that follows its direction, too, leaves it no potential",
+                "gradient of the size of the opening, and a cohesion that follows its direction, too, leaves it no "
+                "potential",
                 "coupling = \"sum\", or cohesion = \"explicit\" in [time]");
     std::size_t i = 0;
     for (const Table& table : reading.list("interface")) {

@@ -308,10 +308,9 @@ void read_all(Reading& reading) {
     const std::string& name = reading.scenario.name;
     if (top.has("name") && (name.empty() || name.front() == '.' || !std::ranges::all_of(name, is_plain)))
         top.error("bad-name", "name", "= \"" + name + "\" cannot name a run directory", "letters, digits, - _ and .");
-    for (const auto read :
-         {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads, read_pressures,
-          read_run, check_softening, read_heat, read_contact, read_excavations, read_rigid, read_adapt, read_strength,
-          read_toughness, read_study, read_sweep, warn_of_implausible})
+    for (const auto read : {read_materials, read_body, read_microstructure, read_supports, read_laws, read_loads,
+                            read_pressures, read_run, check_laws, read_heat, read_contact, read_excavations, read_rigid,
+                            read_adapt, read_strength, read_toughness, read_study, read_sweep, warn_of_implausible})
         read(reading);
 }
 

@@ -223,7 +223,7 @@ void read_body(Reading& reading);            // [domain], [mesh], [[body]]: befo
 void read_microstructure(Reading& reading);  // inclusions, joints, traces, which change the shape; maps; grains
 void read_supports(Reading& reading);        // before laws: a law may have the name that a support uses
 void read_laws(Reading& reading);
-void check_softening(Reading& reading);   // after laws and time
+void check_laws(Reading& reading);        // after laws and time
 void read_loads(Reading& reading);        // loads, initial velocities, obstacles
 void read_run(Reading& reading);          // time, output, probes, specimen, figures, limits, expectations
 void read_heat(Reading& reading);         // after materials, body and time

@@ -38,7 +38,7 @@ public:
     std::optional<Node> checked(const Node& node) {
         const bool array = node.type == Node::Type::array;
         const auto is_array = [](const Node& child) { return child.type == Node::Type::array; };
-        if (key_.takes_formulas && key_.kind == Kind::number && node.text.ends_with(".csv")) {
+        if (key_.takes_formulas && node.text.ends_with(".csv")) {
             Node file = Node::of_text(node.text);
             file.take_place(node);
             return file;

@@ -166,7 +166,6 @@ Json json_value(const Key& key, std::string_view unit) {
     if (key.kind == Kind::integer) return ranged("integer");
     if (key.kind == Kind::text && !key.unit.empty())
         return {{"anyOf", {{{"$ref", "#/$defs/" + name_of_kind(key.unit)}}, json_formula()}}};
-    if (key.kind == Kind::text && key.takes_formulas) return json_formula();
     if (key.kind == Kind::text) return key.words.empty() ? Json{{"type", "string"}} : json_words(key.words);
     const char* const sign = range.low < 0 ? "" : range.low > 0 || !range.low_included ? "positive" : "not_negative";
     Json any = Json::array({ranged("number")});

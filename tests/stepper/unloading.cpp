@@ -22,6 +22,15 @@ void damage(Run& run, double beta, const Vec2& u) {
     for (Vec2& displacement : run.now.displacement) displacement = u;
 }
 
+CohesiveLaw law_with(Unloading unloading) { return {.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = unloading}; }
+
+/// A point that opens to half of delta_c, closes, and opens until it breaks.
+ModelInput cycled_point(const CohesiveLaw& law) {
+    ModelInput input = point_masses(law, true);
+    input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 3, 5}, {0, 0.5, 0, 0.5, 1.5}})};
+    return input;
+}
+
 }  // namespace
 
 TEST_CASE("A1 with secant unloading a cycle costs what the envelope encloses") {
@@ -30,10 +39,8 @@ TEST_CASE("A1 with secant unloading a cycle costs what the envelope encloses") {
         "on the ramp (1 < t < 3) it is the change of the elastic energy to rounding.");
     for (const SchemeOptions& path : all_paths()) {
         on_path(path);
-        const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::secant};
-        ModelInput input = point_masses(law, true);
-        input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 3, 5}, {0, 0.5, 0, 0.5, 1.5}})};
-        Run run(input, path);
+        const CohesiveLaw law = law_with(Unloading::secant);
+        Run run(cycled_point(law), path);
         constexpr int n = 1024;
         const auto work = [&] {
             const double beta = cohesion(run.model, run.now, 0);
@@ -106,7 +113,7 @@ TEST_CASE("B1 a mass that closes from half its cohesion takes a quarter of a per
     for (const Unloading unloading : {Unloading::secant, Unloading::constant})
         for (const SchemeOptions& path : both_paths()) {
             on_path(path);
-            const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = unloading};
+            const CohesiveLaw law = law_with(unloading);
             Run run(point_masses(law, true), path);
             const double beta = 0.5, s = 0.5, h = 1e-3;
             damage(run, beta, {0, s});
@@ -141,7 +148,7 @@ TEST_CASE("B1 a mass on the ramp of its shear loses what it loses at zero slip w
     for (const SchemeOptions& path : both_paths())
         for (const double stiffness : {0.01, 1.0, 100.0}) {
             on_path(path);
-            const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::secant};
+            const CohesiveLaw law = law_with(Unloading::secant);
             Run run(point_masses(law, true), path);
             const double h = std::sqrt(stiffness / 0.5);
             // half a kick at the start of the leapfrog: a long first step reaches far beyond the first displacement
@@ -183,10 +190,8 @@ TEST_CASE("A1 with vertical unloading a cycle gives nothing back") {
         ".1875 at t = 1, 2 and 3, all of it dissipated, and .25 at t = 4.");
     for (const SchemeOptions& path : all_paths()) {
         on_path(path);
-        const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::vertical};
-        ModelInput input = point_masses(law, true);
-        input.loads = {load(Load::Kind::displacement, "base", 0.0, 1.0, {{0, 1, 2, 3, 5}, {0, 0.5, 0, 0.5, 1.5}})};
-        Run run(input, path);
+        const CohesiveLaw law = law_with(Unloading::vertical);
+        Run run(cycled_point(law), path);
         constexpr int n = 1024;
         double pull = 0;  // the largest one below the largest opening
         const auto go_on = [&](bool is_below) {
@@ -220,7 +225,7 @@ TEST_CASE("B1 with vertical unloading a mass at its largest opening bears any fo
     for (const SchemeOptions& path : both_paths())
         for (const double force : {0.2, 0.3}) {
             on_path(path);
-            const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::vertical};
+            const CohesiveLaw law = law_with(Unloading::vertical);
             ModelInput input = point_masses(law, true);
             input.loads = {load(Load::Kind::acceleration, "", 0.0, force)};
             Run run(input, path);
@@ -250,7 +255,7 @@ TEST_CASE("B1 with vertical unloading a mass thrown open comes to rest where its
         ".7, where G_c (.5^2 - .3^2) = v^2/2 is dissipated.");
     for (const SchemeOptions& path : {both_explicit}) {  // implicit: what is held at kappa is thrown back
         on_path(path);
-        const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = 1, .unloading = Unloading::vertical};
+        const CohesiveLaw law = law_with(Unloading::vertical);
         Run run(point_masses(law, true), path);
         damage(run, 0.5, {0, 0});
         for (Vec2& velocity : run.now.velocity) velocity = {0, std::sqrt(0.08)};

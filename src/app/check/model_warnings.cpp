@@ -226,7 +226,6 @@ public:
         }
     }
 
-    /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside.
     void on_laws() {
         if (scenario_.time.scheme.bulk != BulkScheme::implicit_theta) return;
         for (const NamedLaw& named : scenario_.laws)
@@ -237,6 +236,7 @@ public:
                     "use `bulk = \"auto\"` or \"explicit\" in [time], or `unloading = \"secant\"`");
     }
 
+    /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside.
     void on_rotation() {
         const auto& limits = scenario_.allowed_limits;
         if (scenario_.large_rotation || scenario_.initial_velocities.empty()) return;

@@ -46,10 +46,10 @@ public:
             for (const int which : {SIGINT, SIGTERM, SIGHUP}) std::signal(which, SIG_IGN);
         sigprocmask(SIG_SETMASK, &before_, nullptr);
     }
-    /// Waits for a signal; true for the first interrupt.
-    bool next_interrupts() {  // within a time
+    /// Waits for a signal, 10 s at most; true for the first interrupt.
+    bool next_interrupts() {
         constexpr timespec most{.tv_sec = 10, .tv_nsec = 0};
-        const int which = sigtimedwait(&held_, nullptr, &most);  // -1: none of them
+        const int which = sigtimedwait(&held_, nullptr, &most);  // -1: none came
         const bool first = which > 0 && which != SIGCHLD && !interrupted_;
         interrupted_ = interrupted_ || first;
         return first;

@@ -14,9 +14,8 @@ constexpr double rest_tolerance = 1e-9, max_rest_tolerance = 1e-6;  // [-] of th
 constexpr double closed_opening =
     1e-5;                         // [-] of the softening length: where fans turn, an opening below it counts as none
 constexpr double far_away = 1e6;  // [m] a gap that no step closes
-constexpr double step_width = 1e-7,
-                 least_width = 1e-12;  // [-] of the step of vertical unloading: of the speed that its
-                                       // cohesion causes, of kappa/h
+// [-] The width of the ramp of vertical unloading: of the speed that its cohesion causes, and of kappa/h.
+constexpr double step_width = 1e-7, least_width = 1e-12;
 constexpr double stick_tolerance =
     1e-9;  // [-] of the tangential cohesion: a force smaller by more holds the slip at zero
 

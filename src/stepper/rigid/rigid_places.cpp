@@ -9,9 +9,9 @@ namespace {
 constexpr double allowed_depth = 1e-4;  // [-] of the edge: deeper overlaps are corrected
 constexpr double corrected = 1e-6;      // [-] of the edge: smaller corrections end the search for them
 constexpr int max_corrections = 20;     // sweeps
-constexpr double most_corrected =
-    0.02;                              // [-] of the edge, in a step: less than what the search finds without a history
-constexpr double near_in_depths = 10;  // of the largest correction: contacts further apart are not corrected
+constexpr double near_in_depths = 10;   // of the largest correction: contacts further apart are not corrected
+// [-] Of the edge, in a step: less than what the search of contacts finds without a history.
+constexpr double most_corrected = 0.02;
 
 /// [s] After the start of the step, of a contact whose gap closes in it.
 double time_of_closing(const RigidRow& row, const RigidStep& step, const std::vector<MovingBody>& bodies) {
