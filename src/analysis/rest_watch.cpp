@@ -26,7 +26,7 @@ double stands_still(double velocity, const TimeFunction& history) {
 
 double shear_passage(const Model& model) {
     double slowest = for_ever;
-    for (const Elastic& material : model.materials) slowest = std::min(slowest, material.shear_speed());
+    for (const Elastic& material : model.materials) slowest = std::min(slowest, material.shear_speed(model.plane));
     return bounding_box(model.mesh.vertices).diagonal() / slowest;
 }
 

@@ -224,10 +224,12 @@ TipFactors TipIntegral::factors(const State& state) const {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     if (!known_ || !stands(state)) return {unknown, unknown, unknown};
     const Mesh& mesh = model_.mesh;
-    const Elastic& material = model_.materials[mesh.region[triangles_.front()]];
+    Elastic material = model_.materials[mesh.region[triangles_.front()]];
+    if (material.bedding) material.bedding->angle -= std::atan2(along_.y(), along_.x());
     const double nu = material.nu, shear = material.shear_modulus();
     const double kappa = model_.plane == PlaneModel::strain ? 3 - 4 * nu : (3 - nu) / (1 + nu);
     const Eigen::Matrix3d D = material.stiffness(model_.plane);
+    const Eigen::Vector3d expanded = strain_of(material.expansion_in_plane(model_.plane));
     const Eigen::Matrix2d turn = (Eigen::Matrix2d() << along_, turned_left(along_)).finished().transpose();
     const Index n = mesh.corners_per_triangle(), n_places = mesh.order == 1 ? 1 : 3;
     Vec2 body_force = Vec2::Zero();  // [m/s2] local
@@ -268,14 +270,13 @@ TipFactors TipIntegral::factors(const State& state) const {
             }
             x += 1e-6 * (local(mesh.centroid(t) - tip_) - x);  // on its side of a face
             Eigen::Vector3d strain = strain_of(H);
-            if (expansion) strain.head<2>().array() -= state.temperature->strain[n_places * t + m];
+            if (expansion) strain -= state.temperature->strain[n_places * t + m] * expanded;
             const Eigen::Vector3d stress = D * strain;
             a -= body_force;
             const Vec2 flux = as_matrix(stress) * dq, along = H.col(0);
             const double area = mesh.area(t) / n_places, density = material.density;
-            J += area *
-                 (flux.dot(along) - 0.5 * (stress.dot(strain) + density * v.squaredNorm()) * dq.x() +
-                  density * (a.dot(along) - v.dot(rates.col(0))) * here + (stress[0] + stress[1]) * warming * here);
+            J += area * (flux.dot(along) - 0.5 * (stress.dot(strain) + density * v.squaredNorm()) * dq.x() +
+                         density * (a.dot(along) - v.dot(rates.col(0))) * here + stress.dot(expanded) * warming * here);
             for (const int mode : {0, 1}) {
                 const Eigen::Matrix2d W = williams_gradient(x, mode, kappa, shear);
                 const Eigen::Vector3d other = strain_of(W), tau = D * other;
@@ -284,6 +285,7 @@ TipFactors TipIntegral::factors(const State& state) const {
             }
         }
     }
+    if (material.bedding) return {unknown, unknown, J};  // Williams' fields are those of isotropic bodies
     const double half_modulus = 0.5 * material.plane_modulus(model_.plane);
     return {half_modulus * M[0], half_modulus * M[1], J};
 }

@@ -56,7 +56,7 @@ void print_materials(const Scenario& scenario) {
     std::printf("wave speeds\n");
     for (const NamedMaterial& m : scenario.materials)
         std::printf("  %-12s c_d %.1f, c_s %.1f, c_R %.1f m/s\n", m.name.c_str(),
-                    m.elastic.dilatational_speed(scenario.plane), m.elastic.shear_speed(),
+                    m.elastic.dilatational_speed(scenario.plane), m.elastic.shear_speed(scenario.plane),
                     m.elastic.rayleigh_speed(scenario.plane));
 }
 

@@ -20,6 +20,11 @@ struct LameConstants {
     double lambda, twice_shear;
 };
 
+/// [Pa] What the layers of a material add to its stiffness (xx, yy, xy) over (xx, yy, 2 xy); zero without layers.
+struct LayerStiffness {
+    double xx_xx, xx_yy, xx_xy, yy_yy, yy_xy, xy_xy;
+};
+
 struct ConstantStrainTriangle {
     double gradient1[2], gradient2[2];  // [1/m] of l_1 and l_2; that of l_0 is minus their sum
     double volume;                      // [m3]
@@ -32,6 +37,7 @@ static_assert(sizeof(ConstantStrainTriangle) == 48);  // on large meshes the ste
 struct ConstantStrainBody {
     const ConstantStrainTriangle* triangles;
     const LameConstants* stiffness;  // per material
+    const LayerStiffness* layers;    // per material; read by the kernels of layers
     const std::int32_t* fan_of_corner;
     const double* threshold_of_fan;  // [Pa2]
 };
@@ -58,7 +64,11 @@ using ConstantStrainForces = double (*)(std::int32_t first, std::int32_t last, c
 
 /// The kernel that takes two triangles at once, and the one that takes four, with AVX2 where the compiler has it. Same
 /// bits.
-ConstantStrainForces baseline_kernel(StrainMeasure measure, bool is_viscous);
-ConstantStrainForces avx2_kernel(StrainMeasure measure, bool is_viscous);
+struct KernelKind {
+    StrainMeasure measure;
+    bool is_viscous, has_layers;
+};
+ConstantStrainForces baseline_kernel(const KernelKind& kind);
+ConstantStrainForces avx2_kernel(const KernelKind& kind);
 
 }  // namespace knap

@@ -3,7 +3,7 @@
 #ifdef __AVX2__
 namespace knap {
 
-ConstantStrainForces avx2_kernel(StrainMeasure measure, bool is_viscous) { return kernel_of<4>(measure, is_viscous); }
+ConstantStrainForces avx2_kernel(const KernelKind& kind) { return kernel_of<4>(kind); }
 
 }  // namespace knap
 #endif

@@ -2,8 +2,6 @@
 
 namespace knap {
 
-ConstantStrainForces baseline_kernel(StrainMeasure measure, bool is_viscous) {
-    return kernel_of<2>(measure, is_viscous);
-}
+ConstantStrainForces baseline_kernel(const KernelKind& kind) { return kernel_of<2>(kind); }
 
 }  // namespace knap

@@ -167,7 +167,23 @@ template <int lanes, StrainMeasure measure, class In>
     else stage.yx = g1.x * a.y + g2.x * b.y, stage.xy = g1.y * a.x + g2.y * b.x;
 }
 
-template <int lanes, StrainMeasure measure, bool is_viscous, class In>
+/// Stresses (xx, yy, xy) of the strain (xx, yy, 2 xy).
+template <int lanes, class In>
+[[gnu::always_inline]] inline void add_stress_of_layers(const Triangles<In>& of, const Numbers<lanes>& xx,
+                                                        const Numbers<lanes>& yy, const Numbers<lanes>& twice_xy,
+                                                        Numbers<lanes>& s_xx, Numbers<lanes>& s_yy,
+                                                        Numbers<lanes>& s_xy) {
+    const auto of_layers = [&](double LayerStiffness::*part) __attribute__((always_inline)) {
+        return numbers<lanes>([&](int i) { return of.body.layers[of(i).material].*part; });
+    };
+    using L = LayerStiffness;
+    const auto xx_yy = of_layers(&L::xx_yy), xx_xy = of_layers(&L::xx_xy), yy_xy = of_layers(&L::yy_xy);
+    s_xx += of_layers(&L::xx_xx) * xx + xx_yy * yy + xx_xy * twice_xy;
+    s_yy += xx_yy * xx + of_layers(&L::yy_yy) * yy + yy_xy * twice_xy;
+    s_xy += xx_xy * xx + yy_xy * yy + of_layers(&L::xy_xy) * twice_xy;
+}
+
+template <int lanes, StrainMeasure measure, bool is_viscous, bool has_layers, class In>
 [[gnu::always_inline]] inline void find_stress(const Triangles<In>& of, ViscousTriangles* viscous,
                                                Stage<lanes>& stage) {
     const auto volume = stage.volume;
@@ -196,13 +212,15 @@ template <int lanes, StrainMeasure measure, bool is_viscous, class In>
             trace += now.mean, q_xx = now.difference, q_xy = now.shear;
         }
         stage.xx = trace + twice_shear * xx, stage.yy = trace + twice_shear * yy, stage.xy = twice_shear * xy;
+        if constexpr (has_layers) add_stress_of_layers<lanes>(of, xx, yy, 2.0 * xy, stage.xx, stage.yy, stage.xy);
         if constexpr (is_viscous) stage.xx += q_xx, stage.yy -= q_xx, stage.xy += q_xy;
     } else {
         const auto H_xx = stage.xx, H_yx = stage.yx, H_xy = stage.xy, H_yy = stage.yy;
         const auto xx = H_xx + 0.5 * (H_xx * H_xx + H_yx * H_yx), yy = H_yy + 0.5 * (H_xy * H_xy + H_yy * H_yy),
                    twice_xy = H_xy + H_yx + (H_xx * H_xy + H_yx * H_yy);  // of E
-        const auto trace = lambda * (xx + yy), s_xx = trace + twice_shear * xx, s_yy = trace + twice_shear * yy,
-                   s_xy = 0.5 * twice_shear * twice_xy;
+        const auto trace = lambda * (xx + yy);
+        auto s_xx = trace + twice_shear * xx, s_yy = trace + twice_shear * yy, s_xy = 0.5 * twice_shear * twice_xy;
+        if constexpr (has_layers) add_stress_of_layers<lanes>(of, xx, yy, twice_xy, s_xx, s_yy, s_xy);
         stage.energies = 0.5 * volume * (s_xx * xx + s_yy * yy + s_xy * twice_xy);
         const auto F_xx = H_xx + 1.0, F_yy = H_yy + 1.0;
         auto P_xx = s_xx * F_xx + s_xy * H_xy, P_yx = s_xx * H_yx + s_xy * F_yy, P_xy = s_xy * F_xx + s_yy * H_xy,
@@ -259,7 +277,7 @@ template <int lanes, StrainMeasure measure, class In>
 
 /// Strains, stresses and forces are three loops over a few registers of triangles. In one loop each triangle is a chain
 /// of more instructions than a processor looks ahead, and most of its time is waiting.
-template <int lanes, StrainMeasure measure, bool is_viscous>
+template <int lanes, StrainMeasure measure, bool is_viscous, bool has_layers>
 double constant_strain_forces(std::int32_t first, std::int32_t last, const ConstantStrainBody& body,
                               const double* displacement, const std::int32_t* node_of_corner, double* force,
                               std::uint8_t* fan_is_candidate, ViscousTriangles* viscous) {
@@ -275,7 +293,7 @@ double constant_strain_forces(std::int32_t first, std::int32_t last, const Const
         const std::int64_t n_left = (last - t) / lanes;
         const int n = n_left < few ? static_cast<int>(n_left) : few;
         for (int k = 0; k < n; ++k) find_strain<lanes, measure>(whole(k), displacement, stages[k]);
-        for (int k = 0; k < n; ++k) find_stress<lanes, measure, is_viscous>(whole(k), viscous, stages[k]);
+        for (int k = 0; k < n; ++k) find_stress<lanes, measure, is_viscous, has_layers>(whole(k), viscous, stages[k]);
         for (int k = 0; k < n; ++k, force += 6 * lanes)
             store_forces<lanes, measure>(whole(k), stages[k], force, energy, fan_is_candidate);
         t += n * lanes;
@@ -286,21 +304,26 @@ double constant_strain_forces(std::int32_t first, std::int32_t last, const Const
     const auto in = [n](int i) { return i < n ? i : n - 1; };
     const Triangles<decltype(in)> rest{t, n, in, body, node_of_corner};
     find_strain<lanes, measure>(rest, displacement, stages[0]);
-    find_stress<lanes, measure, is_viscous>(rest, viscous, stages[0]);
+    find_stress<lanes, measure, is_viscous, has_layers>(rest, viscous, stages[0]);
     store_forces<lanes, measure>(rest, stages[0], spare, energy, fan_is_candidate);
     __builtin_memcpy(force, spare, 6 * n * sizeof(double));
     return energy;
 }
 
 template <int lanes, StrainMeasure measure>
-ConstantStrainForces kernel_of(bool is_viscous) {
-    return is_viscous ? &constant_strain_forces<lanes, measure, true> : &constant_strain_forces<lanes, measure, false>;
+ConstantStrainForces kernel_of(bool is_viscous, bool has_layers) {
+    if (has_layers)
+        return is_viscous ? &constant_strain_forces<lanes, measure, true, true>
+                          : &constant_strain_forces<lanes, measure, false, true>;
+    return is_viscous ? &constant_strain_forces<lanes, measure, true, false>
+                      : &constant_strain_forces<lanes, measure, false, false>;
 }
 
 template <int lanes>
-ConstantStrainForces kernel_of(StrainMeasure measure, bool is_viscous) {
-    return measure == StrainMeasure::small ? kernel_of<lanes, StrainMeasure::small>(is_viscous)
-                                           : kernel_of<lanes, StrainMeasure::green>(is_viscous);
+ConstantStrainForces kernel_of(const KernelKind& kind) {
+    return kind.measure == StrainMeasure::small
+               ? kernel_of<lanes, StrainMeasure::small>(kind.is_viscous, kind.has_layers)
+               : kernel_of<lanes, StrainMeasure::green>(kind.is_viscous, kind.has_layers);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "element/shape_functions.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -22,21 +23,34 @@ std::vector<LameConstants> lame_constants(const std::vector<Elastic>& materials,
     return constants;
 }
 
+/// Per material; empty: all are isotropic.
+std::vector<LayerStiffness> layer_stiffness(const std::vector<Elastic>& materials, PlaneModel plane) {
+    std::vector<LayerStiffness> layers;
+    if (std::ranges::none_of(materials, [](const Elastic& material) { return material.bedding.has_value(); }))
+        return layers;
+    for (const Elastic& material : materials) {
+        const Eigen::Matrix3d D = material.stiffness_of_layers(plane).value_or(Eigen::Matrix3d::Zero());
+        layers.push_back({D(0, 0), D(0, 1), D(0, 2), D(1, 1), D(1, 2), D(2, 2)});
+    }
+    return layers;
+}
+
 /// The fastest one that this machine can run.
-ConstantStrainForces fastest_kernel(StrainMeasure measure, bool is_viscous) {
+ConstantStrainForces fastest_kernel(const KernelKind& kind) {
 #ifdef KNAP_AVX2
-    if (__builtin_cpu_supports("avx2")) return avx2_kernel(measure, is_viscous);
+    if (__builtin_cpu_supports("avx2")) return avx2_kernel(kind);
 #endif
-    return baseline_kernel(measure, is_viscous);
+    return baseline_kernel(kind);
 }
 
 }  // namespace
 
 ConstantStrainTriangles::ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials,
                                                  PlaneModel plane, double thickness, StrainMeasure measure)
-    : forces_(fastest_kernel(measure, false)),
-      viscous_forces_(fastest_kernel(measure, true)),
-      stiffness_(lame_constants(materials, plane)),
+    : stiffness_(lame_constants(materials, plane)),
+      layers_(layer_stiffness(materials, plane)),
+      forces_(fastest_kernel({measure, false, !layers_.empty()})),
+      viscous_forces_(fastest_kernel({measure, true, !layers_.empty()})),
       viscosity_(viscous_coefficients(mesh, materials, plane)) {
     triangles_.reserve(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
@@ -67,6 +81,7 @@ double ConstantStrainTriangles::evaluate(Index first, Index last, const std::vec
         return forces(first, last,
                       {.triangles = triangles_.data(),
                        .stiffness = stiffness_.data(),
+                       .layers = layers_.data(),
                        .fan_of_corner = fan_of_corner_.data(),
                        .threshold_of_fan = threshold_of_fan_.data()},
                       displacement.data()->data(), node_of_corner.data(), force->data(), fan_is_candidate.data(), own);
@@ -90,12 +105,14 @@ double ConstantStrainTriangles::evaluate(Index first, Index last, const std::vec
 QuadraticTriangles::QuadraticTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
                                        double thickness)
     : stiffness_(lame_constants(materials, plane)), viscosity_(viscous_coefficients(mesh, materials, plane)) {
+    for (const Elastic& material : materials) layers_.push_back(material.stiffness_of_layers(plane));
     triangles_.reserve(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const auto g = shape_gradients(mesh, t);
         const Elastic& material = materials[mesh.region[t]];
         const double volume = mesh.area(t) * thickness;
-        const Eigen::Matrix2d R = bubble_stiffness(g, volume, material.first_lame(plane), material.shear_modulus());
+        const Eigen::Matrix2d R =
+            bubble_stiffness(g, volume, material.first_lame(plane), material.shear_modulus(), layers_[mesh.region[t]]);
         triangles_.push_back({.gradient1 = g[1],
                               .gradient2 = g[2],
                               .volume = volume,
@@ -157,6 +174,7 @@ double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<V
         const double L_yx = along1.y() * g[1].x() + along2.y() * g[2].x(),
                      L_yy = along1.y() * g[1].y() + along2.y() * g[2].y();
         const LameConstants& elastic = stiffness_[here.material];
+        const std::optional<Eigen::Matrix3d>& layers = layers_[here.material];
 
         double s_xx = 0, s_yy = 0, s_xy = 0;  // sum of the three stresses
         Vec2 pull[3], sum = Vec2::Zero();     // V/3 sigma_k g_k, conjugate to d_k
@@ -170,8 +188,12 @@ double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<V
                 const Eigen::Vector3d s = viscous_stress(t, k, node, g, {xx + yy, xx - yy, 2 * xy}, *viscous);
                 trace += s[0], q_xx = s[1], q_xy = s[2];
             }
-            const double k_xx = trace + elastic.twice_shear * xx + q_xx, k_yy = trace + elastic.twice_shear * yy - q_xx,
-                         k_xy = elastic.twice_shear * xy + q_xy;
+            double k_xx = trace + elastic.twice_shear * xx + q_xx, k_yy = trace + elastic.twice_shear * yy - q_xx,
+                   k_xy = elastic.twice_shear * xy + q_xy;
+            if (layers) {
+                const Eigen::Vector3d further = *layers * Eigen::Vector3d(xx, yy, 2 * xy);
+                k_xx += further[0], k_yy += further[1], k_xy += further[2];
+            }
             s_xx += k_xx, s_yy += k_yy, s_xy += k_xy;
             pull[k] = here.volume / 3 * Vec2(k_xx * g[k].x() + k_xy * g[k].y(), k_xy * g[k].x() + k_yy * g[k].y());
             sum += pull[k];

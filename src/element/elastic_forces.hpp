@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -23,9 +24,10 @@ public:
                     ViscousStep* viscous) const;
 
 private:
+    std::vector<LameConstants> stiffness_;  // per material
+    std::vector<LayerStiffness> layers_;    // per material; empty: all are isotropic
     ConstantStrainForces forces_, viscous_forces_;
     std::vector<ConstantStrainTriangle> triangles_;
-    std::vector<LameConstants> stiffness_;  // per material
     ViscousCoefficients viscosity_;
     std::vector<double> threshold_of_fan_;
     std::vector<Index> fan_of_corner_;
@@ -52,7 +54,8 @@ private:
                                    const Eigen::Vector3d& strain, ViscousStep& viscous) const;
 
     std::vector<Triangle> triangles_;
-    std::vector<LameConstants> stiffness_;  // per material
+    std::vector<LameConstants> stiffness_;                // per material
+    std::vector<std::optional<Eigen::Matrix3d>> layers_;  // per material
     ViscousCoefficients viscosity_;
     std::vector<std::array<float, 6>> limit2_;  // [N^2] per triangle: squared threshold of the forces on corners 0 to 5
     std::vector<Index> fan_of_corner_;

@@ -2,20 +2,14 @@
 
 #include "element/shape_functions.hpp"
 
+#include <optional>
+
 namespace knap {
 namespace {
 
-/// D applied to a symmetric strain.
-Eigen::Matrix2d stress_of(const Eigen::Matrix2d& strain, const LameConstants& elastic) {
-    return elastic.lambda * strain.trace() * Eigen::Matrix2d::Identity() + elastic.twice_shear * strain;
-}
-
 Eigen::Matrix2d symmetric(const Eigen::Matrix2d& A) { return 0.5 * (A + A.transpose()); }
 
-/// E - e I
-Eigen::Matrix2d strain_at_begin(const Eigen::Matrix2d& H, double thermal) {
-    return symmetric(H) + 0.5 * H.transpose() * H - thermal * Eigen::Matrix2d::Identity();
-}
+Eigen::Matrix2d green_strain(const Eigen::Matrix2d& H) { return symmetric(H) + 0.5 * H.transpose() * H; }
 
 double product(const Eigen::Matrix2d& A, const Eigen::Matrix2d& B) { return A.cwiseProduct(B).sum(); }
 
@@ -23,8 +17,23 @@ double product(const Eigen::Matrix2d& A, const Eigen::Matrix2d& B) { return A.cw
 
 GreenStep::GreenStep(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness)
     : mesh_(mesh), thickness_(thickness) {
-    for (const Elastic& material : materials)
+    for (const Elastic& material : materials) {
         stiffness_.push_back({material.first_lame(plane), 2 * material.shear_modulus()});
+        layers_.push_back(material.stiffness_of_layers(plane));
+        expansion_.push_back(material.expansion_in_plane(plane));
+    }
+}
+
+Eigen::Matrix2d GreenStep::stress_of(const Eigen::Matrix2d& strain, Index t) const {
+    const LameConstants& elastic = stiffness_[mesh_.region[t]];
+    Eigen::Matrix2d stress =
+        elastic.lambda * strain.trace() * Eigen::Matrix2d::Identity() + elastic.twice_shear * strain;
+    if (const auto& layers = layers_[mesh_.region[t]]) {
+        const Eigen::Vector3d further = *layers * Eigen::Vector3d(strain(0, 0), strain(1, 1), 2 * strain(0, 1));
+        stress(0, 0) += further[0], stress(1, 1) += further[1];
+        stress(0, 1) += further[2], stress(1, 0) += further[2];
+    }
+    return stress;
 }
 
 GreenStep::Gradients GreenStep::gradients(Index t, const Motion& motion) const {
@@ -40,10 +49,10 @@ void GreenStep::find_forces(Index t, const Motion& motion, Vec2* force) const {
     const Gradients at = gradients(t, motion);
     const bool heated = !motion.thermal_strain.empty();
     const Eigen::Matrix2d middle = at.middle();
-    Eigen::Matrix2d strain = strain_at_begin(at.begin, heated ? motion.thermal_strain[t] : 0) +
+    Eigen::Matrix2d strain = green_strain(at.begin) - (heated ? motion.thermal_strain[t] : 0) * expansion(t) +
                              motion.theta * symmetric(middle.transpose() * at.change);
-    if (heated) strain -= motion.theta * motion.thermal_change[t] * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix2d P = (-mesh_.area(t) * thickness_) * middle * stress_of(strain, stiffness_[mesh_.region[t]]);
+    if (heated) strain -= motion.theta * motion.thermal_change[t] * expansion(t);
+    const Eigen::Matrix2d P = (-mesh_.area(t) * thickness_) * middle * stress_of(strain, t);
     const auto g = shape_gradients(mesh_, t);
     force[1] = P * g[1], force[2] = P * g[2];
     force[0] = -(force[1] + force[2]);
@@ -52,16 +61,15 @@ void GreenStep::find_forces(Index t, const Motion& motion, Vec2* force) const {
 GreenStep::Energies GreenStep::energies(Index t, const Motion& motion) const {
     const Gradients at = gradients(t, motion);
     const bool heated = !motion.thermal_strain.empty();
-    const LameConstants& elastic = stiffness_[mesh_.region[t]];
-    const double volume = mesh_.area(t) * thickness_, growth = heated ? motion.thermal_change[t] : 0;
-    const Eigen::Matrix2d I = Eigen::Matrix2d::Identity(),
-                          before = strain_at_begin(at.begin, heated ? motion.thermal_strain[t] : 0),
-                          change = symmetric(at.middle().transpose() * at.change) - growth * I,
-                          after = strain_at_begin(at.begin + at.change, heated ? motion.thermal_strain[t] + growth : 0),
+    const double volume = mesh_.area(t) * thickness_, thermal = heated ? motion.thermal_strain[t] : 0,
+                 growth = heated ? motion.thermal_change[t] : 0;
+    const Eigen::Matrix2d &A = expansion(t), before = green_strain(at.begin) - thermal * A,
+                          change = symmetric(at.middle().transpose() * at.change) - growth * A,
+                          after = green_strain(at.begin + at.change) - (thermal + growth) * A,
                           mean = before + motion.theta * change;
-    return {.end = 0.5 * volume * product(after, stress_of(after, elastic)),
-            .dissipated = (motion.theta - 0.5) * volume * product(change, stress_of(change, elastic)),
-            .thermal = -growth * volume * stress_of(mean, elastic).trace()};
+    return {.end = 0.5 * volume * product(after, stress_of(after, t)),
+            .dissipated = (motion.theta - 0.5) * volume * product(change, stress_of(change, t)),
+            .thermal = -growth * volume * product(stress_of(mean, t), A)};
 }
 
 Vec2 GreenStep::direction(Index t, const Motion& motion) const {

@@ -1,11 +1,12 @@
 #pragma once
 // Constant-strain triangles with Green's strain over a step of the theta scheme, as an energy-momentum method (J. C.
-// Simo, N. Tarnow, ZAMP 43 (1992) 757). With H = grad u at the start, Delta = grad (u+ - u) and thermal strains e I,
+// Simo, N. Tarnow, ZAMP 43 (1992) 757). With H = grad u at the start, Delta = grad (u+ - u) and thermal strains e A (I
+// without layers: Elastic::expansion_in_plane),
 //
 //     E = 1/2 (H + H' + H' H),   E+ - E = sym(F_mid' Delta),   F_mid = I + H + Delta/2
-//     S_theta = D ((1 - theta) (E - e I) + theta (E+ - e+ I)),   f_k = -V F_mid S_theta grad l_k
+//     S_theta = D ((1 - theta) (E - e A) + theta (E+ - e+ A)),   f_k = -V F_mid S_theta grad l_k
 //
-// Their work is exactly the change of U = V/2 (E - e) : D (E - e), the work of the thermal strains, and the dissipation
+// Their work is exactly the change of U = V/2 (E - e A) : D (E - e A), the work of the thermal strains, and the dissipation
 // of the scheme; they have no resultant, and no moment about the places in the middle of the step. E+ - E is found from
 // Delta without cancellation.
 #include "element/constant_strain.hpp"
@@ -51,9 +52,17 @@ private:
     };
     Gradients gradients(Index triangle, const Motion& motion) const;
 
+    /// [Pa] D applied to a symmetric strain of a triangle.
+    Eigen::Matrix2d stress_of(const Eigen::Matrix2d& strain, Index triangle) const;
+    /// [-] A
+    const Eigen::Matrix2d& expansion(Index triangle) const { return expansion_[mesh_.region[triangle]]; }
+
     const Mesh& mesh_;
-    std::vector<LameConstants> stiffness_;  // per material
-    double thickness_;                      // [m]
+    // per material
+    std::vector<LameConstants> stiffness_;
+    std::vector<std::optional<Eigen::Matrix3d>> layers_;
+    std::vector<Eigen::Matrix2d> expansion_;  // [-] A
+    double thickness_;                        // [m]
 };
 
 }  // namespace knap

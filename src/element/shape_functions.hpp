@@ -10,6 +10,8 @@
 // and the energy is (V/3) sum_k 1/2 sigma_k : eps_k + 1/2 a' R a, exactly.
 #include "mesh/mesh.hpp"
 
+#include <optional>
+
 namespace knap {
 
 /// [1/m] g_0, g_1, g_2; their sum is zero.
@@ -38,11 +40,19 @@ inline std::array<Vec2, 7> middle_gradients(const std::array<Vec2, 3>& g, Index 
     return weight;
 }
 
-/// [N/m] R of a triangle of this volume [m3].
-inline Eigen::Matrix2d bubble_stiffness(const std::array<Vec2, 3>& g, double volume, double lame, double shear) {
+/// Strain (xx, yy, 2 xy) of a displacement with the gradient a (x) g: B a.
+inline Eigen::Matrix<double, 3, 2> strain_of_gradient(const Vec2& g) {
+    return (Eigen::Matrix<double, 3, 2>() << g.x(), 0, 0, g.y(), g.y(), g.x()).finished();
+}
+
+/// [N/m] R of a triangle of this volume [m3], and what the layers of a material add to it: B' D B in the sum above.
+inline Eigen::Matrix2d bubble_stiffness(const std::array<Vec2, 3>& g, double volume, double lame, double shear,
+                                        const std::optional<Eigen::Matrix3d>& layers = {}) {
     Eigen::Matrix2d R = Eigen::Matrix2d::Zero();
-    for (const Vec2& g_k : g)
+    for (const Vec2& g_k : g) {
         R += (lame + shear) * g_k * g_k.transpose() + shear * g_k.squaredNorm() * Eigen::Matrix2d::Identity();
+        if (layers) R += strain_of_gradient(g_k).transpose() * *layers * strain_of_gradient(g_k);
+    }
     return 1.62 * volume * R;
 }
 

@@ -11,12 +11,19 @@ namespace knap {
 ThermalStress::ThermalStress(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
                              double thickness, bool large_rotation)
     : mesh_(mesh), order_(mesh.order), large_rotation_(large_rotation) {
+    for (const Elastic& material : materials) {
+        const Eigen::Matrix2d A = material.expansion_in_plane(plane),
+                              P = material.stress_of_expansion(plane) /
+                                  (2 * (material.first_lame(plane) + material.shear_modulus()));
+        directions_.push_back({A, P, A.cwiseProduct(P).sum()});
+    }
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Elastic& material = materials[mesh.region[t]];
         const Vec2 origin = mesh.corner(t, 0);
         triangles_.push_back({.edge1 = mesh.corner(t, 1) - origin,
                               .edge2 = mesh.corner(t, 2) - origin,
                               .half_pressure = (material.first_lame(plane) + material.shear_modulus()) * thickness,
+                              .material = mesh.region[t],
                               .threshold = infinity,
                               .volume = mesh.area(t) * thickness});
     }
@@ -53,8 +60,10 @@ void ThermalStress::for_each_weight(Index t, const Add& add) const {
 void ThermalStress::add_forces_of(Index t, std::span<const double> strain, double factor, Vec2* force) const {
     // V p = 2 (p t/2) area, over the number of strains
     const double of_strain = factor * 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains();
-    for_each_weight(
-        t, [&](Index m, Index c, const Vec2& weight) { force[c] += of_strain * strain[n_strains() * t + m] * weight; });
+    const Eigen::Matrix2d& P = directions_[triangles_[t].material].stress;
+    for_each_weight(t, [&](Index m, Index c, const Vec2& weight) {
+        force[c] += of_strain * strain[n_strains() * t + m] * (P * weight);
+    });
 }
 
 void ThermalStress::add_forces(std::span<const double> strain, double factor, std::vector<Vec2>& force) const {
@@ -62,19 +71,23 @@ void ThermalStress::add_forces(std::span<const double> strain, double factor, st
     for (Index t = 0; t < n_triangles(); ++t) add_forces_of(t, strain, factor, &force[n_corners() * t]);
 }
 
-/// sigma : e I = e (2 (lambda + mu) tr eps - 2 p)
+/// sigma : e A = 2 (lambda + mu) e (P : eps - e P : A)
 double ThermalStress::product_of(Index t, const std::vector<Vec2>& displacement,
                                  const std::vector<Index>& node_of_corner, std::span<const double> strain,
                                  std::span<const double> other) const {
-    std::array<double, 3> trace{};  // of eps - e I
+    const auto& [A, P, product] = directions_[triangles_[t].material];
+    std::array<double, 3> trace{};  // P : eps
     const Vec2& origin = displacement[node_of_corner[n_corners() * t]];
     for_each_weight(t, [&](Index m, Index c, const Vec2& weight) {
-        trace[m] += weight.dot(displacement[node_of_corner[n_corners() * t + c]] - origin);
+        trace[m] += Vec2(P * weight).dot(displacement[node_of_corner[n_corners() * t + c]] - origin);
     });
     double sum = 0;
-    if (large_rotation_) trace[0] += 0.5 * gradient(t, displacement, node_of_corner).squaredNorm();  // of E
+    if (large_rotation_) {  // of E
+        const Eigen::Matrix2d H = gradient(t, displacement, node_of_corner);
+        trace[0] += 0.5 * (H * P).cwiseProduct(H).sum();
+    }
     for (Index m = 0; m < n_strains(); ++m)
-        sum += (trace[m] - 2 * strain[n_strains() * t + m]) * other[n_strains() * t + m];
+        sum += (trace[m] - product * strain[n_strains() * t + m]) * other[n_strains() * t + m];
     return 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains() * sum;
 }
 
@@ -94,15 +107,15 @@ Eigen::Matrix2d ThermalStress::gradient(Index t, const std::vector<Vec2>& displa
     return H;
 }
 
-/// -int eps : D e + 1/2 int e : D e
+/// -int eps : D e A + 1/2 int e A : D e A
 double ThermalStress::energy(Index first, Index last, const std::vector<Vec2>& displacement,
                              const std::vector<Index>& node_of_corner, std::span<const double> strain) const {
     double sum = 0;
     for (Index t = first; t < last; ++t) {
         sum -= product_of(t, displacement, node_of_corner, strain, strain);
         for (Index m = 0; m < n_strains(); ++m)
-            sum -= 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains() * strain[n_strains() * t + m] *
-                   strain[n_strains() * t + m];
+            sum -= directions_[triangles_[t].material].product * triangles_[t].half_pressure * mesh_.area(t) /
+                   n_strains() * strain[n_strains() * t + m] * strain[n_strains() * t + m];
     }
     return sum;
 }
@@ -130,7 +143,8 @@ double ThermalStress::evaluate(Index first, Index last, const std::vector<Vec2>&
             continue;
         }
         const double pressure = here.half_pressure * strain[t];
-        Vec2 p1 = -pressure * turned_left(here.edge2), p2 = pressure * turned_left(here.edge1);
+        const auto& [A, P, product] = directions_[here.material];
+        Vec2 p1 = -pressure * P * turned_left(here.edge2), p2 = pressure * P * turned_left(here.edge1);
         if (large_rotation_) {  // F turns them
             const Eigen::Matrix2d H = gradient(t, displacement, node_of_corner);
             p1 += H * p1, p2 += H * p2;
@@ -140,7 +154,7 @@ double ThermalStress::evaluate(Index first, Index last, const std::vector<Vec2>&
         force[0] = -(f1 + f2);
         force[1] = f1;
         force[2] = f2;
-        if (!large_rotation_) sum -= (f1.dot(here.edge1) + f2.dot(here.edge2)) * other[t];
+        if (!large_rotation_) sum -= (f1.dot(A * here.edge1) + f2.dot(A * here.edge2)) * other[t];
         const double norm2 = f1.squaredNorm() * here.edge1.squaredNorm() + 2 * f1.dot(f2) * here.edge1.dot(here.edge2) +
                              f2.squaredNorm() * here.edge2.squaredNorm();
         if (norm2 > here.threshold) {

@@ -1,9 +1,10 @@
 #pragma once
-// Thermal strains e (the same in x and y) in linear triangles: sigma = D (eps - e I) = D eps - p I with the thermal
-// pressure p = 2 (lambda + mu) e. They add the forces  V p grad l_k  to those of ElasticForces (order 2: the mean of
-// that over the middles of the edges, with middle_gradients), and these forces are constant while the temperature is.
+// Thermal strains e A (A = I without layers: Elastic::expansion_in_plane) in linear triangles: sigma = D (eps - e A) =
+// D eps - p P with the thermal pressure p = 2 (lambda + mu) e and P = D A/(2 (lambda + mu)), I without layers. They add
+// the forces  V p P grad l_k  to those of ElasticForces (order 2: the mean of that over the middles of the edges, with
+// middle_gradients), and these forces are constant while the temperature is.
 //
-// With large rotations (of order 1): S = D (E - e I), forces V p F grad l_k, which turn with the body.
+// With large rotations (of order 1): S = D (E - e A), forces V p F P grad l_k, which turn with the body.
 //
 // Strains are given as in Temperatures: one per triangle, or three at the middles of its edges for order 2.
 #include "material/elastic.hpp"
@@ -25,7 +26,7 @@ public:
     /// Adds `factor` times the forces [N] of a strain to those on all corners; of small rotations.
     void add_forces(std::span<const double> strain, double factor, std::vector<Vec2>& force) const;
 
-    /// [J] Integral of sigma : other I, with the stress sigma (large rotations: S) at `displacement` and `strain`, over
+    /// [J] Integral of sigma : other A, with the stress sigma (large rotations: S) at `displacement` and `strain`, over
     /// the triangles from `first` to before `last`.
     double product(Index first, Index last, const std::vector<Vec2>& displacement,
                    const std::vector<Index>& node_of_corner, std::span<const double> strain,
@@ -35,7 +36,7 @@ public:
         return product(0, n_triangles(), displacement, node_of_corner, strain, other);
     }
 
-    /// [J] What the strain adds to the elastic energy: the integral of 1/2 (eps - e) : D (eps - e) - 1/2 eps : D eps.
+    /// [J] What the strain adds to the elastic energy: the integral of 1/2 (eps - e A) : D (eps - e A) - 1/2 eps : D eps.
     double energy(Index first, Index last, const std::vector<Vec2>& displacement,
                   const std::vector<Index>& node_of_corner, std::span<const double> strain) const;
 
@@ -49,8 +50,9 @@ private:
     struct Triangle {
         Vec2 edge1, edge2;     // [m] from vertex 0
         double half_pressure;  // [N/m] (lambda + mu) times the thickness: p t/2 of a unit strain
-        double threshold;      // [N2 m2] of |V sigma|^2; order 1
-        double volume;         // [m3]
+        Index material;
+        double threshold;  // [N2 m2] of |V sigma|^2; order 1
+        double volume;     // [m3]
     };
     Index n_triangles() const { return static_cast<Index>(triangles_.size()); }
     Index n_corners() const { return order_ == 1 ? 3 : 7; }
@@ -65,7 +67,13 @@ private:
     Eigen::Matrix2d gradient(Index triangle, const std::vector<Vec2>& displacement,
                              const std::vector<Index>& node_of_corner) const;
 
+    struct Directions {
+        Eigen::Matrix2d strain, stress;  // [-] A, P
+        double product;                  // [-] A : P
+    };
+
     const Mesh& mesh_;
+    std::vector<Directions> directions_;  // per material
     Index order_;
     bool large_rotation_;
     std::vector<Triangle> triangles_;

@@ -13,12 +13,16 @@
 namespace knap {
 namespace {
 
-void add_stiffness(std::span<const Vec2> gradient, double lambda, double mu, ElementMatrix& K) {
+/// V B' D B of D given by Lame constants, times the volume V, and a further part for the layers of a material.
+void add_stiffness(std::span<const Vec2> gradient, double lambda, double mu, ElementMatrix& K,
+                   const std::optional<Eigen::Matrix3d>& layers) {
     for (std::size_t i = 0; i < gradient.size(); ++i)
         for (std::size_t j = 0; j < gradient.size(); ++j) {
             const Vec2 &g = gradient[i], &e = gradient[j];
             K.block<2, 2>(2 * i, 2 * j) +=
                 lambda * g * e.transpose() + mu * (e * g.transpose() + g.dot(e) * Eigen::Matrix2d::Identity());
+            if (layers)
+                K.block<2, 2>(2 * i, 2 * j) += strain_of_gradient(g).transpose() * *layers * strain_of_gradient(e);
         }
 }
 
@@ -73,6 +77,11 @@ double largest_eigenvalue_linear(const Mesh& mesh, Index t, const Elastic& mater
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
+std::optional<Eigen::Matrix3d> times(double factor, std::optional<Eigen::Matrix3d> matrix) {
+    if (matrix) *matrix *= factor;
+    return matrix;
+}
+
 /// [Pa] Lame constants.
 struct Further {
     double lambda = 0, mu = 0;
@@ -83,11 +92,13 @@ ElementMatrix quadratic_stiffness(const Mesh& mesh, Index t, const Elastic& mate
                                   const Further& further) {
     const double lambda = material.first_lame(plane), mu = material.shear_modulus();
     const auto g = shape_gradients(mesh, t);
+    const std::optional<Eigen::Matrix3d> layers = material.stiffness_of_layers(plane),
+                                         of_place = times(volume / 3, layers);
     ElementMatrix K = ElementMatrix::Zero(14, 14);
     for (Index k = 0; k < 3; ++k)
-        add_stiffness(middle_gradients(g, k), volume / 3 * (lambda + further.lambda), volume / 3 * (mu + further.mu),
-                      K);
-    const Eigen::Matrix2d R = bubble_stiffness(g, volume, lambda, mu);
+        add_stiffness(middle_gradients(g, k), volume / 3 * (lambda + further.lambda), volume / 3 * (mu + further.mu), K,
+                      of_place);
+    const Eigen::Matrix2d R = bubble_stiffness(g, volume, lambda, mu, layers);
     for (Index i = 0; i < 7; ++i)
         for (Index j = 0; j < 7; ++j) K.block<2, 2>(2 * i, 2 * j) += bubble_weight[i] * bubble_weight[j] * R;
     return K;
@@ -103,15 +114,25 @@ double largest_eigenvalue_quadratic(const Mesh& mesh, Index t, const Elastic& ma
     return Eigen::SelfAdjointEigenSolver<ElementMatrix>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
 }
 
+/// [s] The largest ratio of a viscous stress s I + q over the elastic one of the same strain.
+double largest_ratio(const Elastic& material, PlaneModel plane, double bulk, double shear) {
+    const double mu = material.shear_modulus();
+    if (!material.bedding) return std::max(bulk / (material.first_lame(plane) + mu), shear / mu);
+    Eigen::Matrix3d viscous = shear * Eigen::Vector3d(2, 2, 1).asDiagonal().toDenseMatrix();
+    viscous.topLeftCorner<2, 2>().array() += bulk - shear;
+    return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix3d>(viscous, material.stiffness(plane),
+                                                                     Eigen::EigenvaluesOnly)
+        .eigenvalues()[2];
+}
+
 /// [s] With viscous forces C v at the velocity before, central differences are stable while M - h/2 C - h^2/4 K is
 /// positive: for h = 2/omega of the stiffness K + 2/h C. The stress s I + q is (bulk - shear) d I + 2 shear sym grad v,
-/// which adds 2/h (bulk - shear) to lambda and 2/h shear to mu. As C is at most max(bulk/(lambda + mu), shear/mu) K,
-/// h/`undamped` = sqrt(1 + xi^2) - xi with xi of that factor over `undamped` is below the fixed point, and so are the
-/// iterates from there on.
+/// which adds 2/h (bulk - shear) to lambda and 2/h shear to mu. As C is at most `largest` K, h/`undamped` =
+/// sqrt(1 + xi^2) - xi with xi of that factor over `undamped` is below the fixed point, and so are the iterates from
+/// there on.
 double viscous_step(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double undamped) {
     const auto [bulk, shear] = largest_viscosities(material, plane, viscous_length(mesh, t));
-    const double mu = material.shear_modulus(),
-                 xi = std::max(bulk / (material.first_lame(plane) + mu), shear / mu) / undamped;
+    const double xi = largest_ratio(material, plane, bulk, shear) / undamped;
     double h = undamped * (std::sqrt(1 + xi * xi) - xi);
     for (int i = 0; i < 4; ++i) {
         const Further further{.lambda = 2 * (bulk - shear) / h, .mu = 2 * shear / h};
@@ -133,7 +154,8 @@ ElementMatrix stiffness_matrix(const Mesh& mesh, Index t, const Elastic& materia
     const double volume = mesh.area(t) * thickness;
     if (mesh.order == 2) return quadratic_stiffness(mesh, t, material, plane, volume, {});
     ElementMatrix K = ElementMatrix::Zero(6, 6);
-    add_stiffness(shape_gradients(mesh, t), volume * material.first_lame(plane), volume * material.shear_modulus(), K);
+    add_stiffness(shape_gradients(mesh, t), volume * material.first_lame(plane), volume * material.shear_modulus(), K,
+                  times(volume, material.stiffness_of_layers(plane)));
     return K;
 }
 

@@ -197,7 +197,7 @@ void make_fans(Model& model) { FanMaker(model).make_fans(); }
 
 void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
     make_interfaces(input, support_of_edge, model);
-    scatter_strength(input, model);
+    vary_strength(input, model);
     make_fans(model);
 }
 

@@ -22,8 +22,8 @@ Index law_of_edge(const Laws& laws, const Mesh& mesh, const InteriorEdge& edge) 
 /// Makes the fans anew from the interfaces that are not gone.
 void make_fans(Model& model);
 
-/// Gives every interface with cohesion whose law scatters a law of its own, behind the others in model.laws, with the
-/// strength, the fracture energy or both drawn at random.
-void scatter_strength(const ModelInput& input, Model& model);
+/// Gives every interface whose law scatters, or follows the angle to the layers, a law of its own, behind the others in
+/// model.laws.
+void vary_strength(const ModelInput& input, Model& model);
 
 }  // namespace knap

@@ -11,6 +11,7 @@
 // two corners in the middle of an edge and their point; or of the centre of a triangle.
 #include "material/cohesive_law.hpp"
 #include "material/elastic.hpp"
+#include "material/strength_over_bedding.hpp"
 #include "mesh/mesh.hpp"
 #include "microstructure/scatter.hpp"
 #include "model/ground.hpp"
@@ -114,11 +115,12 @@ struct ModelInput {
     double thickness = 1;            // [m]
     std::vector<Elastic> materials;  // by Mesh::region
     std::vector<CohesiveLaw> laws;
-    std::vector<std::vector<Index>> law_of_pair;  // law_of_pair[material a][material b], symmetric
-    std::vector<Index> law_of_joint;              // by number of the joint set
-    std::vector<Index> law_within;                // within a grain, by material; needed where the mesh has grains
-    std::vector<Scatter> scatter;                 // by law; empty = no law scatters
-    std::uint64_t seed = 1;                       // of the scatter
+    std::vector<std::vector<Index>> law_of_pair;    // law_of_pair[material a][material b], symmetric
+    std::vector<Index> law_of_joint;                // by number of the joint set
+    std::vector<Index> law_within;                  // within a grain, by material; needed where the mesh has grains
+    std::vector<Scatter> scatter;                   // by law; empty = no law scatters
+    std::uint64_t seed = 1;                         // of the scatter
+    std::vector<StrengthOverBedding> over_bedding;  // by law; empty = no law follows the layers
     std::vector<Load> loads;
     std::vector<CrackPressure> crack_pressures;
     std::vector<Support> supports;
@@ -135,7 +137,7 @@ struct Model {
     PlaneModel plane;
     double thickness;  // [m]
     std::vector<Elastic> materials;
-    std::vector<CohesiveLaw> laws;         // those of the input, then one for each interface whose strength is random
+    std::vector<CohesiveLaw> laws;         // those of the input, then one for each interface whose strength is its own
     bool laws_follow_temperature = false;  // some of them, with heat: law_of(state) has the law of the moment
 
     std::vector<double> corner_mass;  // [kg] per corner: density * area * thickness * its share (corner_share)

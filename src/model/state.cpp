@@ -169,13 +169,14 @@ Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, 
         }
     }
     double thermal = 0;
-    if (state.temperature) {  // sigma = D (eps - e)
+    const Elastic& material = model.materials[mesh.region[t]];
+    if (state.temperature) {  // sigma = D (eps - e A)
         const double* e = &state.temperature->strain[(mesh.order == 1 ? 1 : 3) * t];
         thermal = mesh.order == 1 ? e[0] : 0;
         for (Index k = 0; k < 3 && mesh.order == 2; ++k) thermal += (1 - 2 * at[k]) * e[k];
-        strain -= Eigen::Vector3d(thermal, thermal, 0);
+        const Eigen::Matrix2d A = material.expansion_in_plane(model.plane);
+        strain -= thermal * Eigen::Vector3d(A(0, 0), A(1, 1), 2 * A(0, 1));
     }
-    const Elastic& material = model.materials[mesh.region[t]];
     const Eigen::Matrix3d D = material.stiffness(model.plane);
     Eigen::Vector3d initial = Eigen::Vector3d::Zero();
     if (!model.initial_stress.empty()) {
@@ -184,8 +185,9 @@ Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, 
             initial += (1 - 2 * at[k]) * Eigen::Vector3d(model.initial_stress[3 * t + k].data());
     }
     const auto zz = [&](const Eigen::Vector3d& s) {  // e = (1 + nu) a dT
-        const double nu = material.nu;
-        return model.plane == PlaneModel::strain ? nu * (s[0] + s[1]) - material.E * thermal / (1 + nu) : 0;
+        return model.plane == PlaneModel::strain
+                   ? material.stress_along_strike(s) - material.E * thermal / (1 + material.nu)
+                   : 0;
     };
     if (!model.large_rotation) {
         const Eigen::Vector3d s = D * strain + initial;

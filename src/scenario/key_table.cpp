@@ -200,7 +200,7 @@ void add_keys_of_body(KeyTable& t) {
 
 void add_keys_of_microstructure(KeyTable& t) {
     t.names("material", "materials by name; the first one is that of the domain").required();
-    t.table("material.*", "a linear elastic isotropic material; its name has no -");
+    t.table("material.*", "a linear elastic material, isotropic but for bedding; its name has no -");
     t.number("density", "kg/m3", "mass density").above(0).required().to(&Elastic::density);
     t.number("E", "Pa", "Young's modulus").above(0).required().to(&Elastic::E);
     t.number("nu", "", "Poisson's ratio").above(-1).below(0.5).required().to(&Elastic::nu);
@@ -211,6 +211,15 @@ void add_keys_of_microstructure(KeyTable& t) {
         .at_least(0).computed("0.1 where bulk_viscosity is [0, 1.2] by default; else 0")
         .to(&Elastic::shear_viscosity);
     add_thermal(t);
+    t.table("material.*.bedding", "layers with these constants across them (transverse isotropy): E and nu of the "
+        "material hold along them. Their strike is normal to the plane");
+    t.number("E", "Pa", "Young's modulus across the layers").above(0).required().to(&Bedding::E);
+    t.number("nu", "", "contraction along the layers over extension across them, under a stress across them")
+        .above(-1).below(1).required().to(&Bedding::nu);
+    t.number("G", "Pa", "shear modulus along the layers").above(0).computed("Saint-Venant's rule, 1/G = 1/E_along + "
+        "(1 + 2 nu)/E").to(&Bedding::G);
+    t.number("angle", "deg", "of the layers to the x axis, counterclockwise, in the body as it is placed")
+        .otherwise("0").to(&Bedding::angle, radians);
 
     t.list("inclusions[]", "random discs or polygons of a material, or pores, that touch neither each other nor "
         "boundaries nor cracks");

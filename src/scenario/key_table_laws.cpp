@@ -66,6 +66,12 @@ void add_keys_of_laws(KeyTable& t) {
         "again when it freezes again").points().second("");
     t.number("friction_table", "K", "friction coefficient over temperature as pairs [temperature, coefficient], with "
         "[heat], instead of friction").points().second("");
+    t.number("strength_over_bedding", "deg", "factor on sigma_c and G_c over the angle of the facet to the layers of "
+        "its material (bedding), as pairs [angle, factor], with angles from 0 to 90 and factors up to 1: linear "
+        "between them and constant outside. Between two layered triangles the weaker side counts")
+        .points().second("");
+    t.number("energy_over_bedding", "deg", "likewise on G_c (and G_II) alone; without it as strength_over_bedding")
+        .points().second("");
     add_contact<CohesiveLaw>(t);
     t.number("kinetic_friction", "", "friction coefficient after the slip_distance; in between it changes linearly "
         "with the way that the sides have slid, from friction (static) on").at_least(0)

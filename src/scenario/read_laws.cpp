@@ -134,6 +134,37 @@ Scatter read_scatter(const Table& law) {
     return scatter;
 }
 
+AngleTable read_over_angle(const Table& table, const char* key) {
+    AngleTable read;
+    for (const Vec2& point : table.get<std::vector<Vec2>>(key).value_or(std::vector<Vec2>()))
+        read.angle.push_back(point.x() * degree), read.factor.push_back(point.y());
+    if (read.empty()) return read;
+    const char* example = "[[0, 0.3], [30, 0.5], [90, 1]]";
+    if (read.angle.size() < 2 || read.angle.front() < 0 || read.angle.back() > 90 * degree ||
+        std::ranges::adjacent_find(read.angle, std::greater_equal()) != read.angle.end())
+        table.error("out-of-range", key,
+                    "needs at least two pairs [angle, factor] with angles that ascend, from 0 to 90 degrees",
+                    std::string(key) + " = " + example);
+    if (std::ranges::any_of(read.factor, [](double factor) { return !(factor > 0 && factor <= 1); }))
+        table.error("out-of-range", key, "has a factor that is not above 0 and at most 1",
+                    "sigma_c and G_c are those of the strongest facet");
+    return read;
+}
+
+StrengthOverBedding read_over_bedding(const Table& table) {
+    StrengthOverBedding over{.strength = read_over_angle(table, "strength_over_bedding"),
+                             .energy = read_over_angle(table, "energy_over_bedding")};
+    const char* key = over.strength.empty() ? "energy_over_bedding" : "strength_over_bedding";
+    if (over.any() && !table.given("sigma_c"))
+        table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has none");
+    if (over.any() && std::ranges::none_of(table.scenario().materials, [](const NamedMaterial& material) {
+            return material.elastic.bedding.has_value();
+        }))
+        table.error("missing-key", key, "has no effect where no material has layers", "[material.NAME.bedding]");
+    if (over.energy.empty()) over.energy = over.strength;
+    return over;
+}
+
 /// Places each law according to its name: the default, a pair of materials, a grain, or a free name that supports and
 /// joints use.
 class LawTable {
@@ -165,7 +196,7 @@ public:
 
     void read() {
         for (const Table& table : reading_.list("interface")) {
-            laws_.push_back({table.name(), read_law(table), read_scatter(table)});
+            laws_.push_back({table.name(), read_law(table), read_scatter(table), read_over_bedding(table)});
             place(table, static_cast<Index>(laws_.size()) - 1);
         }
         if (reading_.values.has("interface")) fill_pairs();  // otherwise reported as missing, or as without a name
@@ -230,13 +261,32 @@ std::optional<Index> named_law(const Table& table) {
 
 }  // namespace
 
+/// G' of Saint-Venant's rule where none is given: 1/G' = 1/E + (1 + 2 nu')/E'.
+static Bedding read_bedding(const Table& table, const Elastic& along) {
+    Bedding across;
+    table.fill(across);
+    if (!(across.E > 0) || !(along.E > 0)) return across;  // reported
+    if (!table.given("G")) across.G = 1 / (1 / along.E + (1 + 2 * across.nu) / across.E);
+    // both bodies of a cube deform with positive work
+    if (!(2 * across.nu * across.nu * along.E / across.E < 1 - along.nu))
+        table.error("out-of-range", "nu",
+                    "= " + shortest(across.nu) +
+                        " gives layers that do work when they are compressed: 2 nu^2 E_along/E " +
+                        "must be below 1 - nu_along = " + shortest(1 - along.nu),
+                    "below " + shortest(std::sqrt((1 - along.nu) * across.E / along.E / 2)));
+    return across;
+}
+
 void read_materials(Reading& reading) {
     std::vector<NamedMaterial>& materials = reading.scenario.materials;
     for (const Table& table : reading.list("material")) {
         if (table.name().find('-') != std::string::npos)
             table.error("bad-name", "", "has a `-` in the name of the material",
                         "- joins two materials in [interface.A-B]; use _");
-        table.fill(materials.emplace_back(NamedMaterial{.name = table.name(), .elastic = {}}).elastic);
+        Elastic& elastic = materials.emplace_back(NamedMaterial{.name = table.name(), .elastic = {}}).elastic;
+        table.fill(elastic);
+        if (const Table layers = table.table("bedding"); layers.given())
+            elastic.bedding = read_bedding(layers, elastic);
     }
     if (reading.values.has("material") && materials.empty())
         reading.table("material").error("missing-key", "", "has no material", "write [material.NAME]");

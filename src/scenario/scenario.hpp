@@ -40,6 +40,7 @@ struct NamedLaw {
     std::string name;  // "default", or "a-b" for a pair of materials, or a free name used by a support
     CohesiveLaw law;
     Scatter scatter;
+    StrengthOverBedding over_bedding;
     double measured_G_c = 0;  // [J/m2] with toughness = "as measured" G_c of the law times the surplus; 0: likewise G_c
     Surplus surplus = {};     // of the mesh, by which measured_G_c was divided
     double measured_sigma_c = 0;  // [Pa] likewise with strength = "as measured"

@@ -50,6 +50,7 @@ struct Body {
             kernel(0, static_cast<int>(triangles.size()),
                    {.triangles = triangles.data(),
                     .stiffness = stiffness,
+                    .layers = layers,
                     .fan_of_corner = node_of_corner.data(),
                     .threshold_of_fan = thresholds.data()},
                    displacement.data(), node_of_corner.data(), force.data(), is_candidate.data(), &viscous);
@@ -59,6 +60,7 @@ struct Body {
     static constexpr int n_nodes = 13;
     std::vector<ConstantStrainTriangle> triangles;
     LameConstants stiffness[2] = {{0.7, 1.1}, {2.3, 0.4}};
+    LayerStiffness layers[2] = {{-0.3, 0.1, 0.05, 0.2, -0.08, -0.1}, {0.4, 0, 0.1, 0.3, 0.2, 0.15}};
     ViscousTriangles viscous{};
     std::vector<double> thresholds, displacement, force, velocity, viscosity, before, now;
     std::vector<std::int32_t> node_of_corner;
@@ -66,12 +68,12 @@ struct Body {
 };
 
 #ifdef __x86_64__
-template <StrainMeasure measure, bool is_viscous = false>
+template <StrainMeasure measure, bool is_viscous = false, bool has_layers = false>
 void check_lanes() {
     for (int n = 1; n <= 13; ++n) {
         Body one(n), four(n);
-        const auto [energy, force] = one.forces(baseline_kernel(measure, is_viscous));
-        const auto [energy4, force4] = four.forces(avx2_kernel(measure, is_viscous));
+        const auto [energy, force] = one.forces(baseline_kernel({measure, is_viscous, has_layers}));
+        const auto [energy4, force4] = four.forces(avx2_kernel({measure, is_viscous, has_layers}));
         CHECK(std::memcmp(&energy, &energy4, sizeof energy) == 0);
         CHECK((energy > 0) == (measure == StrainMeasure::green));
         CHECK(std::memcmp(force.data(), force4.data(), force.size() * sizeof(double)) == 0);
@@ -98,6 +100,8 @@ TEST_CASE("two lanes and four give the same bits") {
     check_lanes<StrainMeasure::small, true>();
     check_lanes<StrainMeasure::green, true>();
     check_lanes<StrainMeasure::green>();
+    check_lanes<StrainMeasure::small, false, true>();
+    check_lanes<StrainMeasure::green, true, true>();
 }
 #endif
 

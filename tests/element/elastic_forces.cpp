@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 
 namespace elastic_forces_test {
 
@@ -20,14 +22,17 @@ using namespace knap::tests;
 namespace {
 
 const Elastic rock{.density = 2000, .E = 5, .nu = 0.3};
+const Elastic layered{
+    .density = 2000, .E = 5, .nu = 0.3, .bedding = Bedding{.E = 2, .nu = 0.15, .G = 0.8, .angle = 0.4}};
 constexpr double thickness = 0.7;
 
 /// Free triangles: corner c is node c, and no fan is ever candidate.
 class FreeTriangles {
 public:
-    explicit FreeTriangles(const Mesh& mesh, PlaneModel plane, bool large_rotation = false)
+    explicit FreeTriangles(const Mesh& mesh, PlaneModel plane, bool large_rotation = false,
+                           const Elastic& material = rock)
         : mesh_(mesh),
-          forces_(mesh, {rock}, plane, thickness, large_rotation),
+          forces_(mesh, {material}, plane, thickness, large_rotation),
           node_(mesh.n_corners()),
           candidate_(1, 0) {
         for (Index c = 0; c < mesh.n_corners(); ++c) node_[c] = c;
@@ -88,13 +93,16 @@ TEST_CASE("rigid motions cost no force and every triangle is in equilibrium") {
 
 TEST_CASE("a uniform strain gives the tractions of its stress") {
     const Mesh mesh = skew_mesh();
-    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
+    for (const auto& [plane, material] :
+         {std::pair{PlaneModel::strain, rock}, {PlaneModel::stress, rock}, {PlaneModel::strain, layered}}) {
         const Eigen::Matrix2d gradient = (Eigen::Matrix2d() << 1e-3, 4e-4, -7e-4, 2e-3).finished();
-        const Eigen::Vector3d s =
-            rock.stiffness(plane) * Eigen::Vector3d(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
+        const Eigen::Vector3d s = material.stiffness(plane) *
+                                  Eigen::Vector3d(gradient(0, 0), gradient(1, 1), gradient(0, 1) + gradient(1, 0));
         const Eigen::Matrix2d stress = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished();
         const std::vector<Vec2> f =
-            FreeTriangles(mesh, plane).force(displacement(mesh, [&](const Vec2& x) -> Vec2 { return gradient * x; }));
+            FreeTriangles(mesh, plane, false, material).force(displacement(mesh, [&](const Vec2& x) -> Vec2 {
+                return gradient * x;
+            }));
         for (Index c = 0; c < mesh.n_corners(); ++c) {
             // the corner pulls its triangle back: minus the tractions on the halves of its two edges = those on half
             // the opposite edge
@@ -135,24 +143,52 @@ TEST_CASE("the forces are minus the derivative of the strain energy") {
 
 TEST_CASE("the stable step is that of the free triangle") {
     const Mesh mesh = skew_mesh();
-    FreeTriangles body(mesh, PlaneModel::strain);
-    const std::vector<double> steps = stable_steps(mesh, {rock}, PlaneModel::strain);
-    std::vector<Vec2> u(mesh.n_corners());
-    Random random(4, "u");
-    for (Vec2& v : u) v = Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
-    std::vector<double> rate(mesh.n_triangles());
-    for (int i = 0; i < 3000; ++i) {  // power iteration on M^-1 K, triangle by triangle
-        const std::vector<Vec2> f = body.force(u);
-        for (Index t = 0; t < mesh.n_triangles(); ++t) {
-            double before = 0, after = 0;
-            const double mass = rock.density * mesh.area(t) * thickness / 3;
-            for (Index k = 0; k < 3; ++k)
-                before += u[3 * t + k].squaredNorm(), after += f[3 * t + k].squaredNorm() / (mass * mass);
-            rate[t] = std::sqrt(after / before);
-            for (Index k = 0; k < 3; ++k) u[3 * t + k] = f[3 * t + k] / (mass * std::sqrt(after));
+    for (const Elastic& material : {rock, layered}) {
+        FreeTriangles body(mesh, PlaneModel::strain, false, material);
+        const std::vector<double> steps = stable_steps(mesh, {material}, PlaneModel::strain);
+        std::vector<Vec2> u(mesh.n_corners());
+        Random random(4, "u");
+        for (Vec2& v : u) v = Vec2(random.uniform(-1, 1), random.uniform(-1, 1));
+        std::vector<double> rate(mesh.n_triangles());
+        for (int i = 0; i < 3000; ++i) {  // power iteration on M^-1 K, triangle by triangle
+            const std::vector<Vec2> f = body.force(u);
+            for (Index t = 0; t < mesh.n_triangles(); ++t) {
+                double before = 0, after = 0;
+                const double mass = material.density * mesh.area(t) * thickness / 3;
+                for (Index k = 0; k < 3; ++k)
+                    before += u[3 * t + k].squaredNorm(), after += f[3 * t + k].squaredNorm() / (mass * mass);
+                rate[t] = std::sqrt(after / before);
+                for (Index k = 0; k < 3; ++k) u[3 * t + k] = f[3 * t + k] / (mass * std::sqrt(after));
+            }
+        }
+        for (Index t = 0; t < mesh.n_triangles(); ++t) CHECK(steps[t] == relative(2 / std::sqrt(rate[t]), 1e-6));
+    }
+}
+
+TEST_CASE("layers: a plane wave on a regular mesh has the speed and the direction of Christoffel's equation") {
+    // -f/m = density c^2 k^2 u/density at a node far from the boundary, for u = a exp(i k n . x)
+    constexpr Index n = 6;
+    const Mesh mesh = bar_mesh(n, n, n, n);  // edges of 1
+    const Vec2 middle(n / 2, n / 2);
+    constexpr double k = 2 * std::numbers::pi / 100;
+    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
+        FreeTriangles body(mesh, plane, false, layered);
+        for (const double angle : {0.0, 0.4, 1.0, 0.4 + std::numbers::pi / 2, 2.5}) {
+            const Vec2 along(std::cos(angle), std::sin(angle));
+            Eigen::Matrix2d found;  // of the cosine at the middle
+            for (int component = 0; component < 2; ++component) {
+                const std::vector<Vec2> f = body.force(displacement(mesh, [&](const Vec2& x) -> Vec2 {
+                    return std::cos(k * along.dot(x - middle)) * Vec2::Unit(component);
+                }));
+                Vec2 sum = Vec2::Zero();
+                for (Index c = 0; c < mesh.n_corners(); ++c)
+                    if ((mesh.corner(c) - middle).norm() < 1e-9) sum += f[c];
+                found.col(component) = -sum / (layered.density * thickness * k * k);  // a node has the area 1
+            }
+            const Eigen::Matrix2d speeds = layered.wave_matrix(plane, along);
+            CHECK((found - speeds * speeds).norm() <= 2e-3 * found.norm());
         }
     }
-    for (Index t = 0; t < mesh.n_triangles(); ++t) CHECK(steps[t] == relative(2 / std::sqrt(rate[t]), 1e-6));
 }
 
 TEST_CASE("the stress criterion marks the fans of triangles with much stress and no others") {
@@ -202,8 +238,9 @@ TEST_CASE("large rotations: a body that only turns has no stress") {
 
 TEST_CASE("large rotations: a strained body that turns has the turned forces and the same energy") {
     const Mesh mesh = skew_mesh();
-    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
-        FreeTriangles body(mesh, plane, true);
+    for (const auto& [plane, material] :
+         {std::pair{PlaneModel::strain, rock}, {PlaneModel::stress, rock}, {PlaneModel::strain, layered}}) {
+        FreeTriangles body(mesh, plane, true, material);
         const std::vector<Vec2> u = random_displacements(mesh, 0.03), f = body.force(u);
         double largest = 0;
         for (const Vec2& of_corner : f) largest = std::max(largest, of_corner.norm());
@@ -229,19 +266,21 @@ TEST_CASE("large rotations: a strained body that turns has the turned forces and
 
 TEST_CASE("large rotations: the forces are minus the derivative of the energy and small strains are linear") {
     const Mesh mesh = skew_mesh();
-    FreeTriangles body(mesh, PlaneModel::strain, true), linear(mesh, PlaneModel::strain);
-    const std::vector<Vec2> u = random_displacements(mesh, 0.1), f = body.force(u);
-    for (Index c = 0; c < mesh.n_corners(); ++c)
-        for (int k = 0; k < 2; ++k) {
-            std::vector<Vec2> up = u, down = u;
-            up[c][k] += 1e-4, down[c][k] -= 1e-4;
-            CHECK(f[c][k] == doctest::Approx(-(body.energy(up) - body.energy(down)) / 2e-4).scale(1).epsilon(1e-6));
-        }
-    for (const double size : {1e-3, 1e-6, 1e-9}) {
-        const std::vector<Vec2> small = random_displacements(mesh, size), found = body.force(small),
-                                expected = linear.force(small);
+    for (const Elastic& material : {rock, layered}) {
+        FreeTriangles body(mesh, PlaneModel::strain, true, material), linear(mesh, PlaneModel::strain, false, material);
+        const std::vector<Vec2> u = random_displacements(mesh, 0.1), f = body.force(u);
         for (Index c = 0; c < mesh.n_corners(); ++c)
-            CHECK((found[c] - expected[c]).norm() <= 100 * size * size * rock.E * thickness);
+            for (int k = 0; k < 2; ++k) {
+                std::vector<Vec2> up = u, down = u;
+                up[c][k] += 1e-4, down[c][k] -= 1e-4;
+                CHECK(f[c][k] == doctest::Approx(-(body.energy(up) - body.energy(down)) / 2e-4).scale(1).epsilon(1e-6));
+            }
+        for (const double size : {1e-3, 1e-6, 1e-9}) {
+            const std::vector<Vec2> small = random_displacements(mesh, size), found = body.force(small),
+                                    expected = linear.force(small);
+            for (Index c = 0; c < mesh.n_corners(); ++c)
+                CHECK((found[c] - expected[c]).norm() <= 100 * size * size * rock.E * thickness);
+        }
     }
 }
 

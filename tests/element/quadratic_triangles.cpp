@@ -19,6 +19,8 @@ using namespace knap::tests;
 namespace {
 
 const Elastic rock{.density = 2000, .E = 5, .nu = 0.3};
+const Elastic layered{
+    .density = 2000, .E = 5, .nu = 0.3, .bedding = Bedding{.E = 2, .nu = 0.15, .G = 0.8, .angle = 0.4}};
 constexpr double thickness = 0.7;
 
 Mesh skew_mesh() {
@@ -45,12 +47,13 @@ std::vector<Vec2> random_displacement(const Mesh& mesh) {
 }
 
 /// On free triangles: corner c is node c.
-std::vector<Vec2> forces(const Mesh& mesh, PlaneModel plane, const std::vector<Vec2>& u) {
+std::vector<Vec2> forces(const Mesh& mesh, PlaneModel plane, const std::vector<Vec2>& u,
+                         const Elastic& material = rock) {
     std::vector<Vec2> f(mesh.n_corners());
     std::vector<Index> node(mesh.n_corners());
     for (Index c = 0; c < mesh.n_corners(); ++c) node[c] = c;
     std::vector<std::uint8_t> candidate;
-    ElasticForces(mesh, {rock}, plane, thickness).evaluate(u, node, f, candidate);
+    ElasticForces(mesh, {material}, plane, thickness).evaluate(u, node, f, candidate);
     return f;
 }
 
@@ -86,7 +89,7 @@ std::array<Vec2, 7> gradients(const std::array<Vec2, 3>& g, const Eigen::Vector3
     return made;
 }
 
-ElementMatrix integrated_stiffness(const Mesh& mesh, Index t, PlaneModel plane) {
+ElementMatrix integrated_stiffness(const Mesh& mesh, Index t, PlaneModel plane, const Elastic& material) {
     ElementMatrix K = ElementMatrix::Zero(14, 14);
     for (const Place& place : places()) {
         Eigen::Matrix<double, 3, 14> B = Eigen::Matrix<double, 3, 14>::Zero();
@@ -95,7 +98,7 @@ ElementMatrix integrated_stiffness(const Mesh& mesh, Index t, PlaneModel plane) 
             B(0, 2 * c) = B(2, 2 * c + 1) = gradient[c].x();
             B(1, 2 * c + 1) = B(2, 2 * c) = gradient[c].y();
         }
-        K += place.weight * mesh.area(t) * thickness * B.transpose() * rock.stiffness(plane) * B;
+        K += place.weight * mesh.area(t) * thickness * B.transpose() * material.stiffness(plane) * B;
     }
     return K;
 }
@@ -105,11 +108,12 @@ ElementMatrix integrated_stiffness(const Mesh& mesh, Index t, PlaneModel plane) 
 TEST_CASE("second order: forces and stiffness are those of the seven shape functions integrated") {
     const Mesh mesh = skew_mesh();
     const std::vector<Vec2> u = random_displacement(mesh);
-    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
-        const std::vector<Vec2> f = forces(mesh, plane, u);
+    for (const auto& [plane, material] :
+         {std::pair{PlaneModel::strain, rock}, {PlaneModel::stress, rock}, {PlaneModel::strain, layered}}) {
+        const std::vector<Vec2> f = forces(mesh, plane, u, material);
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
-            const ElementMatrix K = integrated_stiffness(mesh, t, plane),
-                                made = stiffness_matrix(mesh, t, rock, plane, thickness);
+            const ElementMatrix K = integrated_stiffness(mesh, t, plane, material),
+                                made = stiffness_matrix(mesh, t, material, plane, thickness);
             CHECK((made - K).norm() <= 1e-13 * K.norm());
             Eigen::VectorXd all(14);
             for (Index k = 0; k < 7; ++k) all.segment<2>(2 * k) = u[7 * t + k];
@@ -195,21 +199,25 @@ TEST_CASE("second order: the lumped mass integrates cubic functions and the cons
 TEST_CASE("second order: the stable step is that of the free triangle") {
     // equilateral, nodes 1/2 apart; against the largest eigenvalue by power iteration
     const Mesh mesh = skew_mesh();
-    const std::vector<double> steps = stable_steps(mesh, {rock}, PlaneModel::strain);
-    std::vector<Vec2> u = random_displacement(mesh);
-    std::vector<double> rate(mesh.n_triangles());
-    for (int i = 0; i < 3000; ++i) {
-        const std::vector<Vec2> f = forces(mesh, PlaneModel::strain, u);
-        for (Index t = 0; t < mesh.n_triangles(); ++t) {
-            double before = 0, after = 0;
-            const auto mass = [&](Index k) { return corner_share(2, k, rock.density * mesh.area(t) * thickness); };
-            for (Index k = 0; k < 7; ++k)
-                before += mass(k) * u[7 * t + k].squaredNorm(), after += f[7 * t + k].squaredNorm() / mass(k);
-            rate[t] = std::sqrt(after / before);
-            for (Index k = 0; k < 7; ++k) u[7 * t + k] = f[7 * t + k] / (mass(k) * std::sqrt(after));
+    for (const Elastic& material : {rock, layered}) {
+        const std::vector<double> steps = stable_steps(mesh, {material}, PlaneModel::strain);
+        std::vector<Vec2> u = random_displacement(mesh);
+        std::vector<double> rate(mesh.n_triangles());
+        for (int i = 0; i < 3000; ++i) {
+            const std::vector<Vec2> f = forces(mesh, PlaneModel::strain, u, material);
+            for (Index t = 0; t < mesh.n_triangles(); ++t) {
+                double before = 0, after = 0;
+                const auto mass = [&](Index k) {
+                    return corner_share(2, k, material.density * mesh.area(t) * thickness);
+                };
+                for (Index k = 0; k < 7; ++k)
+                    before += mass(k) * u[7 * t + k].squaredNorm(), after += f[7 * t + k].squaredNorm() / mass(k);
+                rate[t] = std::sqrt(after / before);
+                for (Index k = 0; k < 7; ++k) u[7 * t + k] = f[7 * t + k] / (mass(k) * std::sqrt(after));
+            }
         }
+        for (Index t = 0; t < mesh.n_triangles(); ++t) CHECK(steps[t] == relative(2 / std::sqrt(rate[t]), 1e-6));
     }
-    for (Index t = 0; t < mesh.n_triangles(); ++t) CHECK(steps[t] == relative(2 / std::sqrt(rate[t]), 1e-6));
 }
 
 TEST_CASE("second order: the stress criterion marks fans by the forces on their corners") {

@@ -6,6 +6,8 @@
 namespace knap::tests {
 
 constexpr Elastic unit{.density = 1, .E = 1, .nu = 0.3};
+constexpr Elastic layered{
+    .density = 1, .E = 1, .nu = 0.3, .bedding = Bedding{.E = 0.4, .nu = 0.2, .G = 0.15, .angle = 0.5}};
 constexpr double a = 1e-5;  // [1/K] of expansion
 /// Cohesion everywhere, so that temperatures tear a body of `unit` apart.
 inline const CohesiveLaw weak{.sigma_c = 4e-4, .G_c = 3e-7, .gamma = 1, .friction = 0.3};

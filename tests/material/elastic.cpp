@@ -2,6 +2,8 @@
 
 #include "support/verification.hpp"
 
+#include <Eigen/LU>
+
 #include <doctest/doctest.h>
 
 #include <cmath>
@@ -18,7 +20,7 @@ const Elastic glass{.density = 2450, .E = 32e9, .nu = 0.2};
 TEST_CASE("C10 wave speeds of glass in plane strain") {
     describe("E = 32 GPa, nu = .2, rho = 2450 kg/m3, plane strain; references to a tenth of a metre a second.");
     verify_near("c_d [m/s]", glass.dilatational_speed(PlaneModel::strain), 3809.5, {0.1, 0.05});
-    verify_near("c_s [m/s]", glass.shear_speed(), 2332.8, {0.1, 0.05});
+    verify_near("c_s [m/s]", glass.shear_speed(PlaneModel::strain), 2332.8, {0.1, 0.05});
     verify_near("c_R [m/s]", glass.rayleigh_speed(PlaneModel::strain), 2125.2, {0.1, 0.05});
 }
 
@@ -27,8 +29,8 @@ TEST_CASE("the Rayleigh speed is the root of its polynomial for every Poisson ra
     for (double nu = 0; nu < 0.5; nu += 0.049)
         for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {
             const Elastic material{.density = 1, .E = 1, .nu = nu};
-            const double k = std::pow(material.shear_speed() / material.dilatational_speed(plane), 2);
-            const double x = std::pow(material.rayleigh_speed(plane) / material.shear_speed(), 2);
+            const double k = std::pow(material.shear_speed(plane) / material.dilatational_speed(plane), 2);
+            const double x = std::pow(material.rayleigh_speed(plane) / material.shear_speed(plane), 2);
             CHECK(x * x * x - 8 * x * x + (24 - 16 * k) * x - 16 * (1 - k) ==
                   doctest::Approx(0).scale(16).epsilon(1e-12));
             CHECK((x > 0.7 && x < 1));
@@ -60,6 +62,65 @@ TEST_CASE("plane stress and plane strain are Hooke's law with the third directio
         CHECK(glass.dilatational_speed(plane) ==
               doctest::Approx(std::sqrt(glass.stiffness(plane)(0, 0) / glass.density)).epsilon(1e-14));
     }
+}
+
+TEST_CASE("layers of equal constants are the isotropic material at any angle") {
+    for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress})
+        for (const double angle : {0.0, 0.7, 2.0}) {
+            Elastic layered = glass;
+            layered.bedding = Bedding{.E = glass.E, .nu = glass.nu, .G = glass.shear_modulus(), .angle = angle};
+            CHECK((layered.stiffness(plane) - glass.stiffness(plane)).norm() <= 1e-14 * glass.stiffness(plane).norm());
+            CHECK((layered.stress_of_expansion(plane) - glass.stress_of_expansion(plane)).norm() <=
+                  1e-14 * glass.stress_of_expansion(plane).norm());
+            const Vec2 n(std::cos(0.3), std::sin(0.3));
+            CHECK((layered.wave_matrix(plane, n) - glass.wave_matrix(plane, n)).norm() <= 1e-10);
+            CHECK(layered.dilatational_speed(plane) == doctest::Approx(glass.dilatational_speed(plane)).epsilon(1e-12));
+            CHECK(layered.shear_speed(plane) == doctest::Approx(glass.shear_speed(plane)).epsilon(1e-12));
+            CHECK(layered.rayleigh_speed(plane) == doctest::Approx(glass.rayleigh_speed(plane)).epsilon(1e-12));
+            CHECK(layered.plane_modulus(plane) == doctest::Approx(glass.plane_modulus(plane)).epsilon(1e-13));
+        }
+}
+
+TEST_CASE("layers: the compliance in space with its third direction free or held gives the plane laws") {
+    const Elastic slate{
+        .density = 2700, .E = 90e9, .nu = 0.2, .bedding = Bedding{.E = 60e9, .nu = 0.15, .G = 20e9, .angle = 0.6}};
+    const Bedding& across = *slate.bedding;
+    Eigen::Matrix4d S = Eigen::Matrix4d::Zero();  // xx, yy, zz, xy in the frame of the layers
+    S.topLeftCorner<3, 3>() << 1 / slate.E, -across.nu / across.E, -slate.nu / slate.E, -across.nu / across.E,
+        1 / across.E, -across.nu / across.E, -slate.nu / slate.E, -across.nu / across.E, 1 / slate.E;
+    S(3, 3) = 1 / across.G;
+    const double c = std::cos(across.angle), s = std::sin(across.angle);
+    const Eigen::Matrix2d R = (Eigen::Matrix2d() << c, -s, s, c).finished();
+    const Eigen::Matrix2d strain = (Eigen::Matrix2d() << 1e-3, 4e-4, 4e-4, -2e-3).finished(),
+                          local = R.transpose() * strain * R;
+    const auto turned_back = [&](const Eigen::Vector4d& stress) -> Eigen::Vector3d {
+        const Eigen::Matrix2d global =
+            R * (Eigen::Matrix2d() << stress[0], stress[3], stress[3], stress[1]).finished() * R.transpose();
+        return {global(0, 0), global(1, 1), global(0, 1)};
+    };
+    const Eigen::Vector3d given(strain(0, 0), strain(1, 1), 2 * strain(0, 1));
+    // held: zero strain along z
+    const Eigen::Vector4d held = S.inverse() * Eigen::Vector4d(local(0, 0), local(1, 1), 0, 2 * local(0, 1));
+    const Eigen::Vector3d in_plane = slate.stiffness(PlaneModel::strain) * given;
+    CHECK((in_plane - turned_back(held)).norm() <= 1e-13 * held.norm());
+    CHECK(slate.stress_along_strike(in_plane) == doctest::Approx(held[2]).epsilon(1e-13));
+    // the stress that undoes it in the plane: all three strains are those of the expansion
+    const Eigen::Vector4d kept = S.inverse() * Eigen::Vector4d(1, 1, 1, 0);
+    const Eigen::Matrix2d D_A = slate.stress_of_expansion(PlaneModel::strain) * (1 + slate.nu);
+    CHECK((Eigen::Vector3d(D_A(0, 0), D_A(1, 1), D_A(0, 1)) - turned_back(kept)).norm() <= 1e-13 * kept.norm());
+    // free: no stress along z
+    Eigen::Matrix3d plane;
+    plane << S(0, 0), S(0, 1), 0, S(1, 0), S(1, 1), 0, 0, 0, S(3, 3);
+    const Eigen::Vector3d free = plane.inverse() * Eigen::Vector3d(local(0, 0), local(1, 1), 2 * local(0, 1));
+    CHECK((slate.stiffness(PlaneModel::stress) * given - turned_back({free[0], free[1], 0, free[2]})).norm() <=
+          1e-13 * free.norm());
+    // waves along and across the layers
+    const Eigen::Matrix3d inverse = plane.inverse();
+    const Vec2 along(c, s);
+    const Eigen::Matrix2d W = slate.wave_matrix(PlaneModel::stress, along);
+    CHECK(along.dot(W * along) == doctest::Approx(std::sqrt(inverse(0, 0) / slate.density)).epsilon(1e-12));
+    CHECK(turned_left(along).dot(W * turned_left(along)) ==
+          doctest::Approx(std::sqrt(across.G / slate.density)).epsilon(1e-12));
 }
 
 }  // namespace elastic_test

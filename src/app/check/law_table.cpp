@@ -42,6 +42,9 @@ std::string beyond_linear(const NamedLaw& named) {
         add("strength_table " + text_of(law.of_temperature->strength));
     if (law.of_temperature && !law.of_temperature->friction.empty())
         add("friction_table " + text_of(law.of_temperature->friction));
+    if (named.over_bedding.any())
+        add(formatted("strength times %.4g along to %.4g across the layers", named.over_bedding.strength(0),
+                      named.over_bedding.strength(std::numbers::pi / 2)));
     if (named.scatter.kind == Scatter::Kind::weibull) add(formatted("scatter weibull %.4g", named.scatter.modulus));
     else if (named.scatter.any()) add(formatted("scatter %.4g", named.scatter.deviation));
     return text;

@@ -55,7 +55,7 @@ std::string computed(const Scenario& scenario, const RunRecord& record) {
                         "E = " + with_prefix(m.elastic.E, "Pa") + ", nu = " + value_text(m.elastic.nu, "") +
                             ", density " + value_text(m.elastic.density, "kg/m3") + "; waves: dilatational " +
                             value_text(m.elastic.dilatational_speed(scenario.plane), "m/s", 4) + ", shear " +
-                            value_text(m.elastic.shear_speed(), "m/s", 4) + ", Rayleigh " +
+                            value_text(m.elastic.shear_speed(scenario.plane), "m/s", 4) + ", Rayleigh " +
                             value_text(m.elastic.rayleigh_speed(scenario.plane), "m/s", 4)});
     for (const NamedLaw& named : scenario.laws) {
         const CohesiveLaw& law = named.law;

@@ -193,8 +193,7 @@ void StartState::drop_heat(const Model& model) {
     for (std::size_t i = 0; i < strain.size(); ++i) {
         const Index t = static_cast<Index>(i) / per_triangle;
         const Elastic& material = model.materials[model.mesh.region[t]];
-        const double prevented =
-            2 * (material.first_lame(model.plane) + material.shear_modulus()) * std::abs(strain[i]);
+        const double prevented = material.stress_of_expansion(model.plane).cwiseAbs().maxCoeff() * std::abs(strain[i]);
         if (prevented > lost_stress->largest) *lost_stress = {prevented, model.mesh.centroid(t)};
     }
     now.temperature = now.temperature_before = nullptr;

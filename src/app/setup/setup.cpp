@@ -85,6 +85,7 @@ ModelInput model_input(const Scenario& scenario) {
     for (const NamedLaw& law : scenario.laws) {
         input.laws.push_back(law.law);
         input.scatter.push_back(law.scatter);
+        input.over_bedding.push_back(law.over_bedding);
     }
     input.law_of_pair = scenario.law_of_pair;
     input.law_within = scenario.law_within;

@@ -25,10 +25,9 @@ void add(const Model& model, const BoundaryEdge& edge, std::vector<Dashpot>& das
     };
     if (is_led(a) && is_led(b)) refuse(mesh, edge, "a load prescribes its motion");
     const Elastic& material = model.materials[mesh.region[edge.triangle]];
-    const Vec2 along = mesh.side_vector(edge.triangle, edge.side), t = along.normalized(), n = -turned_left(t);
-    const Eigen::Matrix2d C =
-        material.density * along.norm() * model.thickness *
-        (material.dilatational_speed(model.plane) * n * n.transpose() + material.shear_speed() * t * t.transpose());
+    const Vec2 along = mesh.side_vector(edge.triangle, edge.side);
+    const Eigen::Matrix2d C = material.density * along.norm() * model.thickness *
+                              material.wave_matrix(model.plane, -turned_left(along.normalized()));
     const double end = mesh.order == 1 ? 1. / 2 : 1. / 6;
     for (const Index corner : {a, b}) dashpots.push_back({model.fan_of_corner[corner], corner, end * C});
     const Index middle = first + 3 + edge.side;

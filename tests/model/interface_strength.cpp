@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace random_strength_test {
+namespace interface_strength_test {
 
 using namespace knap;
 using namespace knap::tests;
@@ -117,4 +117,37 @@ TEST_CASE("a correlated field gives the same strength on every mesh") {
     }
 }
 
-}  // namespace random_strength_test
+TEST_CASE("the strength of a facet follows its angle to the layers beside it and the weaker side counts") {
+    constexpr double degree = std::numbers::pi / 180;
+    ModelInput input = input_of(bar_mesh(4, 4, 4, 4, [](int i) { return i < 2 ? 0 : 1; }));
+    input.materials = {input.materials[0], input.materials[0]};
+    input.law_of_pair = {{0, 0}, {0, 0}};
+    const auto layers = [](double angle) { return Bedding{.E = 1, .nu = 0.2, .G = 0.5, .angle = angle}; };
+    input.materials[0].bedding = layers(30 * degree);
+    input.over_bedding = {{.strength = {.angle = {0, 60 * degree}, .factor = {0.25, 1}},
+                           .energy = {.angle = {0, 90 * degree}, .factor = {0.1, 1}}}};
+    const CohesiveLaw law = input.laws[0];
+    const auto check = [&](const std::vector<double>& angle_of_region) {  // [deg], negative: no layers
+        const Model model = make_model(input);
+        for (const Interface& interface : model.interfaces) {
+            const Vec2 along = model.mesh.vertices[interface.vertex[1]] - model.mesh.vertices[interface.vertex[0]];
+            double strength = infinity, energy = infinity;
+            for (const Index t : interface.triangle) {
+                if (angle_of_region[model.mesh.region[t]] < 0) continue;
+                double between = std::fmod(
+                    std::abs(std::atan2(along.y(), along.x()) / degree - angle_of_region[model.mesh.region[t]]), 180);
+                if (between > 90) between = 180 - between;
+                strength = std::min(strength, 0.25 + 0.75 * std::min(between / 60, 1.));
+                energy = std::min(energy, 0.1 + 0.9 * between / 90);
+            }
+            const CohesiveLaw& own = model.laws[interface.law];
+            CHECK(own.sigma_c == relative(law.sigma_c * (std::isinf(strength) ? 1 : strength), 1e-14));
+            CHECK(own.G_c == relative(law.G_c * (std::isinf(energy) ? 1 : energy), 1e-14));
+        }
+    };
+    check({30, -1});
+    input.materials[1].bedding = layers(-60 * degree);
+    check({30, 120});
+}
+
+}  // namespace interface_strength_test
