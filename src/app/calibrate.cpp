@@ -17,8 +17,12 @@ std::string pair_text(double x, double y) { return "[" + shortest(x) + ", " + sh
 
 std::string matter_text(const CalibratedLaw& of) {
     const Elastic& elastic = of.material.elastic;
-    return "={ density = " + shortest(elastic.density) + ", E = " + shortest(elastic.E) +
-           ", nu = " + shortest(elastic.nu) + " }";
+    std::string text =
+        "={ density = " + shortest(elastic.density) + ", E = " + shortest(elastic.E) + ", nu = " + shortest(elastic.nu);
+    if (const auto& layers = elastic.bedding)
+        text += ", bedding = { E = " + shortest(layers->E) + ", nu = " + shortest(layers->nu) +
+                ", G = " + shortest(layers->G) + ", angle = " + shortest(layers->angle / degree) + " }";
+    return text + " }";
 }
 
 std::string law_text(const CalibratedLaw& of, double sigma_c, double G_c) {
@@ -26,7 +30,8 @@ std::string law_text(const CalibratedLaw& of, double sigma_c, double G_c) {
     for (const Node& key : of.read.values.find("interface." + of.law.name)->children) {
         const bool other = key.name == "sigma_c" || key.name == "G_c" || key.name == "delta_c" ||
                            key.name == "strength_table" || key.name == "friction_table" || key.name == "csv" ||
-                           key.name == "scatter";
+                           key.name == "scatter" || key.name == "strength_over_bedding" ||
+                           key.name == "energy_over_bedding";
         if (key.valid && key.is_given() && !other && !key.key->is_table())
             keys.push_back(key.name + " = " + toml_text(key));
     }

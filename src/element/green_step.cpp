@@ -2,8 +2,6 @@
 
 #include "element/shape_functions.hpp"
 
-#include <optional>
-
 namespace knap {
 namespace {
 

@@ -6,9 +6,9 @@
 //     E = 1/2 (H + H' + H' H),   E+ - E = sym(F_mid' Delta),   F_mid = I + H + Delta/2
 //     S_theta = D ((1 - theta) (E - e A) + theta (E+ - e+ A)),   f_k = -V F_mid S_theta grad l_k
 //
-// Their work is exactly the change of U = V/2 (E - e A) : D (E - e A), the work of the thermal strains, and the dissipation
-// of the scheme; they have no resultant, and no moment about the places in the middle of the step. E+ - E is found from
-// Delta without cancellation.
+// Their work is exactly the change of U = V/2 (E - e A) : D (E - e A), the work of the thermal strains, and the
+// dissipation of the scheme; they have no resultant, and no moment about the places in the middle of the step. E+ - E
+// is found from Delta without cancellation.
 #include "element/constant_strain.hpp"
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"

@@ -36,7 +36,8 @@ public:
         return product(0, n_triangles(), displacement, node_of_corner, strain, other);
     }
 
-    /// [J] What the strain adds to the elastic energy: the integral of 1/2 (eps - e A) : D (eps - e A) - 1/2 eps : D eps.
+    /// [J] What the strain adds to the elastic energy: the integral of 1/2 (eps - e A) : D (eps - e A) - 1/2 eps : D
+    /// eps.
     double energy(Index first, Index last, const std::vector<Vec2>& displacement,
                   const std::vector<Index>& node_of_corner, std::span<const double> strain) const;
 

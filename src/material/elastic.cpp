@@ -9,20 +9,7 @@
 namespace knap {
 namespace {
 
-constexpr int n_directions = 180;  // of plane waves, over half a turn
-
-/// [m/s] The slowest and the fastest plane wave of all directions.
-std::array<double, 2> extreme_speeds(const Elastic& material, PlaneModel model) {
-    std::array<double, 2> extreme{infinity, 0};
-    for (int i = 0; i < n_directions; ++i) {
-        const double angle = std::numbers::pi * i / n_directions;
-        const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> speeds(
-            material.wave_matrix(model, {std::cos(angle), std::sin(angle)}), Eigen::EigenvaluesOnly);
-        extreme[0] = std::min(extreme[0], speeds.eigenvalues()[0]);
-        extreme[1] = std::max(extreme[1], speeds.eigenvalues()[1]);
-    }
-    return extreme;
-}
+constexpr int n_directions = 90;  // of plane waves, over a right angle
 
 /// The root in (low, high) of a function that grows from negative values.
 template <class F>
@@ -55,6 +42,21 @@ Eigen::Matrix3d stiffness_along(const Elastic& material, PlaneModel model) {
     return compliance.inverse();
 }
 
+/// [m/s] The slowest and the fastest plane wave of all directions in layers: roots of the eigenvalues of
+///     (D11 c^2 + D33 s^2, (D12 + D33) c s; ., D33 c^2 + D22 s^2)/density,   c, s: cosine and sine to the layers
+std::array<double, 2> extreme_speeds(const Elastic& material, PlaneModel model) {
+    const Eigen::Matrix3d D = stiffness_along(material, model);
+    double slowest = infinity, fastest = 0;
+    for (int i = 0; i <= n_directions; ++i) {
+        const double angle = 0.5 * std::numbers::pi * i / n_directions, c = std::cos(angle), s = std::sin(angle),
+                     along = D(0, 0) * c * c + D(2, 2) * s * s, across = D(2, 2) * c * c + D(1, 1) * s * s,
+                     mean = 0.5 * (along + across),
+                     radius = std::hypot(0.5 * (along - across), (D(0, 1) + D(2, 2)) * c * s);
+        slowest = std::min(slowest, mean - radius), fastest = std::max(fastest, mean + radius);
+    }
+    return {std::sqrt(slowest / material.density), std::sqrt(fastest / material.density)};
+}
+
 }  // namespace
 
 double Elastic::first_lame(PlaneModel model) const {
@@ -80,8 +82,8 @@ double Elastic::shear_speed(PlaneModel model) const {
 
 double Elastic::rayleigh_speed(PlaneModel model) const {
     if (bedding) {
-        // D22 D33 X^2 (D11 - X) = (D33 - X) (D22 (D11 - X) - D12^2)^2,  X = density c^2 < D33 (D. Royer, E. Dieulesaint,
-        // J. Acoust. Soc. Am. 76, 1984, 1438)
+        // D22 D33 X^2 (D11 - X) = (D33 - X) (D22 (D11 - X) - D12^2)^2,  X = density c^2 < D33
+        // (D. Royer, E. Dieulesaint, J. Acoust. Soc. Am. 76, 1984, 1438)
         const Eigen::Matrix3d D = stiffness_along(*this, model) / bedding->G;
         const double x = bisected(0, std::min(1., D(0, 0)), [&](double x) {
             const double part = D(1, 1) * (D(0, 0) - x) - D(0, 1) * D(0, 1);

@@ -48,6 +48,8 @@ std::span<const Exclusion> exclusions() {
         {"coupling = \"norm\"", "toughness = \"as measured\"",
          "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"scatter", "strength = \"as measured\"", "the measured strength is one number"},
+        {"strength_over_bedding", "strength = \"as measured\"",
+         "the measured strength is one number, for all directions"},
         {"incubation_time", "strength = \"as measured\"", "the measured strength is one number, for all rates"},
         {"[[body]]", "mesh.file", "each of them defines the bodies (a file may have several, which share no nodes)"},
         {"[[joints]]", "mesh.file",

@@ -110,6 +110,23 @@ void check_locking(Reading& reading) {
                          "mesh.order = 2, or smaller triangles; compare two sizes");
 }
 
+/// The surplus of the program's tables is that of cracks in isotropic bodies.
+void check_calibration_of_layers(Reading& reading) {
+    const Scenario& scenario = reading.scenario;
+    for (std::size_t i = 0; i < scenario.laws.size(); ++i) {
+        const NamedLaw& law = scenario.laws[i];
+        if (law.measured_G_c == 0 && law.measured_sigma_c == 0) continue;
+        for (std::size_t m = 0; m < scenario.materials.size(); ++m)
+            if (scenario.materials[m].elastic.bedding && scenario.law_of_pair[m][m] == static_cast<Index>(i))
+                reading.table("interface." + law.name)
+                    .warning("calibration", "",
+                             "is corrected by the surplus of a mesh, which was measured in isotropic bodies, in the "
+                             "layers of `material." +
+                                 scenario.materials[m].name + "`",
+                             "a table of `knap calibrate` with this scenario");
+    }
+}
+
 constexpr double negligible_factor = 1e-3;
 
 /// Tables whose times the run does not meet.
@@ -181,6 +198,7 @@ void warn_of_implausible(Reading& reading) {
         for (const Table& table : reading.list(range.table)) check(table, range);
     check_strains(reading);
     check_locking(reading);
+    check_calibration_of_layers(reading);
     check_times(reading);
 }
 

@@ -44,6 +44,7 @@ TestedLaw tested_law(const Scenario& scenario, const LawWithin& within) {
 std::string not_tested(const Scenario& scenario, Index law) {
     const NamedLaw& named = scenario.laws[law];
     if (named.scatter.any() && named.scatter.of_strength) return "its strength is random";
+    if (named.over_bedding.any()) return "it follows the angle to the layers (strength_over_bedding)";
     if (named.law.incubation_time > 0) return "its strength depends on the rate (incubation_time)";
     if (named.law.of_temperature && !named.law.of_temperature->friction.empty())
         return "its friction depends on the temperature";

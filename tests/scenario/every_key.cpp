@@ -535,6 +535,12 @@ quiet_for = "3 ms"
 
 const std::string norm = samples::changed("G_c = 3\n", "G_c = 3\ncoupling = \"norm\"\n");
 
+const std::string slate = samples::changed(
+    "G_c = 3\n",
+    "G_c = 3\nstrength_over_bedding = [[0, 0.2], [\"30 deg\", 1]]\nenergy_over_bedding = [[10, 0.5], [90, 1]]\n",
+    samples::changed("nu = 0.2\n",
+                     "nu = 0.2\nbedding = { E = \"20 GPa\", nu = 0.15, G = \"9 GPa\", angle = \"30 deg\" }\n"));
+
 const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
 softening = "power"
 exponent = 3
@@ -1111,6 +1117,12 @@ const Case cases[] = {
     {mesh_file, "mesh.grains", "true"},
     {mesh_file, "mesh.joint[0].curve", "\"crack\""},
     {mesh_file, "mesh.joint[0].interface", "\"default\""},
+    {slate, "material.glass.bedding.E", "2e+10"},
+    {slate, "material.glass.bedding.nu", "0.15"},
+    {slate, "material.glass.bedding.G", "9e+09"},
+    {slate, "material.glass.bedding.angle", "30"},
+    {slate, "interface.default.strength_over_bedding", "[[0, 0.2], [30, 1]]"},
+    {slate, "interface.default.energy_over_bedding", "[[10, 0.5], [90, 1]]"},
     {rock, "interface.default.softening", "\"power\""},
     {rock, "interface.default.exponent", "3"},
     {norm, "interface.default.coupling", "\"norm\""},

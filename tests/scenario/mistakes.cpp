@@ -36,6 +36,8 @@ const std::string disc = "[[obstacle]]\nshape = \"disc\"\ncentre = [0, -1]\nradi
 const std::string driven = "[[load]]\non = \"top\"\nvelocity = [0, 1]\n";                     // lines 16 to 18
 const std::string specimen = driven + "[specimen]\ntest = \"tension\"\nforce = \"load0\"\n";  // lines 19 to 21
 
+const std::string layered = changed("nu = 0.2", "nu = 0.2\nbedding = { E = 1e9, nu = 0.1 }");
+
 const std::string heat = "[heat]\ntemperature = \"20\"\n";  // lines 16, 17
 
 /// Of the mesh, with one refined place.
@@ -344,6 +346,16 @@ const Case cases[] = {
      13, 1, 4, "no strength"},
     {"a mode mix of one energy", changed("G_c = 3", "G_c = 3\nmode_mix = \"power\""), "missing-key", 14, 12, 7,
      "`G_II`"},
+    {"layers that give work when they are compressed", changed("nu = 0.2", "nu = 0.2\nbedding = { E = 1e9, nu = 0.5 }"),
+     "out-of-range", 11, 27, 3, "do work"},
+    {"strength over layers that nobody has", changed("G_c = 3", "G_c = 3\nstrength_over_bedding = [[0, 0.5], [90, 1]]"),
+     "missing-key", 14, 25, 19, "bedding"},
+    {"strength over an angle of layers beyond 90",
+     changed("G_c = 3", "G_c = 3\nstrength_over_bedding = [[0, 0.5], [120, 1]]", layered), "out-of-range", 15, 25, 20,
+     "from 0 to 90"},
+    {"a facet that is stronger than the strongest one",
+     changed("G_c = 3", "G_c = 3\nenergy_over_bedding = [[0, 0.5], [90, 2]]", layered), "out-of-range", 15, 23, 19,
+     "strongest facet"},
     {"a slip distance to nowhere", changed("G_c = 3", "G_c = 3\nslip_distance = 1e-3"), "missing-key", 14, 17, 4,
      "`kinetic_friction`"},
     {"slip energy of an implicit norm",
@@ -502,7 +514,8 @@ TEST_CASE("mistakes: as the user sees them") {
           "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, coupling, "
           "unloading, "
           "relaxation_time, incubation_time, gamma, G_II, mode_mix, mix_exponent, "
-          "strength_table, friction_table, friction, restitution, kinetic_friction, slip_distance, scatter\n");
+          "strength_table, friction_table, strength_over_bedding, "
+          "energy_over_bedding, friction, restitution, kinetic_friction, slip_distance, scatter\n");
 }
 
 TEST_CASE("mistakes: very many in one line and very long ones are short messages") {

@@ -16,7 +16,7 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 44> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 46> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
                                                           {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
@@ -46,6 +46,8 @@ inline constexpr std::array<Capability, 44> capabilities{{{"rotation = \"large\"
                                                           {"R_N", "[[obstacle]]"},
                                                           {"[[grains]]", ""},
                                                           {"joints", ""},
+                                                          {"bedding", ""},
+                                                          {"strength_over_bedding", "bedding"},
                                                           {"[[initial]]", ""},
                                                           {"[[initial]] stress", ""},
                                                           {"scatter", ""},
@@ -138,12 +140,14 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(file && has("joints"), "[[mesh.joint]]\ncurve = \"seam\"\ninterface = \"default\"\n");
     add(adapts, "[adapt]\nsize = 0.005\nevery = 2\nload = 0.02\nmargin = 1\nlimit = 600\n");
     text += "[material.rock]\ndensity = 2500\nE = 30e9\nnu = 0.2\n";
+    add(has("bedding"), "bedding = { E = 20e9, nu = 0.15, angle = 30 }\n");
     add(has("bulk_viscosity"), "bulk_viscosity = [0.06, 1.2]\n");
     add(has("[heat]"), "expansion = 1e-5\n");
     add(has("heat.conduction"), "conductivity = 2\nheat_capacity = 800\n");
     text += "[interface.default]\nsigma_c = 3e6\nfriction = 0.3\nG_c = ";
     text += has("strength = \"as measured\"") ? energy + "\n" : "30\n";
     add(has("strength_table"), "strength_table = [[0, 1], [100, 0.5]]\n");
+    add(has("strength_over_bedding"), "strength_over_bedding = [[0, 0.5], [30, 1]]\n");
     add(has("unloading = \"secant\""), "unloading = \"secant\"\n");
     add(has("unloading = \"vertical\""), "unloading = \"vertical\"\n");
     add(has("G_II"), "G_II = 90\n");

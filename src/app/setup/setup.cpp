@@ -106,7 +106,7 @@ LawStrength law_strength(const Scenario& scenario) {
     for (std::size_t m = 0; scenario.specimen && m < scenario.materials.size(); ++m) {
         const NamedLaw& named = scenario.laws[scenario.law_of_pair[m][m]];
         CohesiveLaw law = named.law;
-        if (!law.breakable() || law.sigma_c <= 0) continue;
+        if (!law.breakable() || law.sigma_c <= 0 || named.over_bedding.any()) continue;
         LawStrength found{.of_interfaces = strength_by_law(scenario.specimen->test, law)};
         law.sigma_c = named.measured_sigma_c;
         if (law.sigma_c > 0) found.measured = strength_by_law(scenario.specimen->test, law);
