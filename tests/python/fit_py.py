@@ -48,6 +48,13 @@ class Answer:
         return self.curve
 
 
+class Done:
+    """What stands for a process that has ended."""
+
+    def __init__(self, code, text):
+        self.returncode, self.communicate, self.poll = code, lambda: ("", text), lambda: code
+
+
 class Simulated(Runs):
     """Runs of a model that is a function(test, u, seed): it returns what has `summary` and `table`."""
 
@@ -59,9 +66,9 @@ class Simulated(Runs):
         k, test, seed = job
         try:
             self._answers[job] = self.model(test, self.points[k], self.seed(k, test, seed))
-            return 0, ""
+            return Done(0, "")
         except knap.KnapError as error:
-            return 3, str(error)
+            return Done(3, str(error))
 
 
 def study(name, numbers, model, log=False, scatter=0.05, high=4.0, curve=None, **options):
@@ -71,7 +78,7 @@ def study(name, numbers, model, log=False, scatter=0.05, high=4.0, curve=None, *
     test.measured = [Measured(test, n, "fit" if y is not None else "candidate", None if y is None else np.array([float(y)]), scatter)
                      for n, y in numbers.items()]
     if curve is not None:
-        test.measured.append(Measured(test, "curve", "fit", curve[1], scatter, x=curve[0], columns=[("c", "x"), ("c", "y")]))
+        test.measured.append(Measured(test, "curve", "fit", curve[1], scatter, x=curve[0], columns=["c.x", "c.y"]))
     found = Problem(name, parameters, [test], options)
     shutil.rmtree(directory / name, ignore_errors=True)
     return inference.Fit(found, Simulated(found, directory / name, lambda t, u, s: model(*found.values(u[None])[0], s)))
@@ -127,19 +134,20 @@ class Quick(unittest.TestCase):
     def test_all_mistakes_of_a_file_at_once(self):
         file = directory / "bad.toml"
         file.write_text(bad)
+        (directory / "backwards.csv").write_text("u [m],F [N]\n0,1\n0,2\n")
         with self.assertRaises(files.Mistakes) as caught:
             files.read(file)
         text = str(caught.exception)
         lines = bad.splitlines()
         for line, words in ((3, "`fit.budget` = 0"), (4, "did you mean `method`?"), (5, "model_error"), (10, "a value between the bounds"),
                             (12, "'beem', which does not exist"), (13, "with one unit"), (17, "largest_reaction, largest_rotation"),
-                            (21, "a unit of largest_reaction: N"), (23, "x ascending"), (25, "*_force_y"),
+                            (21, "a unit of largest_reaction: N"), (23, "x = 0 is not larger than 0"), (25, "*_force_y"),
                             (31, "which the parameter f has, too"), (33, "`test.second` has nothing measured"),
                             (35, "which the parameter f sets")):
             self.assertIn(f"bad.toml:{line}\n   | {lines[line - 1]}", text)
             self.assertIn(words, text)
         self.assertIn("sigma_x` is not a key of a scenario", text)
-        self.assertTrue(text.endswith("15 errors, nothing was run."), text)
+        self.assertTrue(text.endswith("14 errors, nothing was run."), text)
 
     def test_what_cannot_be_is_found_before_the_runs(self):
         file = directory / "impossible.toml"
@@ -216,7 +224,8 @@ class Quick(unittest.TestCase):
         (directory / "signs.toml").write_text(text.replace("load0_force_y", "load9_force_y"))
         done = subprocess.run([sys.executable, tools / "knap-fit", directory / "signs.toml", "-o", directory / "signs", "--force"], capture_output=True, text=True)
         self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
-        self.assertIn("a run has no column 'load9_force_y'; there are: time, load0_force_x", done.stderr)
+        self.assertIn("= 'reactions.load9_force_y' is no column of three_point_bending", done.stderr)
+        self.assertIn("allowed: reactions.time, reactions.load0_force_x", done.stderr)
 
     def test_no_value_of_a_key_is_an_internal_error(self):
         lines = (fits / "beam.toml").read_text().splitlines()
@@ -273,7 +282,7 @@ class Quick(unittest.TestCase):
         likelihood, calls = fit.likelihood, []
 
         class Interrupted:
-            with_error = False
+            has_error = False
 
             def __call__(self, u):
                 calls.append(1)
@@ -344,7 +353,7 @@ class Quick(unittest.TestCase):
         np.testing.assert_allclose([head.x_in_file[[0, -1]], tail.x_in_file[[0, -1]]], [[0.0498, 0.3996], [0.4992, 1.0]])
         self.assertEqual((head.title, tail.title), ("panel: jack_force_y", "panel: jack_force_y (left out)"))
         shutil.copy(fits / "winkler.csv", directory)
-        for old, new, words in (('"0.45 mm", "1 mm"', '"0.7 mm", "1 mm"', "two or more points"), ('"0.45 mm", "1 mm"', '"1 N", "2 N"', "in its unit"),
+        for old, new, words in (('"0.45 mm", "1 mm"', '"0.7 mm", "1 mm"', "two or more points"), ('"0.45 mm", "1 mm"', '"1 N", "2 N"', "goes from 0.0498 to 1 mm"),
                                 ('use     = "predict"', "", "is the second one of jack_force_y")):
             (directory / "parts.toml").write_text(text.replace(old, new))
             with self.assertRaisesRegex(files.Mistakes, words):
@@ -352,12 +361,12 @@ class Quick(unittest.TestCase):
 
     def test_units_are_those_of_the_program(self):
         for unit, of, value in (("MPa", "Pa", 1e6), ("kJ/m2", "J/m2", 1e3), ("mm", "m", 1e-3), ("mm2", "m2", 1e-6), ("mm/us", "m/s", 1e3), ("%", "", 0.01)):
-            self.assertAlmostEqual(files.factor(unit, of) / value, 1, delta=1e-12)
-        self.assertIsNone(files.factor("mm", "N"))
+            self.assertAlmostEqual(knap.factor(unit, of) / value, 1, delta=1e-12)
+        self.assertIsNone(knap.factor("mm", "N"))
 
     def test_curve_takes_the_first_time_that_a_place_is_reached(self):
         curve = knap.Table({"x": np.array([0, 1, 0.5, 2, 3.0]), "y": np.array([0, 10, 99, 20, 30.0])})
-        m = Measured(None, "c", "fit", None, None, x=np.array([0.5, 1.5, 4.0]), columns=[("c", "x"), ("c", "y")], factors=(1, -1))
+        m = Measured(None, "c", "fit", None, None, x=np.array([0.5, 1.5, 4.0]), columns=["c.x", "c.y"], factors=(1, -1))
         np.testing.assert_array_equal(m.of(Answer(curve)), [-5, -15, np.nan])
 
     def test_runs_go_on_and_failures_are_noted(self):
@@ -531,8 +540,10 @@ class Quick(unittest.TestCase):
         (title, narrowed, *_), = fit.further_tests()
         self.assertEqual(title, "t: other (not measured)")
         self.assertGreater(narrowed.min(), 0.6)
-        if (figure := report.figure_of(5, 5)) is not None:
-            axes = report.corner(figure, fit).get_axes()
+        if importlib.util.find_spec("matplotlib"):
+            from matplotlib.figure import Figure
+            report.corner(figure := Figure(), fit)
+            axes = figure.get_axes()
             self.assertEqual([(axis.get_xscale(), axis.get_yscale()) for axis in axes if axis.axison], [("log", "linear"), ("log", "log"), ("log", "linear")])
 
     @needs_libraries
@@ -676,7 +687,7 @@ class Quick(unittest.TestCase):
         exact = fit_of(1, 0)[0].run()  # seeds change nothing: known by the repeats
         self.assertEqual(exact.determined(), ["partly"])  # one specimen, whose scatter nothing tells
         self.assertIn("t: x: no `scatter` is given; that of the seeds is taken, at least 0.1 %: ", said := " ".join(report.said(exact, [], [])))
-        self.assertIn("(0.1 % of its largest value). Nothing tells that of specimens", said)
+        self.assertIn("(0.1 % of its largest value). t: x: nothing tells the scatter of specimens", said)
         exact.problem.fitted[0].n = 12
         self.assertEqual((exact.determined(), exact.unknown_scatter()), (["yes"], []))
         self.assertLess(exact.posterior.widths()[0], 0.02)
@@ -686,7 +697,7 @@ class Quick(unittest.TestCase):
         self.assertEqual([m.title for m in blind.unknown_scatter()], ["t: x"])
         self.assertNotIn("yes", blind.determined())
         report.write(blind)
-        self.assertIn("Too few runs differ by their seed alone", (directory / "six" / "report.html").read_text())
+        self.assertIn("too few runs differ by their seed alone", (directory / "six" / "report.html").read_text())
 
     @needs_libraries
     def test_intervals_of_a_curve_cover_as_often_as_they_say(self):
@@ -823,7 +834,7 @@ values = ["850 N"]
 number = "largest_reaction"
 values = ["850 mm"]
 [[test.beam.measured]]
-points = [[0, 1], [0, 2]]
+curve = "backwards.csv"
 x = "reactions.load0_u_y"
 y = "reactions.load0_force"
 scatter = "5 m"
