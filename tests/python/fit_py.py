@@ -163,6 +163,23 @@ class Quick(unittest.TestCase):
             self.assertIn(f"impossible.toml:{number}\n", str(caught.exception))
             self.assertIn(words, str(caught.exception))
 
+    def test_one_mistake_has_one_message(self):
+        file = directory / "one.toml"
+        other = bar[bar.index("[test.bar"):].replace("test.bar", "test.other")
+        for old, new, words in (("bounds = [", "boundz = [", "did you mean `bounds`?"), ("values = [", "valeus = [", "did you mean `values`?"),
+                                ("number = ", "numbr = ", "did you mean `number`?"), ("scenario = ", "scenari = ", "did you mean `scenario`?"),
+                                ('"bar_pulled_apart"', '"none.toml"', "relative to this one"), ('"4 J/m2"', '"1 J/m2"', "two ascending numbers"),
+                                ("left-right.G_c", "left-right.G_d", "did you mean `G_c`?"), ('"12 mJ"', '"12 mN"', "a unit of dissipated: J")):
+            for text in (bar, bar + other) if "G_d" in new else (bar,):
+                file.write_text(text.replace(old, new))
+                with self.assertRaisesRegex(files.Mistakes, "\n1 error, nothing was run") as caught:
+                    files.read(file)
+                self.assertIn(words, str(caught.exception))
+        number = next(k for k, line in enumerate(bar.splitlines(), 1) if line.startswith("key = "))
+        file.write_text(bar.replace("left-right.G_c", "left-right.G_d"))  # what the program says of a key stands at its line
+        with self.assertRaisesRegex(files.Mistakes, f"one.toml:{number}\n"):
+            files.read(file)
+
     def test_one_key_of_two_tests_may_have_two_parameters(self):
         file = directory / "two_tests.toml"
         text = bar.replace("G_c]", "own]").replace("interface.left", "bar:interface.left") + bar[bar.index("[parameter"):].replace(
@@ -202,9 +219,9 @@ class Quick(unittest.TestCase):
             text = (fits / name).read_text()
             self.assertIn(f"{text[text.index(first):]}```\n", guide)
         curve, candidate = files.read(fits / "beam.toml").measured
-        np.testing.assert_allclose(curve.x, np.linspace(1e-4, 1e-3, 10))
+        np.testing.assert_allclose(curve.x, np.linspace(0.1, 1, 10))
         self.assertEqual((curve.scatter, curve.noise, candidate.part, candidate.values), (0.02 * 833, 5.0, 0.05, None))
-        self.assertEqual((curve.x_in_file[0], curve.x_shown, curve.shown), (0.1, "mm", "N"))
+        self.assertEqual((curve.x[0], curve.x_unit, curve.unit), (0.1, "mm", "N"))
 
     def test_forgotten_signs_are_found_by_the_first_run(self):
         """A curve over a deflection and a force that are negative in the run."""
@@ -350,9 +367,13 @@ class Quick(unittest.TestCase):
     def test_two_measurements_have_parts_of_one_curve(self):
         text = (fits / "fit_concrete_panel.toml").read_text()
         head, tail = files.read(fits / "fit_concrete_panel.toml", check_scenarios=False).measured
-        np.testing.assert_allclose([head.x_in_file[[0, -1]], tail.x_in_file[[0, -1]]], [[0.0498, 0.3996], [0.4992, 1.0]])
+        np.testing.assert_allclose([head.x[[0, -1]], tail.x[[0, -1]]], [[0.0498, 0.3996], [0.4992, 1.0]])
         self.assertEqual((head.title, tail.title), ("panel: jack_force_y", "panel: jack_force_y (left out)"))
         shutil.copy(fits / "winkler.csv", directory)
+        (directory / "parts.toml").write_text(text.replace('"0.45 mm", "1 mm"', "0.00045, 0.45"))  # the unit of winkler.csv
+        shutil.copy(fits / "concrete_panel.toml", directory)
+        part = files.read(directory / "parts.toml", check_scenarios=False).measured[1]
+        np.testing.assert_allclose(part.x[[0, -1]], [0.0498, 0.3996])
         for old, new, words in (('"0.45 mm", "1 mm"', '"0.7 mm", "1 mm"', "two or more points"), ('"0.45 mm", "1 mm"', '"1 N", "2 N"', "goes from 0.0498 to 1 mm"),
                                 ('use     = "predict"', "", "is the second one of jack_force_y")):
             (directory / "parts.toml").write_text(text.replace(old, new))
@@ -633,6 +654,35 @@ class Quick(unittest.TestCase):
         self.assertNotIn("b: the most likely value", page)
 
     @needs_libraries
+    def test_runs_that_all_fail_end_the_fit_with_a_remedy(self):
+        def model(a, b, seed):
+            raise knap.KnapError("gate law_lag violated")
+        fit = study("failing", {"x": 2}, model, budget=60)
+        with self.assertRaisesRegex(Stop, "only 0 of 12 points have a value; the first run without one: gate law_lag violated\n = allowed: bounds"):
+            fit.run()
+        self.assertEqual(fit.runs.n_runs, 12)
+
+    @needs_libraries
+    def test_scatter_of_a_surplus_is_part_of_the_interval(self):
+        """Of a law "as measured" the runs know the strength of the interfaces; that of specimens is a surplus times as large."""
+        fit = study("surplus", {"x": 2, "y": 3}, lambda a, b, s: Answer(x=a, y=b), scatter=0.02)
+        fit.runs.surplus_scatter = lambda: np.array([0.05, 0])
+        fit = inferred(fit, steps=600)
+        a, b = fit.problem.values(fit.posterior.u).std(axis=0)
+        self.assertAlmostEqual(a, np.hypot(0.02, 0.05 * 2), delta=0.006)
+        self.assertAlmostEqual(b, 0.02, delta=0.002)
+        self.assertIn("a is as measured: the program divides it by a surplus of specimens whose own scatter, 5 %", " ".join(report.said(fit, [], [])))
+        problem = Problem("check", [Parameter("s", ["interface.default.sigma_c"], (4.0, 6.0), "MPa", False)],
+                          [Test("t", "uniaxial_compression", {"strength": "as measured"}, 1, 1)], {})
+        runs = Runs(problem, directory / "surplus_check")
+        self.assertEqual(runs.surplus_scatter(), 0)
+        runs.numbers = lambda test, name: np.ones(1)  # of a run with measured_sigma_c
+        said = subprocess.run([knap.program(), "check", "uniaxial_compression", "-s", "strength=as measured"], capture_output=True, text=True).stdout
+        mean, deviation = map(float, re.search(r"surplus of this mesh is (\S+) \+- (\S+)", said).groups())
+        self.assertAlmostEqual(runs.surplus_scatter()[0], deviation / mean, delta=1e-12)
+        self.assertGreater(deviation, 0)
+
+    @needs_libraries
     def test_few_points_are_chosen_where_runs_have_no_value(self):
         """The data lead to the border of a region in which no run has a value; before points were chosen by the probability of a
         value, 81 to 94 % of them lay in it."""
@@ -652,7 +702,8 @@ class Quick(unittest.TestCase):
         interval of a, and nothing off that of b."""
         fit = study("candidate", {"x": 2, "y": 2, "z": None}, lambda a, b, s: Answer(x=a, y=b, z=a), scatter=0.05)
         for m, (unit, size) in zip(fit.problem.measured, (("mm", 1e3), ("mm", 1e3), ("mm", 1e3))):
-            m.unit, m.shown = "m", unit
+            m.unit, m.scales = unit, (1, 1 / size)
+            m.values, m.scatter = None if m.values is None else size * m.values, size * m.scatter
         report.write(inferred(fit))
         self.assertEqual(fit.determined(), ["yes", "yes"])
         told = knap.read_csv(directory / "candidate" / "further_tests.csv")
@@ -687,7 +738,7 @@ class Quick(unittest.TestCase):
         exact = fit_of(1, 0)[0].run()  # seeds change nothing: known by the repeats
         self.assertEqual(exact.determined(), ["partly"])  # one specimen, whose scatter nothing tells
         self.assertIn("t: x: no `scatter` is given; that of the seeds is taken, at least 0.1 %: ", said := " ".join(report.said(exact, [], [])))
-        self.assertIn("(0.1 % of its largest value). t: x: nothing tells the scatter of specimens", said)
+        self.assertIn("(0.1 % of its largest value) where it is largest. t: x: nothing tells the scatter of specimens", said)
         exact.problem.fitted[0].n = 12
         self.assertEqual((exact.determined(), exact.unknown_scatter()), (["yes"], []))
         self.assertLess(exact.posterior.widths()[0], 0.02)
@@ -735,6 +786,13 @@ class Quick(unittest.TestCase):
             self.assertAlmostEqual(table["Sobol first order"][i], 0, delta=0.05)
             self.assertAlmostEqual(table["Sobol total"][i], 1, delta=0.05)
         self.assertEqual(set(table["part of the seeds"]), {0})
+        self.assertLess(max(table["deviation of first order"]), 0.01)
+        rough = study("rough", {"x": 1}, lambda a, b, s: Answer(x=np.exp(a) * np.sin(3 * b)), trajectories=2)
+        sensitivity.write(rough.problem, rough.runs)  # 16 runs say little of a wave, and the indices say so
+        table = knap.read_csv(directory / "rough" / "sensitivity.csv")
+        self.assertGreater(min(table["deviation of first order"]), 0.03)
+        off = (table["Sobol first order"] - [0.036, 0.584]) / table["deviation of first order"]  # by 200 000 random places
+        self.assertLess(np.abs(off).max(), 3)
 
     @needs_libraries
     def test_noise_of_seeds_is_found(self):

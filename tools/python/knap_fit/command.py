@@ -18,8 +18,8 @@ from .runs import Commands, Runs, Stop  # noqa: E402
 
 
 def _main(program, folder, description, work, arguments):
-    """Exit codes are those of knap: 2 for a mistake in FILE, 3 where the runs or the data give no answer, 4 where a value of
-    [expect] is missed, 130 after Ctrl-C, SIGTERM and SIGHUP."""
+    """Exit codes are those of knap: 2 for a mistake in FILE, 3 where the runs or the data give no answer, 4 where a
+    value of [expect] is missed, 130 after Ctrl-C, SIGTERM and SIGHUP."""
     parser = argparse.ArgumentParser(prog=program, formatter_class=argparse.RawDescriptionHelpFormatter,
                                      description=description + "\nThe same command goes on where it was stopped.")
     parser.add_argument("file", metavar="FILE", help="a TOML file; the guide (scenarios/README.md) shows one")
@@ -27,8 +27,8 @@ def _main(program, folder, description, work, arguments):
     parser.add_argument("-j", "--jobs", type=int, default=1, help="runs at the same time, with one thread each")
     parser.add_argument("--force", action="store_true", help="begin anew where other runs are")
     parser.add_argument("--print-commands", action="store_true",
-                        help="run nothing, print on stdout nothing but a command line for each run that comes next; after them the "
-                             "same command again goes on; none: there is no further run")
+                        help="run nothing, print on stdout nothing but a command line for each run that comes next; "
+                             "after them the same command again goes on; none: there is no further run")
     parser.add_argument("-q", "--quiet", action="store_true", help="no line for every round")
     parser.add_argument("--keys", action="version", version=files.markdown().rstrip(), help="print all keys of FILE")
     options = parser.parse_args(arguments)
@@ -39,9 +39,10 @@ def _main(program, folder, description, work, arguments):
     try:
         # a shell reads the command lines
         with contextlib.redirect_stdout(sys.stderr if options.print_commands else sys.stdout):
-            found = files.read(options.file, fit=program == "knap-fit")
-            runs = Runs(found, options.output or pathlib.Path(folder) / found.name, max(options.jobs, 1), options.print_commands,
-                        options.force, own_seeds=program == "knap-fit" and found.options["method"] == "posterior")
+            is_fit = program == "knap-fit"
+            found = files.read(options.file, fit=is_fit)
+            runs = Runs(found, options.output or pathlib.Path(folder) / found.name, max(options.jobs, 1),
+                        options.print_commands, options.force, is_fit and found.options["method"] == "posterior")
             code = 0 if work(found, runs, lambda text: options.quiet or print(text, flush=True)) else 4
     except Commands as lines:
         print(lines, file=stdout)
@@ -62,10 +63,10 @@ def fit(arguments=None):
             return report.write(inference.Fit(found, runs, log).run())
         return report.write_least_squares(found, runs, *inference.least_squares(found, runs, log))
 
-    _main("knap-fit", "fits", """Finds parameters of scenarios from measurements, with intervals. FILE names scenarios, free keys with
-bounds, and what was measured. The directory gets points.csv, parameters.csv, posterior.csv (which [sweep.random] file draws
-from; posterior_TEST.csv where tests have keys of their own), residuals.csv, predictions.csv, further_tests.csv, convergence.csv,
-parameters.tex and report.html.""", work, arguments)
+    _main("knap-fit", "fits", """Finds parameters of scenarios from measurements, with intervals. FILE names scenarios,
+free keys with bounds, and what was measured. The directory gets points.csv, parameters.csv, posterior.csv (which
+[sweep.random] file draws from; posterior_TEST.csv where tests have keys of their own), residuals.csv, predictions.csv,
+further_tests.csv, convergence.csv, parameters.tex and report.html.""", work, arguments)
 
 
 def sensitivity(arguments=None):
@@ -74,6 +75,6 @@ def sensitivity(arguments=None):
         from . import sensitivity as part
         return part.write(found, runs)
 
-    _main("knap-sensitivity", "sensitivities", """Which parameters the numbers of a run depend on. FILE is one of knap-fit; [sensitivity]
-numbers names numbers of the summary of all its tests. Effects of single steps by Morris, from trajectories of runs; parts of
-the variance by Sobol, from an emulator of the same runs.""", work, arguments)
+    _main("knap-sensitivity", "sensitivities", """Which parameters the numbers of a run depend on. FILE is one of
+knap-fit; [sensitivity] numbers names numbers of the summary of all its tests. Effects of single steps by Morris, from
+trajectories of runs; parts of the variance by Sobol, from an emulator of the same runs.""", work, arguments)

@@ -1,9 +1,13 @@
-"""What a measurement would be at any place of the parameters, with the uncertainty of that, from the runs that were made."""
+"""What a measurement would be at any place of the parameters, with its uncertainty, from the runs that were made."""
 import warnings
 
 import numpy as np
 
 from . import need
+
+
+class TooFew(Exception):
+    """Too few runs have a value."""
 
 
 def _process(u, y, noises, noise_bounds):
@@ -20,25 +24,26 @@ def _process(u, y, noises, noise_bounds):
 
 
 class Emulator:
-    """Kriging (scikit-learn) of the values of one measurement. A curve is written by the principal components of its values over their
-    deviations: the mean is m + sum_j g_j(u) v_j, its covariance sum_jk v_j v_k r_jk sqrt(var g_j var g_k); what the components
-    leave out is `rest` at each place. `noise`: of runs with other seeds at one place, found with the other parameters of the
-    covariance (white noise), within the 90 % interval of what runs at the same place show. `freedom`: how many numbers tell it.
-    r_jk is the correlation of what the processes leave of the components, shrunk by Ledoit and Wolf (J. Multivariate Anal. 88
-    (2004) 365): a strong peak and a late fall go together."""
+    """Kriging (scikit-learn) of the values of one measurement. A curve is written by the principal components of its
+    values over their deviations: the mean is m + sum_j g_j(u) v_j, its covariance sum_jk v_j v_k r_jk sqrt(var g_j var
+    g_k); what the components leave out is `rest` at each place. `noise`: of runs with other seeds at one place, found
+    with the other parameters of the covariance (white noise), within the 90 % interval of what runs at the same place
+    show. `freedom`: how many numbers tell it. r_jk is the correlation of what the processes leave of the components,
+    shrunk by Ledoit and Wolf (J. Multivariate Anal. 88 (2004) 365): a strong peak and a late fall go together."""
 
     def __init__(self, u, values, level):
-        """u: points; values: over points, seeds and places, nan where a run failed; level: to which parts refer, None: their own.
-        The search for the covariances starts from fixed places alone: the same runs give the same emulator."""
+        """u: points; values: over points, seeds and places, nan where a run failed; level: to which parts refer, None:
+        their own. The search for the covariances starts from fixed places alone: the same runs give the same
+        emulator."""
         stats, cov = need("the emulator", "scipy.stats"), need("the emulator", "sklearn.covariance")
-        seeds = np.isfinite(values).all(axis=2)
-        self.works = seeds.any(axis=1)  # points
+        seeds, k = np.isfinite(values).all(axis=2), np.shape(u)[1]
+        self.works, n = seeds.any(axis=1), seeds.any(axis=1).sum()  # points
+        if n < k + 2:
+            raise TooFew(f"only {n} of {len(u)} points have a value")
         count = seeds.sum(axis=1)[self.works]
         y = np.where(seeds[:, :, None], values, 0).sum(axis=1)[self.works] / count[:, None]
         self.n_seeds = count.mean()
-        self.u, (n, k) = np.asarray(u)[self.works], (len(y), np.shape(u)[1])
-        if n < k + 2:
-            raise ValueError(f"only {n} of {len(u)} points have a value")
+        self.u = np.asarray(u)[self.works]
         self.level = np.abs(y).max() if level is None else level
         self.mean, deviation = y.mean(axis=0), np.maximum(y.std(axis=0), max(1e-3 * self.level, 1e-300))
         _, s, v = np.linalg.svd((y - self.mean) / deviation, full_matrices=False)
@@ -56,7 +61,8 @@ class Emulator:
         self.processes, self.noise, freedom, bounds = [], np.zeros(r), np.zeros(r), (1e-6, 2.0)
         for j in range(r):
             if repeats:
-                bounds = np.clip((about[:, j] ** 2).sum() / self.n_seeds / stats.chi2.ppf([0.95, 0.05], repeats), 1e-6, 2.0)
+                square = (about[:, j] ** 2).sum() / self.n_seeds
+                bounds = np.clip(square / stats.chi2.ppf([0.95, 0.05], repeats), 1e-6, 2.0)
             exact = bounds[1] < 1.01e-6  # the seeds change nothing
             self.processes.append(_process(self.u, g[:, j] / self.scale[j], bounds, "fixed" if exact else bounds))
             noise = self.processes[j].kernel_.k2.noise_level
@@ -69,7 +75,7 @@ class Emulator:
         alike = cov.ledoit_wolf(left, assume_centered=True)[0] if r > 1 else np.eye(1)
         np.fill_diagonal(alike, 1)
         self.root = np.linalg.cholesky(alike)
-        # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal one
+        # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal
         self.noise_factor = (stats.t.ppf(0.95, max(self.freedom, 1)) / stats.norm.ppf(0.95)) ** 2
 
     def __call__(self, u):
@@ -100,14 +106,15 @@ class Emulator:
 
 
 class Success:
-    """Where runs have a value, by a Gaussian process of the points that have one (`works`) and those that have none (scikit-learn):
-    failed runs tell where the parameters cannot be, and where no further run is worth its time."""
+    """Where runs have a value, by a Gaussian process of the points that have one (`works`) and those that have none
+    (scikit-learn): failed runs tell where the parameters cannot be, and where no further run is worth its time."""
 
     def __init__(self, u, works):
         self.process = None
         if not works.all():
             gp = need("the emulator", "sklearn.gaussian_process")
-            kernel = gp.kernels.ConstantKernel(4.0, (0.5, 100)) * gp.kernels.Matern([1.0] * u.shape[1], (0.1, 10), nu=2.5)
+            lengths = gp.kernels.Matern([1.0] * u.shape[1], (0.1, 10), nu=2.5)
+            kernel = gp.kernels.ConstantKernel(4.0, (0.5, 100)) * lengths
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # a length at its bound: failure does not depend on that parameter
                 self.process = gp.GaussianProcessClassifier(kernel, random_state=1).fit(u, works)

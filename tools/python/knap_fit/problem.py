@@ -1,4 +1,4 @@
-"""Reads a FILE of knap-fit. All its mistakes are reported at once, with the line, the key and what is allowed (keys.toml)."""
+"""Reads a FILE of knap-fit. All its mistakes are reported at once, with line, key and what is allowed (keys.toml)."""
 import csv
 import difflib
 import functools
@@ -65,50 +65,48 @@ def label(name, unit):
 
 class Measured:
     """What a test gave: a number of the summary, or a curve over `x`. `use`: fit; predict (left out); candidate (a test
-    that was not done: would it tell more?). `values`: SI, those of a curve at the places x. `scatter`: standard deviation
-    of one specimen, None: that of seeds. `n`: number of specimens of which `values` is the mean."""
+    that was not done: would it tell more?). `values`: those of a curve at the places x. `scatter`: standard deviation
+    of one specimen, None: that of seeds. `n`: number of specimens of which `values` is the mean. What a run has is
+    multiplied by `factors` and, since all this has the units of FILE, divided by `scales`."""
 
     def __init__(self, test, name, use, values, scatter, n=1, x=None, columns=None, factors=(1, 1), unit="", x_unit=""):
         self.test, self.name, self.use, self.values, self.scatter, self.n = test, name, use, values, scatter, n
-        self.x, self.columns, self.factors, self.unit, self.x_unit = x, columns, factors, unit, x_unit
-        self.shown, self.x_shown = unit, x_unit  # units of FILE, which tables and pictures have
+        self.x, self.columns, self.factors, self.scales = x, columns, factors, (1, 1)
+        self.unit, self.x_unit = unit, x_unit
         self.noise = 0.0  # standard deviation of each point by itself
         self.part = 0.0  # scatter of a candidate over its value, which is not known yet
         self.where = test and test.name  # file and line
-        self.size = 1 if x is None else len(x)
 
     @property
     def title(self):
-        return f"{self.test.name}: {self.name}" + {"predict": " (left out)", "candidate": " (not measured)"}.get(self.use, "")
+        use = {"fit": "", "predict": " (left out)", "candidate": " (not measured)"}[self.use]
+        return f"{self.test.name}: {self.name}{use}"
+
+    @property
+    def size(self):
+        return 1 if self.x is None else len(self.x)
 
     @property
     def level(self):
         """The size of its values, to which parts refer."""
         return float(np.abs(self.values).max()) if self.values is not None else 1.0
 
-    def in_file(self, values):
-        """Values in the unit of FILE."""
-        return values / knap.factor(self.shown, self.unit)
-
-    @property
-    def x_in_file(self):
-        return self.x / knap.factor(self.x_shown, self.x_unit)
-
     @functools.cache
     def of(self, run):
         """Its values in a run; nan where the run has none."""
         if self.x is None:
             value = run.summary.get(self.name)
-            return np.array([np.nan if value is None else float(value)])
+            return np.array([np.nan if value is None else float(value)]) / self.scales[-1]
         return _first(*self.course(run), self.x)
 
     def course(self, run):
         """x and y of the curve that a run has."""
-        return [factor * values for factor, values in zip(self.factors, knap.course(run, *self.columns)[1:])]
+        _, *curve = knap.course(run, *self.columns)
+        return [factor * values / scale for factor, scale, values in zip(self.factors, self.scales, curve)]
 
     def mistake(self, run):
-        """What the first run shows of FILE, and what is allowed; None: nothing. It lies on the other side of zero where a sign
-        was forgotten; it reaches the end of its time before the end of the curve."""
+        """What the first run shows of FILE, and what is allowed; None: nothing. It lies on the other side of zero where
+        a sign was forgotten; it reaches the end of its time before the end of the curve."""
         x, y = self.course(run)
         if not len(x):
             return None
@@ -120,8 +118,7 @@ class Measured:
             remedy = [float(sign * old) for sign, old in zip(signs, self.factors)]
             return "the first run has its curve on the other side of zero", f"factors = {remedy}"
         if run.reached_end and not x.min() <= ends[0] < ends[1] <= x.max():
-            of_run, of_data = (f"from {low:.4g} to {high:.4g} {self.x_shown}" for low, high in
-                               np.divide([(x.min(), x.max()), ends], knap.factor(self.x_shown, self.x_unit)))
+            of_run, of_data = (f"from {a:.4g} to {b:.4g} {self.x_unit}" for a, b in ((x.min(), x.max()), ends))
             return (f"the first run has its curve {of_run}, what was measured goes {of_data}",
                     "a later time.end, in `set`; the part that runs have, between = [...]")
         return None
@@ -158,7 +155,8 @@ class Problem:
 
     def check_first(self, runs):
         """Mistakes of FILE that the first run of each test shows."""
-        found = [(m, m.mistake(run)) for m in self.measured if m.x is not None for run in runs.answers(m.test)[:1] if run]
+        curves = [m for m in self.measured if m.x is not None]
+        found = [(m, m.mistake(run)) for m in curves for run in runs.answers(m.test)[:1] if run]
         if texts := [mistake(f"{m.title}: {wrong[0]}", m.where, wrong[1]) for m, wrong in found if wrong]:
             raise Mistakes(texts, "the first run was done")
 
@@ -170,12 +168,13 @@ class Problem:
         return tuple(float(f"{value:.6g}") for value in self.values(u))
 
     def keys_of(self, *tests):
-        """{key of the scenarios of these tests: number of the parameter that sets it}; TEST:KEY where several parameters do,
-        each in a test of its own."""
+        """{key of the scenarios of these tests: number of the parameter that sets it}; TEST:KEY where several
+        parameters do, each in a test of its own."""
         names = ("", *(test.name for test in tests))
-        keys = [(*key.rpartition(":"), i) for i, p in enumerate(self.parameters) for key in p.keys if key.rpartition(":")[0] in names]
-        owners = {plain: {i for _, _, other, i in keys if other == plain} for _, _, plain, _ in keys}
-        return {plain if len(owners[plain]) == 1 else f"{of}:{plain}": i for of, _, plain, i in keys}
+        keys = [(*key.rpartition(":"), i) for i, p in enumerate(self.parameters) for key in p.keys]
+        keys = [(of, plain, i) for of, _, plain, i in keys if of in names]
+        owners = {plain: {i for _, other, i in keys if other == plain} for _, plain, _ in keys}
+        return {plain if len(owners[plain]) == 1 else f"{of}:{plain}": i for of, plain, i in keys}
 
     def set_of(self, test, u):
         """KEY=VALUE of a run of a test."""
@@ -194,11 +193,12 @@ def allowed(key):
 
 def markdown():
     """scenarios/FIT_KEYS.md"""
-    heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]", "measured": "[[test.NAME.measured]]",
-             "expect": "[expect.PARAMETER]"}
+    heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]",
+             "measured": "[[test.NAME.measured]]", "expect": "[expect.PARAMETER]"}
     lines = [prose.rstrip()]
     for kind, rows in keys.items():
-        lines += ["", f"## {heads.get(kind, f'[{kind}]')}", "", "| key | value | default | meaning |", "|---|---|---|---|"]
+        lines += ["", f"## {heads.get(kind, f'[{kind}]')}", ""]
+        lines += ["| key | value | default | meaning |", "|---|---|---|---|"]
         for name, key in rows.items():
             default = key.get("standard", key.get("default"))
             default = "required" if key.get("required") else default if default else "0" if default == 0 else ""
@@ -272,12 +272,13 @@ class _Reader:
         found, meant = {name: key.get("default") for name, key in keys[kind].items()}, set()
         if not isinstance(given, dict):
             self.error(path, "is not a table")
-            return found
+            return {**found, "given": keys[kind].keys()}
         for name in given:
             if name not in found:
                 near = difflib.get_close_matches(name, found.keys() - given.keys(), 1)
                 meant.update(near)
-                self.error(f"{path}.{name}", "is not a key" + "".join(f"; did you mean `{key}`?" for key in near), ", ".join(found))
+                hint = "".join(f"; did you mean `{key}`?" for key in near)
+                self.error(f"{path}.{name}", f"is not a key{hint}", ", ".join(found))
             elif (value := _checked(keys[kind][name], given[name])) is not None:
                 found[name] = value
             else:
@@ -291,9 +292,10 @@ class _Reader:
         """SI unit of TABLE.COLUMN; None, and a mistake, where runs have none of this name."""
         table, _, column = name.partition(".")
         unit, known = knap.unit_of_output(table, column), knap.outputs_of(table)
+        what, near = f"{name!r} is not a column of a table of the run", [f"{table}.{other}" for other in known][:12]
+        if table == "summary":
+            what, near = f"{column!r} is not a number of the summary", difflib.get_close_matches(column, known, 3)
         if unit is None:
-            near = difflib.get_close_matches(column, known, 3) if table == "summary" else [f"{table}.{column}" for column in known][:12]
-            what = f"{column!r} is not a number of the summary" if table == "summary" else f"{name!r} is not a column of a table of the run"
             self.error(path, f"= {what}", ", ".join(near) or "see scenarios/OUTPUTS.md")
         return unit
 
@@ -308,7 +310,8 @@ class _Reader:
             if of and of not in tests:
                 self.error(f"{path}.key", f"names the test {of!r}, which does not exist", ", ".join(tests))
             elif others:
-                self.error(f"{path}.key", f"has {key!r}, which the parameter {others.pop()} has, too", "a key of one parameter alone")
+                self.error(f"{path}.key", f"has {key!r}, which the parameter {others.pop()} has, too",
+                           "a key of one parameter alone")
         if table["bounds"] is None:
             return found
         (low, high), unit = table["bounds"]
@@ -337,10 +340,10 @@ class _Reader:
         test = Test(name, scenario, values, table["seeds"] or seeds, table["seed"])
         for key, owner in ((key, self.owners.get((name, key))) for key in table["set"]):
             if owner:
-                self.error(f"{path}.set", f"has {key!r}, which the parameter {owner} sets", "other keys of the scenario")
+                self.error(f"{path}.set", f"has {key!r}, which the parameter {owner} sets", "others of the scenario")
         for i, entry in enumerate(table["measured"]):
             self.measured(test, entry, f"{path}.measured[{i}]")
-        test.is_empty = "measured" not in table.get("given", ["measured"])
+        test.is_empty = "measured" not in table["given"]
         return test
 
     def measured(self, test, given, path):
@@ -352,7 +355,8 @@ class _Reader:
             return
         is_curve, points, own = kinds == ["curve"], None, [""]
         names = {key: table[key] for key in "xy"} if is_curve else {"number": f"summary.{table['number']}"}
-        units = [self.unit(name or "", f"{path}.{key}") for key, name in names.items() if name or key not in table["given"]]
+        units = [self.unit(name or "", f"{path}.{key}") for key, name in names.items()
+                 if name or key not in table["given"]]
         if is_curve:
             points, own = self.csv(table["curve"], f"{path}.curve")
             ends = points and (points[0][0], points[-1][0])
@@ -360,43 +364,47 @@ class _Reader:
             self.error(path, "has no `values`", keys["measured"]["values"]["allowed"])
         elif table["values"]:
             points, own = table["values"][0].mean()[None, None], table["values"][1:]
+        else:  # a candidate
+            own = [table[key][1] for key in ("scatter", "noise") if table[key] and table[key][1] != "%"][:1] or [""]
         if len(self.found) > n:
             return
-        scales = [] if points is None else [knap.factor(*pair) for pair in zip(own, units)]
+        scales, columns = [knap.factor(*pair) for pair in zip(own, units)], [*names.values()]
         if None in scales:
-            self.error(f"{path}.{'curve' if is_curve else 'values'}", f"has the unit {', '.join(own)}",
-                       "a unit of " + ", of ".join(f"{name.removeprefix('summary.')}: {unit or 'none'}" for name, unit in zip(names.values(), units)))
+            of = [f"{name.removeprefix('summary.')}: {unit or 'none'}" for name, unit in zip(columns, units)]
+            kind = "curve" if is_curve else "values"
+            self.error(f"{path}.{kind}", f"has the unit {', '.join(own)}", f"a unit of {', of '.join(of)}")
             return
-        found = Measured(test, [*names.values()][-1].partition(".")[2], table["use"], None, None, columns=[*names.values()],
-                         factors=table["factors"], unit=units[-1], x_unit=units[0] * is_curve)
-        found.where, found.path, found.shown = f"{self.file}:{self.line(path)[0]}", path, own[-1] or units[-1]
+        found = Measured(test, columns[-1].partition(".")[2], table["use"], None, None, columns=columns,
+                         factors=table["factors"], unit=own[-1] or units[-1], x_unit=(own[0] or units[0]) * is_curve)
+        found.where, found.path, found.scales = f"{self.file}:{self.line(path)[0]}", path, scales
         if is_curve:
-            found.x_shown = own[0] or units[0]
             (low, high), unit = table["between"] or (np.array([-np.inf, np.inf]), "")
             scale = (knap.factor(unit or own[0], units[0]) or np.nan) / scales[0]
             points = [point for point in points if low * scale <= point[0] <= high * scale]
             if len(points) < 2:
-                self.refuse("measured", "between", path, given, f"; the curve goes from {ends[0]:g} to {ends[1]:g} {found.x_shown}")
+                ends = f"; the curve goes from {ends[0]:g} to {ends[1]:g} {found.x_unit}"
+                self.refuse("measured", "between", path, given, ends)
                 return
-            found.x = np.array(points)[:, 0] * scales[0]
+            found.x = np.array(points)[:, 0]
         if points is not None:
-            found.values = np.array(points)[:, -1] * scales[-1]
+            found.values = np.array(points)[:, -1]
         if table["values"] and not is_curve:
             found.n = len(table["values"][0])
-            found.scatter = float(table["values"][0].std(ddof=1)) * scales[0] if found.n > 2 else None  # of the specimens
+            if found.n > 2:  # of the specimens themselves
+                found.scatter = float(table["values"][0].std(ddof=1))
         found.n = table["n"] or found.n
         for key in (key for key in ("scatter", "noise") if table[key]):
             value, unit = table[key]
-            is_new, scale = found.values is None, 0.01 * found.level if unit == "%" else knap.factor(unit, found.unit)
+            scale = (knap.factor(unit or own[-1], units[-1]) or np.nan) / scales[-1]
+            scale = 0.01 * found.level if unit == "%" else scale
             if unit == "%" and not found.level > 0:
-                self.error(f"{path}.{key}", "is a part of a measured 0", f"a {key} in {found.unit or 'the unit of the number'}")
-            elif scale is None or value < 0:
+                self.error(f"{path}.{key}", "is a part of a measured 0", f"a {key} in {found.unit or 'no unit'}")
+            elif not value * scale >= 0:
                 self.refuse("measured", key, path, given)
-            elif unit == "%" and is_new:
+            elif unit == "%" and found.values is None:
                 found.part = float(np.hypot(found.part, value * scale))
             else:
                 setattr(found, key, value * scale)
-                found.shown = unit if unit and is_new else found.shown
         if any(other.title == found.title for other in test.measured):
             self.error(path, f"is the second one of {found.name} in this test",
                        "values = [...] of several specimens; another test; another `use`")
@@ -424,7 +432,8 @@ class _Reader:
         if len(points) < 2 and not wrong:
             wrong.append((len(rows) + 1, "it ends with fewer than two points"))
         if wrong:
-            lines = [f"\n  --> {file}:{number}: {text}" for number, text in wrong[:20]] + ["\n  ..."] * (len(wrong) > 20)
+            lines = [f"\n  --> {file}:{number}: {text}" for number, text in wrong[:20]]
+            lines += ["\n  ..."] * (len(wrong) > 20)
             self.error(path, f"= {name!r} has {len(wrong)} mistake{'s' * (len(wrong) > 1)}", remedy + "".join(lines))
         return None if wrong else points, [unit for _, unit in titles]
 
@@ -443,11 +452,13 @@ class _Reader:
 
 
 def read(file, check_scenarios=True, fit=True):
-    """The Problem of a file; raises Mistakes. For a `fit` each test has something measured; knap-sensitivity can do with the
-    names of numbers."""
+    """The Problem of a file; raises Mistakes. For a `fit` each test has something measured; knap-sensitivity can do
+    with the names of numbers."""
     reader = _Reader(file)
     top = reader.table(reader.root, "top", "")
-    options = {**reader.table(top["fit"], "fit", "fit"), **reader.table(top["sensitivity"], "sensitivity", "sensitivity")}
+    options = {}
+    for name in ("fit", "sensitivity"):
+        options.update(reader.table(top[name], name, name))
     parameters = [reader.parameter(name, table, top["test"]) for name, table in top["parameter"].items()]
     tests = [reader.test(name, table, options["seeds"]) for name, table in top["test"].items()]
     options["expect"] = {name: reader.expect(name, table, parameters) for name, table in top["expect"].items()}
@@ -456,11 +467,13 @@ def read(file, check_scenarios=True, fit=True):
     problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options, pathlib.Path(file))
     per_point = sum(test.seeds for test in tests)
     if fit and options["budget"] < per_point * max(options["first"], 1):
-        reader.error("fit.first" if options["first"] else "fit.budget", f"needs more runs than the budget of {options['budget']}",
+        reader.error("fit.first" if options["first"] else "fit.budget",
+                     f"needs more runs than the budget of {options['budget']}",
                      f"{per_point} runs for each point: the number of tests times seeds")
     for test in tests:
         if test.is_empty and (fit or not options["numbers"]):
-            reader.error(f"test.{test.name}", "has nothing measured", f"[[test.{test.name}.measured]]" + "; [sensitivity] numbers" * (not fit))
+            more = "; [sensitivity] numbers" * (not fit)
+            reader.error(f"test.{test.name}", "has nothing measured", f"[[test.{test.name}.measured]]{more}")
     if fit and not problem.fitted and not reader.found:
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]] with use = \"fit\"")
     if check_scenarios:
@@ -473,15 +486,15 @@ def read(file, check_scenarios=True, fit=True):
 
 
 def _check_scenario(reader, problem, test):
-    """What the program says of a scenario with its parameters at both bounds, and of every number and column that it would
-    not have. Columns are those of a run of one step."""
+    """What the program says of a scenario with its parameters at both bounds, and of every number and column that it
+    would not have. Columns are those of a run of one step."""
     curves, numbers = ([m for m in test.measured if (m.x is None) == is_number] for is_number in (False, True))
     expect = ", ".join(f'{m.name} = {{ below = "1 {m.unit}" }}' for m in numbers)
 
     def ask(u, *words, **values):
         values |= {**problem.set_of(test, [u] * len(problem.parameters)), "figure": "", "study": "", "sweep": ""}
-        words = [knap.program(), *words, test.scenario, "-q", *(text for pair in values.items() for text in ("-s", "=".join(pair)))]
-        return subprocess.run(words, capture_output=True, text=True)
+        sets = [text for pair in values.items() for text in ("-s", "=".join(pair))]
+        return subprocess.run([knap.program(), *words, test.scenario, "-q", *sets], capture_output=True, text=True)
 
     with tempfile.TemporaryDirectory() as folder:
         for side, u in (("lower", 0.0), ("upper", 1.0)):
@@ -489,7 +502,8 @@ def _check_scenario(reader, problem, test):
             if said.returncode:
                 for text in re.split(r"\n(?=error)", said.stderr.strip().rpartition("\n")[0]):
                     key = (re.search(r"--set ([^=\s]+)=", text) or ("", ""))[1]
-                    path = f"parameter.{reader.owners[test.name, key]}.key" if (test.name, key) in reader.owners else f"test.{test.name}"
+                    owner = reader.owners.get((test.name, key))
+                    path = f"parameter.{owner}.key" if owner else f"test.{test.name}"
                     path = next((f"{m.path}.number" for m in numbers if key == "expect" and m.name in text), path)
                     reader.error(path, f"at the {side} bounds: {text}")
                 return

@@ -13,6 +13,7 @@ import knap
 from .inference import data_covariance
 from .problem import label, tomllib
 
+_libraries = ("numpy", "scipy", "sklearn", "emcee", "matplotlib")
 _notes = tomllib.loads((pathlib.Path(__file__).parent / "notes.toml").read_text(encoding="utf-8"))
 
 
@@ -23,18 +24,21 @@ def say(name, **values):
 
 def write(fit):
     """All files of a fit, and what a terminal shows; whether the values of [expect] are met."""
-    problem, posterior, out, level = fit.problem, fit.posterior, fit.runs.directory, f"{100 * fit.problem.options['interval']:g} %"
+    problem, posterior, out = fit.problem, fit.posterior, fit.runs.directory
+    level = f"{100 * problem.options['interval']:g} %"
     names, values = [p.name for p in problem.parameters], problem.values(posterior.u)
-    mean = values.mean(axis=0)
-    numbers = [np.median(values, axis=0), *posterior.interval(), mean, values.std(axis=0), fit.narrowed_to()[0], problem.values(posterior.best)]
-    head = ["parameter", "unit", "median", f"low {level}", f"high {level}", "mean", "deviation", "deviation over that before",
-            "most likely", "determined"]
-    rows = [[p.name, p.unit, *map(float, row), state] for p, row, state in zip(problem.parameters, np.transpose(numbers), fit.determined())]
-    drawn = {"posterior.csv": problem.keys_of(*problem.tests)}  # a sweep takes the keys of its scenario alone
-    drawn.update({f"posterior_{test.name}.csv": keys for test in problem.tests if (keys := problem.keys_of(test)) != drawn["posterior.csv"]})
+    numbers = np.array([np.median(values, axis=0), *posterior.interval(), values.mean(axis=0), values.std(axis=0),
+                        fit.narrowed_to()[0], problem.values(posterior.best)])
+    head = ["parameter", "unit", "median", f"low {level}", f"high {level}", "mean", "deviation",
+            "deviation over that before", "most likely", "determined"]
+    rows = [[p.name, p.unit, *row, state]
+            for p, row, state in zip(problem.parameters, numbers.T.tolist(), fit.determined())]
+    drawn = {f"posterior_{test.name}.csv": problem.keys_of(test) for test in problem.tests}
+    drawn["posterior.csv"] = every = problem.keys_of(*problem.tests)  # a sweep takes the keys of its scenario alone
     for file, keys in drawn.items():
-        titles = [label(key, problem.parameters[i].unit) for key, i in keys.items()]
-        knap.write_csv(out / file, titles, values[:, list(keys.values())].tolist())
+        if keys != every or file == "posterior.csv":
+            titles = [label(key, problem.parameters[i].unit) for key, i in keys.items()]
+            knap.write_csv(out / file, titles, values[: problem.options["draws"], list(keys.values())].tolist())
     curves, further = fit.predictions(), fit.further_tests()
     residuals, predictions = against_data(fit, curves)
     columns = ["measured", "x", "unit of x", "value", "model", f"low {level}", f"high {level}", "unit"]
@@ -42,32 +46,35 @@ def write(fit):
               ("Correlations", "correlations.csv", ["parameter", *names],
                [[name, *map(float, row)] for name, row in zip(names, np.atleast_2d(np.corrcoef(posterior.u.T)))]),
               ("Further tests: by how much they would narrow the intervals", "further_tests.csv",
-               ["measured once", *(f"{name} [%]" for name in names), "with a scatter of [%]", "and a model error of [%]"],
-               [[title, *(100 * part).tolist(), 100 * scatter, 100 * error] for title, part, scatter, error in further]),
+               ["measured once", *(f"{name} [%]" for name in (*names, "with a scatter of", "and a model error of"))],
+               [[title, *(100 * np.array([*part, *errors])).tolist()] for title, part, *errors in further]),
               ("Residuals", "residuals.csv", [*columns, "residual", "in deviations"], residuals),
               ("Predictions of what was left out", "predictions.csv", [*columns, "inside"], predictions)]
-    (out / "parameters.tex").write_text(knap.latex(head[:5], [row[:5] for row in rows], "Parameters of " + problem.name), encoding="utf-8")
+    latex = knap.latex(head[:5], [row[:5] for row in rows], "Parameters of " + problem.name)
+    (out / "parameters.tex").write_text(latex, encoding="utf-8")
     notes = said(fit, further, predictions)
     for row in rows:
         print(f"{row[0]} = {row[2]:.5g} {row[1]}  ({level}: {row[3]:.5g} to {row[4]:.5g}; determined: {row[-1]})")
     pictures = [picture(out, "Posterior", "corner.png", corner, fit), curves_over(fit.runs, curves, f"model, {level}"),
                 picture(out, "Convergence of the intervals", "convergence.png", convergence, fit)]
     page(fit.runs, notes, tables, pictures)
-    return meets(problem, dict(zip(names, mean)))
+    return meets(problem, dict(zip(names, values.mean(axis=0))))
 
 
 def meets(problem, values):
     """Whether these values of the parameters are those of [expect]; prints each."""
-    missed = {name: abs(values[name] - value) > within for name, (value, within) in problem.options.get("expect", {}).items()}
+    met = True
     for name, (value, within) in problem.options.get("expect", {}).items():
-        print(f"expect {name} {values[name]:.5g}, {value:g} within {within:.3g}: {'FAILED' if missed[name] else 'ok'}")
-    return not any(missed.values())
+        is_near = abs(values[name] - value) <= within
+        print(f"expect {name} {values[name]:.5g}, {value:g} within {within:.3g}: {'ok' if is_near else 'FAILED'}")
+        met = met and is_near
+    return met
 
 
 def places(m, *rows):
-    """Rows of a measurement and what stands for it, in the units of FILE: a line for each place."""
-    x = [""] if m.x is None else m.x_in_file.tolist()
-    return [[m.title, place, m.x_shown, *line, m.shown] for place, *line in zip(x, *(m.in_file(values).tolist() for values in (m.values, *rows)))]
+    """Rows of a measurement and what stands for it: a line for each place."""
+    columns = [[""] if m.x is None else m.x.tolist(), m.values.tolist(), *(row.tolist() for row in rows)]
+    return [[m.title, x, m.x_unit, *line, m.unit] for x, *line in zip(*columns)]
 
 
 def against_data(fit, curves):
@@ -92,21 +99,24 @@ def said(fit, further, predictions):
     notes += [say("no_misfit" if np.isnan(fit.p) else "misfit", p=fit.p)] + [say("contradicted")] * fit.contradicted
     for m in (m for m in fit.problem.fitted if m.scatter is None):
         taken = float(np.sqrt(np.diag(data_covariance(m, emulators[m.title])).max() * m.n))
-        notes.append(say("scatter", m=m, most="at most " * (m.x is not None), taken=m.in_file(taken), part=100 * taken / m.level))
+        notes.append(say("scatter", m=m, taken=taken, part=100 * taken / m.level))
         notes += [say("few_seeds", m=m)] * bool(emulators[m.title].freedom < 2)
-        notes += [say("one_specimen", m=m, more=", `seeds = 2`, or more runs" * (m.n > 1))] * (m in fit.unknown_scatter())
+        more = ", `seeds = 2`, or more runs" * (m.n > 1)
+        notes += [say("one_specimen", m=m, more=more)] * (m in fit.unknown_scatter())
     notes += [say("surplus", p=p, part=100 * part) for p, part in zip(parameters, fit.surpluses) if part > 0]
     if posterior.tau.any():
         notes.append(say("error", tau=np.percentile(posterior.tau, [5, 50, 95]) * 100))
     notes += [say("largest" if posterior.tau.any() else "no_error")] * fit.beyond_error
-    notes += [say("peak", p=p, value=p.text(u)) for p, u, low, high in zip(parameters, posterior.best, *posterior.interval()) if not low <= p.value(u) <= high]
+    ends = zip(parameters, posterior.best, *posterior.interval())
+    notes += [say("peak", p=p, value=p.text(u)) for p, u, low, high in ends if not low <= p.value(u) <= high]
     notes += [say("undetermined", p=p, how="only partly" if state == "partly" else "not")
               for p, state in zip(parameters, fit.determined()) if state != "yes"]
     notes += [text[0].upper() + text[1:] + "." for text in fit.combinations()]
     for title, narrowed, scatter, error in further:
         most = ", ".join(f"{p.name} by {100 * part:.0f} %" for p, part in zip(parameters, narrowed) if part >= 0.01)
-        notes.append(say("further", title=title, what=f"the intervals: {most}" if most else "no interval", scatter=100 * scatter,
-                         error=f"the model error of this fit, {100 * error:.2g} %" if error else "no model error"))
+        what = f"the intervals: {most}" if most else "no interval"
+        error = f"the model error of this fit, {100 * error:.2g} %" if error else "no model error"
+        notes.append(say("further", title=title, what=what, scatter=100 * scatter, error=error))
     notes += [say("no_emulator", m=m) for m in fit.problem.measured if m.title not in emulators]
     notes += dict.fromkeys(text for u in (fit.exact, posterior.at) for text in pressed(fit.problem, u))
     if predictions:
@@ -125,17 +135,20 @@ def surpluses(runs):
     """What is fitted is what the mesh of the user shows: a line for each test whose summary has its surpluses."""
     found = []
     for test in runs.problem.tests:
-        ratios = {name: runs.numbers(test, f"measured_{name}") / runs.numbers(test, f"interface_{name}") for name in ("sigma_c", "G_c")}
-        for name, ratio in {"": runs.numbers(test, "strength_ratio"), **ratios}.items():
+        for name in ("", "sigma_c", "G_c"):
+            ratio = runs.numbers(test, f"measured_{name}" if name else "strength_ratio")
+            ratio = ratio / runs.numbers(test, f"interface_{name}") if name else ratio
             if np.isfinite(ratio).any():
-                found.append(say("as_measured" if name else "ratio", test=test.name, name=name, value=np.nanmean(ratio)))
+                kind = "as_measured" if name else "ratio"
+                found.append(say(kind, test=test.name, name=name, value=np.nanmean(ratio)))
     return found or [say("of_the_mesh")]
 
 
 def pressed(problem, u):
     """Texts: parameters that lie at a bound, of rows of u: more than 15 % of them within 3 % of it."""
-    return [say("pressed", p=p, side=side, keys=", ".join(p.keys), bound=f"{bound:g} {p.unit}".rstrip()) for p, x in zip(problem.parameters, u.T)
-            for side, bound, near in (("lower", p.low, x < 0.03), ("upper", p.high, x > 0.97)) if near.mean() > 0.15]
+    return [say("pressed", p=p, side=side, keys=", ".join(p.keys), bound=p.text(end))
+            for p, x in zip(problem.parameters, u.T) for side, end in (("lower", 0.0), ("upper", 1.0))
+            if (np.abs(x - end) < 0.03).mean() > 0.15]
 
 
 def write_least_squares(problem, runs, u, residuals):
@@ -143,35 +156,43 @@ def write_least_squares(problem, runs, u, residuals):
     values = {p.name: float(p.value(x)) for p, x in zip(problem.parameters, u)}
     answers = ((m, runs.of(m)[runs.values.index(problem.rounded(u))]) for m in problem.measured if m.values is not None)
     best = [(m, np.nanmean(found, axis=0)) for m, found in answers if np.isfinite(found).any()]
-    tables = [("Parameters", "parameters.csv", ["parameter", "unit", "best"], [[p.name, p.unit, values[p.name]] for p in problem.parameters]),
-              ("Measured and model", "residuals.csv", ["measured", "x", "unit of x", "value", "model", "unit", "residual"],
+    tables = [("Parameters", "parameters.csv", ["parameter", "unit", "best"],
+               [[p.name, p.unit, values[p.name]] for p in problem.parameters]),
+              ("Measured and model", "residuals.csv",
+               ["measured", "x", "unit of x", "value", "model", "unit", "residual"],
                [[*row[:5], row[-1], row[3] - row[4]] for m, found in best for row in places(m, found)])]
-    known = all(m.scatter for m in problem.fitted)
-    notes = [say("least", counted=runs.counted(), root=np.sqrt((residuals**2).sum()), unknown="" if known else " (without `scatter` 1 % of the largest value)"),
-             *[say("least_misses")] * bool(known and residuals @ residuals > 4 * len(problem.fitted)), *pressed(problem, u[None])]
+    known, square = all(m.scatter for m in problem.fitted), residuals @ residuals
+    unknown = "" if known else " (without `scatter` 1 % of the largest value)"
+    notes = [say("least", counted=runs.counted(), root=np.sqrt(square), unknown=unknown), *pressed(problem, u[None])]
+    notes += [say("least_misses")] * bool(known and square > 4 * len(problem.fitted))
     print(*(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)), sep="\n")
     page(runs, notes, tables, [curves_over(runs, [(m, found, found, found) for m, found in best], "model")])
     return meets(problem, values)
 
 
 def page(runs, notes, tables, pictures):
-    """The notes on the terminal, the tables as csv, and report.html, one file: notes, the first table, pictures, the other
-    tables, and how it was made."""
+    """The notes on the terminal, the tables as csv, and report.html, one file: notes, the first table, pictures, the
+    other tables, and how it was made."""
     problem = runs.problem
     for _, file, head, rows in tables:
         knap.write_csv(runs.directory / file, head, rows)
-    blocks = [f"<h2>{html.escape(title)}</h2>\n{knap.html_table(head, rows)}" for title, _, head, rows in tables if rows]
+    safe = html.escape
+    blocks = [f"<h2>{safe(title)}</h2>\n{knap.html_table(head, rows)}" for title, _, head, rows in tables if rows]
     blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file)}" for title, file in filter(None, pictures)]
     made = next((run.info for test in problem.tests for run in runs.answers(test) if hasattr(run, "info")), {})
-    versions = [f"knap {made.get('version', '')} {made.get('git', {}).get('hash', '')}", f"Python {platform.python_version()}"]
-    versions += [f"{name} {sys.modules[name].__version__}" for name in ("numpy", "scipy", "sklearn", "emcee", "matplotlib") if name in sys.modules]
-    blocks.append(f"<h2>How it was made</h2>\n<p><code>{html.escape(shlex.join(map(str, sys.argv)))}</code></p>\n<p>{', '.join(versions)}</p>")
-    for file in dict.fromkeys([*filter(None, [problem.file]), *(pathlib.Path(test.scenario) for test in problem.tests)]):
+    versions = [f"knap {made.get('version', '')} {made.get('git', {}).get('hash', '')}",
+                f"Python {platform.python_version()}"]
+    versions += [f"{name} {sys.modules[name].__version__}" for name in _libraries if name in sys.modules]
+    blocks += ["<h2>How it was made</h2>", f"<p><code>{safe(shlex.join(map(str, sys.argv)))}</code></p>",
+               f"<p>{', '.join(versions)}</p>"]
+    files = [*filter(None, [problem.file]), *(test.scenario for test in problem.tests)]
+    for file in dict.fromkeys(map(pathlib.Path, files)):
         text = file.read_text(encoding="utf-8") if file.is_file() else f"built into knap: knap new --from {file}"
-        blocks.append(f"<details><summary>{html.escape(file.name)}</summary><pre>{html.escape(text)}</pre></details>")
-    body = "\n".join([*(f"<p>{html.escape(note)}</p>" for note in notes), *blocks, ""])
+        blocks.append(f"<details><summary>{safe(file.name)}</summary><pre>{safe(text)}</pre></details>")
+    body = "\n".join([*(f"<p>{safe(note)}</p>" for note in notes), *blocks, ""])
     text = (pathlib.Path(__file__).parent / "page.html").read_text(encoding="utf-8")
-    (runs.directory / "report.html").write_text(text.replace("NAME", html.escape(problem.name)).replace("BODY", body), encoding="utf-8")
+    text = text.replace("NAME", safe(problem.name)).replace("BODY", body)
+    (runs.directory / "report.html").write_text(text, encoding="utf-8")
     print(*notes, f"{'results:':<8} {runs.directory}", sep="\n")
 
 
@@ -191,14 +212,15 @@ def picture(out, title, name, draw, *arguments, size=(7, 3.2)):
 def corner(figure, fit):
     """Histograms and pairs of the posterior, in the scales of the parameters."""
     import matplotlib.ticker as ticker
-    parameters, u = fit.problem.parameters, fit.posterior.u
+    parameters, u = fit.problem.parameters, fit.posterior.u[:2000]
     values, k = fit.problem.values(u), len(parameters)
     limits = np.percentile(values, [0.5, 99.5], axis=0).T
     figure.set_size_inches(2.2 * k + 1, 2.2 * k + 1)
     axes = figure.subplots(k, k, squeeze=False)
 
     def scale(axis, i, label):
-        """Of one axis of a plot: ticks at few round numbers, on slanted labels; over two decades those of a log scale."""
+        """Of one axis of a plot: ticks at few round numbers, on slanted labels; over two decades those of a log
+        scale."""
         axis.axes.set(**{f"{axis.axis_name}scale": "log" if parameters[i].log else "linear",
                          f"{axis.axis_name}lim": limits[i], f"{axis.axis_name}label": label})
         if not parameters[i].log or limits[i][1] < 100 * limits[i][0]:
@@ -224,18 +246,23 @@ def curves_over(runs, curves, of_model):
     """The picture of curves (measured, low, middle, high) over the measurements and the runs."""
     def draw(figure):
         for axis, (m, *found) in zip(figure.subplots(len(curves), squeeze=False)[:, 0], curves):
-            x, number = (np.arange(2), 2) if m.x is None else (m.x_in_file, 1)  # a number is a line from 0 to 1
-            low, middle, high = (np.tile(m.in_file(values), number) for values in found)
-            axis.plot(x, np.tile(m.in_file(runs.of(m)).reshape(-1, m.size), number).T, color="#cccccc", lw=0.5)
+            x, number = (np.arange(2), 2) if m.x is None else (m.x, 1)  # a number is a line from 0 to 1
+            low, middle, high = (np.tile(values, number) for values in found)
+            axis.plot(x, np.tile(runs.of(m).reshape(-1, m.size), number).T, color="#cccccc", lw=0.5)
             axis.fill_between(x, low, high, color="#4477aa", alpha=0.4, label=of_model)
             axis.plot(x, middle, color="#4477aa")
             if m.values is not None:
-                axis.plot(x, np.tile(m.in_file(m.values), number), "o-" if number == 1 else "-", color="#cc3311", label="measured")
-            axis.set(ylabel=label(m.name, m.shown), **({"xticks": []} if number == 2 else {"xlabel": label(m.columns[0].partition(".")[2], m.x_shown)}))
+                line = "o-" if number == 1 else "-"
+                axis.plot(x, np.tile(m.values, number), line, color="#cc3311", label="measured")
+            axis.set(ylabel=label(m.name, m.unit))
+            if number == 1:
+                axis.set(xlabel=label(m.columns[0].partition(".")[2], m.x_unit))
+            else:
+                axis.set(xticks=[])
             axis.set_title(m.title, fontsize="medium")
             axis.legend(fontsize="small")
 
-    return picture(runs.directory, "Measured and model", "curves.png", draw, size=(7, 3.2 * len(curves))) if curves else None
+    return curves and picture(runs.directory, "Measured and model", "curves.png", draw, size=(7, 3.2 * len(curves)))
 
 
 def convergence(figure, fit):

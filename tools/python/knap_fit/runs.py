@@ -29,13 +29,14 @@ class Commands(Exception):
 
 
 class Runs:
-    """`values`: of the parameters at each point, with six digits (points.csv). `why[job]`, for each job (point, test, seed) that
-    is done: "", or why it failed. Points and run.json of the runs are the whole state. `own_seeds`: every point has seeds of
-    its own, so that the emulator averages over meshes; otherwise all points share theirs, for slopes."""
+    """`values`: of the parameters at each point, with six digits (points.csv). `why[job]`, for each job (point, test,
+    seed) that is done: "", or why it failed. Points and run.json of the runs are the whole state. `own_seeds`: every
+    point has seeds of its own, so that the emulator averages over meshes; otherwise all points share theirs, for
+    slopes."""
 
     def __init__(self, problem, directory, jobs=1, print_commands=False, force=False, own_seeds=True):
-        self.problem, self.directory, self.jobs, self.print_commands = problem, pathlib.Path(directory), jobs, print_commands
-        self.own_seeds = own_seeds
+        self.problem, self.directory, self.jobs = problem, pathlib.Path(directory), jobs
+        self.print_commands, self.own_seeds = print_commands, own_seeds
         self.values, self.why, self._answers = [], {}, {}
         self.per_point = sum(test.seeds for test in problem.tests)
         self._start(force)
@@ -47,8 +48,8 @@ class Runs:
     @property
     def points(self):
         """Places in the unit cube, a row each."""
-        parameters = self.problem.parameters
-        return np.array([[p.place(value) for p, value in zip(parameters, row)] for row in self.values]).reshape(-1, len(parameters))
+        columns = np.reshape(self.values, (-1, len(self.problem.parameters))).T
+        return np.array([p.place(column) for p, column in zip(self.problem.parameters, columns)]).T
 
     def counted(self):
         failed = [self.why[job] for job in self._jobs() if self.why.get(job)]
@@ -69,14 +70,16 @@ class Runs:
         return sorted({name for run in self.answers(test) if run for name in run.summary})
 
     def surplus_scatter(self):
-        """Of each parameter, what its law "as measured" divides it by scatters by, over its mean: `knap check` at the middle."""
+        """Of each parameter, what its law "as measured" divides it by scatters by, over its mean: `knap check` at the
+        middle."""
         found = np.zeros(len(self.problem.parameters))
         for test in self.problem.tests:
             if not any(np.isfinite(self.numbers(test, f"measured_{name}")).any() for name in ("sigma_c", "G_c")):
                 continue
-            sets = [f"{key}={value}" for key, value in self.problem.set_of(test, [0.5] * len(found)).items()]
-            said = subprocess.run([knap.program(), "check", test.scenario, "-s", *sets], capture_output=True, text=True).stdout
-            for law, what, mean, deviation in re.findall(r"  law (\S+): a (crack|specimen).* surplus of this mesh is (\S+) \+- (\S+)", said):
+            words = [knap.program(), "check", test.scenario, *self._sets(self.problem.set_of(test, [0.5] * len(found)))]
+            done = subprocess.run(words, capture_output=True, text=True)
+            surplus = r"  law (\S+): a (crack|specimen).* surplus of this mesh is (\S+) \+- (\S+)"
+            for law, what, mean, deviation in re.findall(surplus, done.stdout):
                 i = self.problem.keys_of(test).get(f"interface.{law}.{'G_c' if what == 'crack' else 'sigma_c'}")
                 if i is not None:
                     found[i] = max(found[i], float(deviation) / float(mean))
@@ -84,14 +87,14 @@ class Runs:
 
     def _start(self, force):
         self.directory.mkdir(parents=True, exist_ok=True)
-        parameters = [[p.name, p.keys, p.unit] for p in self.problem.parameters]  # other bounds and scales change no run
-        tests = []
+        # other bounds and scales change no run
+        parameters, tests = [[p.name, p.keys, p.unit] for p in self.problem.parameters], []
         for test in self.problem.tests:
             file = pathlib.Path(test.scenario)
             text = hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else test.scenario
             tests.append([test.name, text, test.set, test.seeds, test.first_seed])
         data = [[p.low, p.high, p.log] for p in self.problem.parameters]
-        data += [[m.title, m.n, m.scatter, np.ravel(m.values).tolist()] for m in self.problem.measured if m.values is not None]
+        data += [[m.title, m.n, m.scatter, m.values.tolist()] for m in self.problem.measured if m.values is not None]
         data += [self.problem.options[key] for key in ("interval", "model_error", "seed")]
         now = [[self.own_seeds, parameters, tests], data]
         mark, points = self.directory / "problem.json", self.directory / "points.csv"
@@ -100,8 +103,8 @@ class Runs:
             self.values = list(zip(*(map(float, column) for column in knap.read_csv(points).values())))
         is_outside = old[0] == now[0] and (np.abs(self.points - 0.5) > 0.50001).any()
         if (old[0] != now[0] or is_outside) and not force:
-            raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these bounds; -o for another "
-                       "directory, --force to delete them and begin anew")
+            raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these "
+                       "bounds; -o for another directory, --force to delete them and begin anew")
         if force:
             points.unlink(missing_ok=True)
             shutil.rmtree(self.directory / "runs", ignore_errors=True)
@@ -132,14 +135,18 @@ class Runs:
     def seed(self, k, test, seed):
         return seed + k * test.seeds if self.own_seeds else seed
 
+    @staticmethod
+    def _sets(values):
+        return [text for key, value in values.items() for text in ("-s", f"{key}={value}")]
+
     def command(self, k, test, seed):
         words = [knap.program(), "run", test.scenario, "-j", "1", "-q", "-o", str(self.folder(k, test, seed))]
-        for key, value in {**_short, **self.problem.set_of(test, self.points[k]), "seed": self.seed(k, test, seed)}.items():
-            words += ["-s", f"{key}={value}"]
-        return words
+        values = {**_short, **self.problem.set_of(test, self.points[k]), "seed": self.seed(k, test, seed)}
+        return words + self._sets(values)
 
     def _recorded(self, job):
-        """What run.json says of a run, whichever process made it: "" where it is good, why it failed; None: it is not done."""
+        """What run.json says of a run, whichever process made it: "" where it is good, why it failed; None: it is not
+        done."""
         file = self.folder(*job) / "run.json"
         info = json.loads(file.read_text()) if file.exists() else {}
         if info.get("status") == "failed":
@@ -152,8 +159,8 @@ class Runs:
         return subprocess.Popen(self.command(*job), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def finish(self):
-        """Does the runs that remain; a failed one (exit code 3; 2: no scenario there) is noted and the rest goes on. When this
-        process is interrupted it ends its runs; each leaves a checkpoint from which it goes on."""
+        """Does the runs that remain; a failed one (exit code 3; 2: no scenario there) is noted and the rest goes on.
+        When this process is interrupted it ends its runs; each leaves a checkpoint from which it goes on."""
         jobs = [job for job in self._jobs() if job not in self.why]
         self.why.update((job, why) for job in jobs if (why := self._recorded(job)) is not None)
         jobs, running = [job for job in jobs if job not in self.why], {}
@@ -164,10 +171,11 @@ class Runs:
                 running.update((job, self._run(job)) for job in jobs[: self.jobs - len(running)])
                 jobs = [job for job in jobs if job not in running]
                 for job in [job for job, child in running.items() if child.poll() is not None]:
-                    code, text = running[job].returncode, (running[job].communicate()[1].strip().splitlines() or ["no message"])[0]
+                    code, lines = running[job].returncode, running[job].communicate()[1].strip().splitlines()
+                    text = lines[0] if lines else "no message"
                     if code == _interrupted:
                         raise KeyboardInterrupt
-                    if code not in (0, 2, 3, 4) or text.startswith("error[run-"):  # of another process, of another program
+                    if code not in (0, 2, 3, 4) or text.startswith("error[run-"):  # of another process or program
                         raise Stop(f"a run ended with exit code {code}: {text}")
                     self.why[job] = "" if code in (0, 4) else self._recorded(job) or text
                     del running[job]

@@ -9,8 +9,8 @@ from .inference import sobol
 
 
 def trajectories(k, n, seed, levels=4):
-    """Design of Morris (Technometrics 33 (1991) 161): n walks through a grid of the unit cube, each of k + 1 points, of which
-    two successive ones differ in one parameter by levels/(2 (levels - 1))."""
+    """Design of Morris (Technometrics 33 (1991) 161): n walks through a grid of the unit cube, each of k + 1 points, of
+    which two successive ones differ in one parameter by levels/(2 (levels - 1))."""
     rng, step = np.random.default_rng(seed), levels / (2 * (levels - 1))
     points = np.empty((n, k + 1, k))
     for walk in points:
@@ -22,8 +22,8 @@ def trajectories(k, n, seed, levels=4):
 
 
 def morris(y, points):
-    """(mean of the absolute effects, deviation of the effects) of each parameter, over its whole range. A large deviation: the
-    effect depends on the other parameters, or is not linear."""
+    """(mean of the absolute effects, deviation of the effects) of each parameter, over its whole range. A large
+    deviation: the effect depends on the other parameters, or is not linear."""
     du, dy = np.diff(points, axis=1), np.diff(y.reshape(points.shape[:2]), axis=1)[:, :, None]
     effects = np.divide(dy, du, out=np.full(du.shape, np.nan), where=du != 0).reshape(-1, du.shape[2])
     effects = [column[np.isfinite(column)] for column in effects.T]
@@ -31,8 +31,9 @@ def morris(y, points):
 
 
 def sobol_indices(function, k, n):
-    """(first order, total) parts of the variance of function(u), of each parameter: estimators of Saltelli et al. (Comput. Phys.
-    Commun. 181 (2010) 259, table 2) and of Jansen (1999). A function may give several columns, each with indices of its own."""
+    """(first order, total) parts of the variance of function(u), of each parameter: estimators of Saltelli et al.
+    (Comput. Phys. Commun. 181 (2010) 259, table 2) and of Jansen (1999). A function may give several columns, each with
+    indices of its own."""
     base = sobol(n, 2 * k, seed=1)
     a, b = base[:, :k], base[:, k:]
     mixed = [np.where(np.arange(k) == i, b, a) for i in range(k)]
@@ -54,21 +55,27 @@ def write(problem, runs):
     for test, name in sorted(names, key=lambda pair: (pair[0].name, pair[1])):
         y = runs.numbers(test, name)
         if np.isfinite(y).sum() < k + 2 or not np.nanstd(y) > 1e-12 * np.nanmax(np.abs(y)):
-            rows += [[test.name, name, p.name, *["" if np.isfinite(y).any() else "no value"] * 2, *[""] * 7] for p in problem.parameters]
+            text = "" if np.isfinite(y).any() else "no value"
+            rows += [[test.name, name, p.name, text, text, *[""] * 7] for p in problem.parameters]
             continue
         emulator = Emulator(runs.points, y[:, None, None], float(np.nanmax(np.abs(y))))
-        indices = np.transpose(sobol_indices(lambda u: emulator(u)[0][:, 0], k, 2048))
-        errors = np.transpose(np.std(sobol_indices(emulator.draws, k, 256), axis=2))  # what the runs leave open
-        for p, (mu, sigma), (first, total), (of_first, of_total) in zip(problem.parameters, morris(y[place], points), indices, errors):
-            rows.append([test.name, name, p.name, float(mu), float(sigma), knap.unit_of_output("summary", name) or "",
-                         *map(float, (mu / max(np.nanmean(np.abs(y)), 1e-300), first, of_first, total, of_total, emulator.noise[0] / np.nanvar(y)))])
-    head = ["test", "number", "parameter", "mean effect", "deviation of effects", "unit", "effect over the mean", "Sobol first order",
-            "deviation of first order", "Sobol total", "deviation of total", "part of the seeds"]
-    (out / "sensitivity.tex").write_text(knap.latex(head, rows, "Sensitivity of " + problem.name, digits=3), encoding="utf-8")
+        first, total = sobol_indices(lambda u: emulator(u)[0][:, 0], k, 2048)
+        errors = np.std(sobol_indices(emulator.draws, k, 256), axis=2)  # what the runs leave open
+        seeds, unit = (emulator.noise[0] / np.nanvar(y)), knap.unit_of_output("summary", name) or ""
+        effects = morris(y[place], points)
+        for p, (mu, sigma), *indices in zip(problem.parameters, effects, first, errors[0], total, errors[1]):
+            relative = mu / max(np.nanmean(np.abs(y)), 1e-300)
+            numbers = [float(value) for value in (relative, *indices, seeds)]
+            rows.append([test.name, name, p.name, float(mu), float(sigma), unit, *numbers])
+    head = ["test", "number", "parameter", "mean effect", "deviation of effects", "unit", "effect over the mean",
+            "Sobol first order", "deviation of first order", "Sobol total", "deviation of total", "part of the seeds"]
+    latex = knap.latex(head, rows, "Sensitivity of " + problem.name, digits=3)
+    (out / "sensitivity.tex").write_text(latex, encoding="utf-8")
     for row in rows:
-        print(f"{row[0]}: {row[1]} on {row[2]}: " + (f"{row[6]:.2g} of its mean over the bounds, {max(row[9], 0):.2f} +- {row[10]:.2f} of its variance"
-                                                    if isinstance(row[6], float) else "it is the same in all runs or has no value"))
-    notes = [f"{runs.counted()}. Effects: over the whole range of a parameter, from trajectories (Morris). Sobol: parts of the "
-             "variance of the mean over seeds, from an emulator, and the deviation that so few runs leave; total minus first order is interaction."]
+        text = "it is the same in all runs or has no value"
+        if isinstance(row[6], float):
+            text = f"{row[6]:.2g} of its mean over the bounds, {max(row[9], 0):.2f} +- {row[10]:.2f} of its variance"
+        print(f"{row[0]}: {row[1]} on {row[2]}: {text}")
+    notes = [report.say("sensitivity", counted=runs.counted())]
     report.page(runs, notes, [("Sensitivity", "sensitivity.csv", head, rows)], [])
     return True
