@@ -197,6 +197,11 @@ class Quick(unittest.TestCase):
         file = directory / "numbers.toml"
         file.write_text(bar[:bar.index("[[test")] + "[sensitivity]\nnumbers = [\"dissipated\"]\n")
         files.read(file, fit=False)
+        curve = bar[bar.index("[[test"):bar.index("number = ")] + "curve = \"curve.csv\"\nx = \"energy.time\"\ny = \"energy.dissipated\"\n"
+        (directory / "curves.toml").write_text(bar[:bar.index("[[test")] + curve)
+        (directory / "curve.csv").write_text("t [ms],W [J]\n0,1\n1,2\n")
+        with self.assertRaisesRegex(files.Mistakes, "`test.bar` has no number"):
+            files.read(directory / "curves.toml", fit=False)
         with self.assertRaisesRegex(files.Mistakes, "`test.bar` has nothing measured"):
             files.read(file)
         file.write_text(bar + "use = \"predict\"\n")
@@ -661,6 +666,9 @@ class Quick(unittest.TestCase):
         with self.assertRaisesRegex(Stop, "only 0 of 12 points have a value; the first run without one: gate law_lag violated\n = allowed: bounds"):
             fit.run()
         self.assertEqual(fit.runs.n_runs, 12)
+        fit = study("failing", {"x": 2}, model, trajectories=2)
+        with self.assertRaisesRegex(Stop, "no run has a value; the first run without one: gate law_lag violated\n = allowed: bounds"):
+            sensitivity.write(fit.problem, fit.runs)
 
     @needs_libraries
     def test_scatter_of_a_surplus_is_part_of_the_interval(self):

@@ -175,7 +175,7 @@ class Fit:
                 self.stopped = "the intervals no longer shrink"
             else:
                 self.runs.add(self.next_points(n))
-        self.infer(steps=600)
+        self.infer(steps=1500)
         return self
 
     def steady(self, now, before):
@@ -203,9 +203,7 @@ class Fit:
                 self.emulators[m.title] = Emulator(self.runs.points, self.runs.of(m), level)
             except TooFew as error:
                 if m.use == "fit" and (last or not np.isfinite(self.runs.of(m)).all(axis=2).any()):
-                    raise Stop(f"{m.title}: {error}; the first run without one: {self.runs.cause(m.test)}\n"
-                               " = allowed: bounds around parameters with which the test works; a later time.end, a "
-                               f"smaller step or a finer mesh, in `set` of [test.{m.test.name}]") from None
+                    raise Stop(f"{m.title}: {error}; {self.runs.remedy(m.test)}") from None
                 if m.use == "fit":
                     return False
         return True

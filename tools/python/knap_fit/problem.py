@@ -471,9 +471,10 @@ def read(file, check_scenarios=True, fit=True):
                      f"needs more runs than the budget of {options['budget']}",
                      f"{per_point} runs for each point: the number of tests times seeds")
     for test in tests:
-        if test.is_empty and (fit or not options["numbers"]):
-            more = "; [sensitivity] numbers" * (not fit)
-            reader.error(f"test.{test.name}", "has nothing measured", f"[[test.{test.name}.measured]]{more}")
+        if fit and test.is_empty:
+            reader.error(f"test.{test.name}", "has nothing measured", f"[[test.{test.name}.measured]]")
+        if not (fit or reader.found or options["numbers"] or any(m.x is None for m in test.measured)):
+            reader.error(f"test.{test.name}", "has no number", "[sensitivity] numbers; measured with `number`")
     if fit and not problem.fitted and not reader.found:
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]] with use = \"fit\"")
     if check_scenarios:

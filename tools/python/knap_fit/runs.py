@@ -65,6 +65,11 @@ class Runs:
         found = (why for (point, of, _), why in self.why.items() if why and of is test and k in (None, point))
         return next(found, "the run ended before it had one; a later time.end?")
 
+    def remedy(self, test):
+        """Of a test without values: the cause, and what may help."""
+        return (f"the first run without one: {self.cause(test)}\n = allowed: bounds around parameters with which the "
+                f"test works; a later time.end, a smaller step or a finer mesh, in `set` of [test.{test.name}]")
+
     def names(self, test):
         """Numbers of the summary of a test."""
         return sorted({name for run in self.answers(test) if run for name in run.summary})

@@ -6,6 +6,7 @@ import knap
 from . import need, report
 from .emulator import Emulator
 from .inference import sobol
+from .runs import Stop
 
 
 def trajectories(k, n, seed, levels=4):
@@ -67,6 +68,8 @@ def write(problem, runs):
             relative = mu / max(np.nanmean(np.abs(y)), 1e-300)
             numbers = [float(value) for value in (relative, *indices, seeds)]
             rows.append([test.name, name, p.name, float(mu), float(sigma), unit, *numbers])
+    if all(row[3] == "no value" for row in rows):
+        raise Stop(f"no run has a value; {runs.remedy(problem.tests[0])}")
     head = ["test", "number", "parameter", "mean effect", "deviation of effects", "unit", "effect over the mean",
             "Sobol first order", "deviation of first order", "Sobol total", "deviation of total", "part of the seeds"]
     latex = knap.latex(head, rows, "Sensitivity of " + problem.name, digits=3)
