@@ -117,7 +117,7 @@ class Measured:
         if signs != [1, 1]:
             remedy = [float(sign * old) for sign, old in zip(signs, self.factors)]
             return "the first run has its curve on the other side of zero", f"factors = {remedy}"
-        if run.reached_end and not x.min() <= ends[0] < ends[1] <= x.max():
+        if not x.min() <= ends[0] < ends[1] <= x.max() and run.reached_end:
             of_run, of_data = (f"from {a:.4g} to {b:.4g} {self.x_unit}" for a, b in ((x.min(), x.max()), ends))
             return (f"the first run has its curve {of_run}, what was measured goes {of_data}",
                     "a later time.end, in `set`; the part that runs have, between = [...]")
