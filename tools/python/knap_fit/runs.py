@@ -92,22 +92,22 @@ class Runs:
 
     def _start(self, force):
         self.directory.mkdir(parents=True, exist_ok=True)
-        # other bounds and scales change no run
-        parameters, tests = [[p.name, p.keys, p.unit] for p in self.problem.parameters], []
+        described = [self.own_seeds, *([p.name, p.keys, p.low, p.high, p.unit, p.log] for p in self.problem.parameters)]
         for test in self.problem.tests:
             file = pathlib.Path(test.scenario)
             text = hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else test.scenario
-            tests.append([test.name, text, test.set, test.seeds, test.first_seed])
-        data = [[p.low, p.high, p.log] for p in self.problem.parameters]
-        data += [[m.title, m.n, m.scatter, m.values.tolist()] for m in self.problem.measured if m.values is not None]
+            described.append([test.name, text, test.set, test.seeds, test.first_seed])
+        data = [[m.title, m.n, m.scatter, m.values.tolist()] for m in self.problem.measured if m.values is not None]
         data += [self.problem.options[key] for key in ("interval", "model_error", "seed")]
-        now = [[self.own_seeds, parameters, tests], data]
+        now, k = [described, data], len(self.problem.parameters)
         mark, points = self.directory / "problem.json", self.directory / "points.csv"
         old = json.loads(mark.read_text()) if mark.exists() else now
         if points.exists() and not force:
             self.values = list(zip(*(map(float, column) for column in knap.read_csv(points).values())))
-        is_outside = old[0] == now[0] and (np.abs(self.points - 0.5) > 0.50001).any()
-        if (old[0] != now[0] or is_outside) and not force:
+        # other bounds and scales change no run
+        one, other = ([[*row[:2], *row[4:5]] if 0 < i <= k else row for i, row in enumerate(rows)]
+                      for rows in (old[0], described))
+        if (one != other or (np.abs(self.points - 0.5) > 0.50001).any()) and not force:
             raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these "
                        "bounds; -o for another directory, --force to delete them and begin anew")
         if force:
