@@ -365,6 +365,44 @@ def read_csv(file):
     return table
 
 
+def write_csv(file, head, rows, digits=6):
+    """Writes a table; a reader, or a process that was ended, finds the old one or the new one."""
+    new = pathlib.Path(f"{file}.new")
+    with open(new, "w", newline="", encoding="utf-8") as out:
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(head)
+        writer.writerows([[f"{cell:.{digits}g}" if isinstance(cell, float) else cell for cell in row] for row in rows])
+    os.replace(new, file)
+
+
+_prefixes = {"": 1, "G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
+
+
+def factor(unit, of):
+    """Value of one `unit` in the unit `of`, as 1e6 of MPa in Pa; None where they are not of one kind."""
+    if unit == of or not unit:
+        return 1.0
+    if unit == "%" and not of:
+        return 0.01
+    result, parts, of_parts = 1.0, unit.split("/"), of.split("/")
+    for k, (part, base) in enumerate(zip(parts, of_parts)):
+        prefix = _prefixes.get(part.removesuffix(base)) if part.endswith(base) else None
+        if prefix is None or len(parts) != len(of_parts):
+            return None
+        power = int(base[-1]) if base[-1:] in ("2", "3") else 1
+        result *= prefix ** (-power if k else power)
+    return result
+
+
+def quantity(value):
+    """Number and unit of 3, "3 MPa", "5 %"; None where it is none."""
+    number = r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*"
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return (float(value), "") if np.isfinite(value) else None
+    match = re.fullmatch(number, value) if isinstance(value, str) else None
+    return (float(match[1]), match[2]) if match else None
+
+
 def name_and_unit(title):
     """("time", "s") of the title "time [s]" of a column."""
     name, unit = re.fullmatch(r"(.*?)(?: \[(.*)\])?", title, re.DOTALL).groups()
@@ -528,6 +566,18 @@ def schema(what):
     return tables
 
 
+def outputs_of(table):
+    """{name: unit} of the summary or a csv file of a run; a name may begin with *."""
+    outputs = schema("--outputs")
+    return outputs.get(table) or outputs.get(f"{table}.csv", {})
+
+
+def unit_of_output(table, name):
+    """SI unit of a number of the summary or a column of a table; None where there is none of this name."""
+    return next((unit for pattern, unit in outputs_of(table).items()
+                 if name == pattern or (pattern[0] == "*" and name.endswith(pattern[1:]) and len(name) >= len(pattern))), None)
+
+
 def unit_of_key(path):
     """SI unit of a key of a resolved scenario, as "J/m2" of interface.default.G_c; "" where it is no number with a unit."""
     for rows in schema("--markdown").values():
@@ -551,6 +601,18 @@ def settings(file):
     return found
 
 
+def course(run, x, y):
+    """The tables that have the columns "TABLE.COLUMN" of a curve, and its x and y: x at the times of y where they are of tables
+    with other lines, and nothing that is unknown."""
+    (table, x), (other, y) = (name.split(".", 1) for name in (x, y))
+    tables = run.table(table), run.table(other)
+    x, y = tables[0][x], tables[1][y]
+    if len(x) != len(y):
+        x = np.interp(tables[1]["time"], tables[0]["time"], x)
+    keep = np.isfinite(x) & np.isfinite(y)
+    return tables, x[keep], y[keep]
+
+
 def plot_over(runs, x, y, labels=None, axis=None):
     """Curves of several runs over each other, by matplotlib: `x`, `y` as "stress_strain.stress". Returns the axis."""
     try:
@@ -560,11 +622,10 @@ def plot_over(runs, x, y, labels=None, axis=None):
     axis = axis or plt.subplots()[1]
     for k, run in enumerate(runs):
         run = run if isinstance(run, Run) else Run(run)
-        (x_table, x_name), (y_table, y_name) = (name.split(".", 1) for name in (x, y))
-        tables = run.table(x_table), run.table(y_table)
-        axis.plot(tables[0][x_name], tables[1][y_name], label=labels[k] if labels else run.directory.name)
-    axis.set(**{f"{name}label": column + (f" [{table.units[column]}]" if table.units[column] else "")
-                for name, column, table in (("x", x_name, tables[0]), ("y", y_name, tables[1]))})
+        tables, *curve = course(run, x, y)
+        axis.plot(*curve, label=labels[k] if labels else run.directory.name)
+    axis.set(**{f"{axis_name}label": name + (f" [{table.units[name]}]" if table.units[name] else "")
+                for axis_name, table, name in zip("xy", tables, (x.split(".", 1)[1], y.split(".", 1)[1]))})
     axis.legend()
     return axis
 

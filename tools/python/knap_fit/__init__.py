@@ -6,25 +6,22 @@
     emulator   what the runs show between these points, with its uncertainty, by Kriging
     inference  posterior of the parameters, which of them the data determine, predictions
     report     tables and report.html
+    notes.toml the sentences of a report
     command    the command lines
 
-All parameters are places in the unit cube, u = 0 and 1 at their bounds, linear or in the logarithm. Measured values are SI."""
+All parameters are places in the unit cube, u = 0 and 1 at their bounds, linear or in the logarithm. Measured values
+have the units of FILE."""
+import importlib.util
 import sys
 
 
-def need(module, package, what, *more):
-    """A library that only a part needs. Without it, or one of the pairs of `more`, the program names the Debian packages of all that
-    are missing, and ends with exit code 2."""
-    missing, found = [], None
-    for name, of in ((module, package), *more):
-        try:
-            library = __import__(name, fromlist=["*"])
-            found = found or library
-        except ImportError as error:
-            if not missing or (error.name or name).split(".")[0] == name.split(".")[0]:  # not that one library lacks another one
-                missing.append((name, of))
+def need(what, *modules):
+    """The first of some libraries that only a part needs. Where some are missing the program names the Debian packages
+    of all of them, and ends with exit code 2."""
+    missing = [name for name in modules if importlib.util.find_spec(name.split(".")[0]) is None]
     if missing:
-        names, packages = zip(*missing)
-        print(f"error: {what} needs {', '.join(names)}: apt install {' '.join(packages)}", file=sys.stderr)
+        # tomllib is part of Python 3.11
+        packages = ["python3" + f"-{name.split('.')[0]}" * (name != "tomllib") for name in missing]
+        print(f"error: {what} needs {', '.join(missing)}: apt install {' '.join(packages)}", file=sys.stderr)
         raise SystemExit(2)
-    return found
+    return importlib.import_module(modules[0])

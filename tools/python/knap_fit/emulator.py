@@ -1,4 +1,4 @@
-"""What a measurement would be at any place of the parameters, with the uncertainty of that, from the runs that were made."""
+"""What a measurement would be at any place of the parameters, with its uncertainty, from the runs that were made."""
 import warnings
 
 import numpy as np
@@ -6,39 +6,46 @@ import numpy as np
 from . import need
 
 
+class TooFew(Exception):
+    """Too few runs have a value."""
+
+
 def _process(u, y, noises, noise_bounds):
     """The most likely one of some starts."""
-    gp = need("sklearn.gaussian_process", "python3-sklearn", "the emulator")
-    kernels, k = gp.kernels, u.shape[1]
+    gp, k = need("the emulator", "sklearn.gaussian_process"), u.shape[1]
+    kernels = gp.kernels
     starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
               + kernels.WhiteKernel(np.clip(noise, *noises), noise_bounds)
               for length, noise in ((1.0, 1e-2), (0.3, 1e-2), (3.0, 1e-2), (1.0, 1e-5), (3.0, 1e-5))]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
-        return max((gp.GaussianProcessRegressor(start, random_state=1).fit(u, y) for start in starts), key=lambda process: process.log_marginal_likelihood_value_)
+        return max((gp.GaussianProcessRegressor(start, random_state=1).fit(u, y) for start in starts),
+                   key=lambda process: process.log_marginal_likelihood_value_)
 
 
 class Emulator:
-    """Kriging (scikit-learn) of the values of one measurement. A curve is written by the principal components of its values over their
-    deviations: the mean is m + sum_j g_j(u) v_j, its covariance sum_jk v_j v_k r_jk sqrt(var g_j var g_k); what the components
-    leave out is `rest` at each place. The variance of runs with other seeds at one place is found with the other parameters of
-    the covariance (white noise), within the 90 % interval of what runs at the same place show. `freedom`: how many numbers tell
-    it. r_jk is the correlation of what the processes leave of the components, shrunk by Ledoit and Wolf (J. Multivariate Anal. 88
-    (2004) 365): a strong peak and a late fall go together."""
+    """Kriging (scikit-learn) of the values of one measurement. A curve is written by the principal components of its
+    values over their deviations: the mean is m + sum_j g_j(u) v_j, its covariance sum_jk v_j v_k r_jk sqrt(var g_j var
+    g_k); what the components leave out is `rest` at each place. `noise`: of runs with other seeds at one place, found
+    with the other parameters of the covariance (white noise), within the 90 % interval of what runs at the same place
+    show. `freedom`: how many numbers tell it. r_jk is the correlation of what the processes leave of the components,
+    shrunk by Ledoit and Wolf (J. Multivariate Anal. 88 (2004) 365): a strong peak and a late fall go together."""
 
     def __init__(self, u, values, level):
-        """u: points; values: over points, seeds and places, nan where a run failed. The search for the covariances starts from
-        fixed places alone, so that the same runs give the same emulator, however a fit came to them."""
-        stats, cov = need("scipy.stats", "python3-scipy", "the emulator"), need("sklearn.covariance", "python3-sklearn", "the emulator")
-        seeds = np.isfinite(values).all(axis=2)
-        self.works = seeds.any(axis=1)  # points
+        """u: points; values: over points, seeds and places, nan where a run failed; level: to which parts refer, None:
+        their own. The search for the covariances starts from fixed places alone: the same runs give the same
+        emulator."""
+        stats, cov = need("the emulator", "scipy.stats"), need("the emulator", "sklearn.covariance")
+        seeds, k = np.isfinite(values).all(axis=2), np.shape(u)[1]
+        self.works, n = seeds.any(axis=1), seeds.any(axis=1).sum()  # points
+        if n < k + 2:
+            raise TooFew(f"only {n} of {len(u)} points have a value")
         count = seeds.sum(axis=1)[self.works]
         y = np.where(seeds[:, :, None], values, 0).sum(axis=1)[self.works] / count[:, None]
         self.n_seeds = count.mean()
-        self.u, (n, k) = np.asarray(u)[self.works], (len(y), np.shape(u)[1])
-        if n < k + 2:
-            raise ValueError(f"only {n} of {len(u)} points have a value")
-        self.mean, deviation = y.mean(axis=0), np.maximum(y.std(axis=0), 1e-3 * level)
+        self.u = np.asarray(u)[self.works]
+        self.level = np.abs(y).max() if level is None else level
+        self.mean, deviation = y.mean(axis=0), np.maximum(y.std(axis=0), max(1e-3 * self.level, 1e-300))
         _, s, v = np.linalg.svd((y - self.mean) / deviation, full_matrices=False)
         part = 1 - np.cumsum(s**2) / max((s**2).sum(), 1e-300)
         r = min(int(np.argmax(part < 1e-4)) + 1, 8) if len(s) > 1 else 1
@@ -51,11 +58,11 @@ class Emulator:
         runs = (values[self.works][seeds[self.works]] - self.mean) @ self.dual / self.scale
         about = runs - np.array([np.bincount(place, column) / np.bincount(place) for column in runs.T]).T[place]
         repeats = len(runs) - place.max() - 1
-        self.processes, self.noise, freedom = [], np.zeros(r), np.zeros(r)
+        self.processes, self.noise, freedom, bounds = [], np.zeros(r), np.zeros(r), (1e-6, 2.0)
         for j in range(r):
-            bounds = (1e-6, 2.0)
             if repeats:
-                bounds = np.clip((about[:, j] ** 2).sum() / self.n_seeds / stats.chi2.ppf([0.95, 0.05], repeats), *bounds)
+                square = (about[:, j] ** 2).sum() / self.n_seeds
+                bounds = np.clip(square / stats.chi2.ppf([0.95, 0.05], repeats), 1e-6, 2.0)
             exact = bounds[1] < 1.01e-6  # the seeds change nothing
             self.processes.append(_process(self.u, g[:, j] / self.scale[j], bounds, "fixed" if exact else bounds))
             noise = self.processes[j].kernel_.k2.noise_level
@@ -68,15 +75,13 @@ class Emulator:
         alike = cov.ledoit_wolf(left, assume_centered=True)[0] if r > 1 else np.eye(1)
         np.fill_diagonal(alike, 1)
         self.root = np.linalg.cholesky(alike)
-        # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal one
+        # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal
         self.noise_factor = (stats.t.ppf(0.95, max(self.freedom, 1)) / stats.norm.ppf(0.95)) ** 2
 
     def __call__(self, u):
         """Mean (places of u, places of the curve) and the variances of its components (places of u, components)."""
-        g, variance = np.empty((len(u), len(self.scale))), np.empty((len(u), len(self.scale)))
-        for j, process in enumerate(self.processes):
-            g[:, j], deviation = process.predict(u, return_std=True)
-            variance[:, j] = np.maximum(deviation**2 - process.kernel_.k2.noise_level, 1e-12)
+        g, deviation = np.transpose([process.predict(u, return_std=True) for process in self.processes], (1, 2, 0))
+        variance = np.maximum(deviation**2 - [process.kernel_.k2.noise_level for process in self.processes], 1e-12)
         return self.mean + g * self.scale @ self.v.T, variance * self.scale**2
 
     def spread(self, variance):
@@ -94,19 +99,28 @@ class Emulator:
                 for s, process in zip(self.scale, self.processes)]
 
 
+    def draws(self, u, n=100):
+        """Of a number: n functions as probable as the runs leave them, a column of values at the places u for each."""
+        factor = np.linalg.cholesky(self.covariances(u)[0] + 1e-6 * self.scale[0] ** 2 * np.eye(len(u)))
+        return self(u)[0] + self.v[0, 0] * factor @ np.random.default_rng(1).standard_normal((len(u), n))
+
+
 class Success:
-    """Where runs have a value, by a Gaussian process of the points that have one (`works`) and those that have none (scikit-learn):
-    failed runs tell where the parameters cannot be, and where no further run is worth its time."""
+    """Where runs have a value, by a Gaussian process of the points that have one (`works`) and those that have none
+    (scikit-learn): failed runs tell where the parameters cannot be, and where no further run is worth its time."""
 
     def __init__(self, u, works):
         self.process = None
         if not works.all():
-            gp = need("sklearn.gaussian_process", "python3-sklearn", "the emulator")
-            kernel = gp.kernels.ConstantKernel(4.0, (0.5, 100)) * gp.kernels.Matern([1.0] * u.shape[1], (0.1, 10), nu=2.5)
+            gp = need("the emulator", "sklearn.gaussian_process")
+            lengths = gp.kernels.Matern([1.0] * u.shape[1], (0.1, 10), nu=2.5)
+            kernel = gp.kernels.ConstantKernel(4.0, (0.5, 100)) * lengths
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # a length at its bound: failure does not depend on that parameter
                 self.process = gp.GaussianProcessClassifier(kernel, random_state=1).fit(u, works)
 
     def log(self, u):
         """Logarithm of the probability of a value at each place of u, at least 0.001."""
-        return np.zeros(len(u)) if self.process is None else np.log(np.maximum(self.process.predict_proba(u)[:, 1], 1e-3))
+        if self.process is None:
+            return np.zeros(len(u))
+        return np.log(np.maximum(self.process.predict_proba(u)[:, 1], 1e-3))

@@ -1,4 +1,4 @@
-"""Reads a FILE of knap-fit. All its mistakes are reported at once, with the line, the key and what is allowed (keys.toml)."""
+"""Reads a FILE of knap-fit. All its mistakes are reported at once, with line, key and what is allowed (keys.toml)."""
 import csv
 import difflib
 import functools
@@ -13,11 +13,10 @@ import knap
 
 from . import need
 
-tomllib = need("tomllib", "python3 (3.11 or later)", "a FILE")
+tomllib = need("a FILE", "tomllib")
 keys = tomllib.loads((pathlib.Path(__file__).parent / "keys.toml").read_text(encoding="utf-8"))
 prose = keys.pop("prose")
 defaults = {name: key["default"] for name, key in keys["fit"].items() if "default" in key}
-_prefixes = {"": 1, "G": 1e9, "M": 1e6, "k": 1e3, "c": 1e-2, "m": 1e-3, "u": 1e-6, "µ": 1e-6, "n": 1e-9}
 
 
 class Mistakes(Exception):
@@ -27,28 +26,8 @@ class Mistakes(Exception):
         super().__init__("\n".join(texts) + f"\n{len(texts)} error{'s' * (len(texts) > 1)}, {ran}.")
 
 
-def factor(unit, of):
-    """Value of one `unit` in the unit `of`, as 1e6 of MPa in Pa; None where they are not of one kind."""
-    if unit == of or not unit:
-        return 1.0
-    if unit == "%" and not of:
-        return 0.01
-    result, parts, of_parts = 1.0, unit.split("/"), of.split("/")
-    for k, (part, base) in enumerate(zip(parts, of_parts)):
-        prefix = _prefixes.get(part.removesuffix(base)) if part.endswith(base) else None
-        if prefix is None or len(parts) != len(of_parts):
-            return None
-        power = int(base[-1]) if base[-1:] in ("2", "3") else 1
-        result *= prefix ** (-power if k else power)
-    return result
-
-
-def quantity(value):
-    """Number and unit of 3, "3 MPa", "5 %"; None where it is none."""
-    if isinstance(value, (int, float)) and not isinstance(value, bool):
-        return float(value), ""
-    match = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(\S*)\s*", value) if isinstance(value, str) else None
-    return (float(match[1]), match[2]) if match else None
+def mistake(text, where, remedy=""):
+    return f"error: {text}\n  --> {where}" + f"\n   = allowed: {remedy}" * bool(remedy)
 
 
 class Parameter:
@@ -62,12 +41,14 @@ class Parameter:
         return self.low * (self.high / self.low) ** u if self.log else self.low + (self.high - self.low) * u
 
     def place(self, value):
-        return np.log(value / self.low) / np.log(self.high / self.low) if self.log else (value - self.low) / (self.high - self.low)
+        scale = np.log if self.log else np.asarray
+        return (scale(value) - scale(self.low)) / (scale(self.high) - scale(self.low))
 
     def log_prior(self, u):
         """Uniform in u between the bounds; with `normal` also of the value, by its mean and standard deviation."""
         inside = np.where((u >= 0) & (u <= 1), 0.0, -np.inf)
-        return inside - (0.5 * ((self.value(np.clip(u, 0, 1)) - self.normal[0]) / self.normal[1]) ** 2 if self.normal is not None else 0)
+        mean, deviation = (0.0, np.inf) if self.normal is None else self.normal
+        return inside - 0.5 * ((self.value(np.clip(u, 0, 1)) - mean) / deviation) ** 2
 
     def deviation(self, function):
         """Standard deviation of a function of its value, before the data."""
@@ -77,10 +58,6 @@ class Parameter:
     def text(self, u):
         return f"{self.value(u):.6g} {self.unit}".strip()
 
-    @property
-    def title(self):
-        return label(self.name, self.unit)
-
 
 def label(name, unit):
     return f"{name} [{unit}]" if unit else name
@@ -88,20 +65,22 @@ def label(name, unit):
 
 class Measured:
     """What a test gave: a number of the summary, or a curve over `x`. `use`: fit; predict (left out); candidate (a test
-    that was not done: would it tell more?). `values`: SI, those of a curve at the places x. `scatter`: standard deviation
-    of one specimen, None: that of seeds. `n`: number of specimens of which `values` is the mean."""
+    that was not done: would it tell more?). `values`: those of a curve at the places x. `scatter`: standard deviation
+    of one specimen, None: that of seeds. `n`: number of specimens of which `values` is the mean. What a run has is
+    multiplied by `factors` and, since all this has the units of FILE, divided by `scales`."""
 
     def __init__(self, test, name, use, values, scatter, n=1, x=None, columns=None, factors=(1, 1), unit="", x_unit=""):
         self.test, self.name, self.use, self.values, self.scatter, self.n = test, name, use, values, scatter, n
-        self.x, self.columns, self.factors, self.unit, self.x_unit = x, columns, factors, unit, x_unit
-        self.shown, self.x_shown = unit, x_unit  # units of FILE, which tables and pictures have
+        self.x, self.columns, self.factors, self.scales = x, columns, factors, (1, 1)
+        self.unit, self.x_unit = unit, x_unit
         self.noise = 0.0  # standard deviation of each point by itself
         self.part = 0.0  # scatter of a candidate over its value, which is not known yet
         self.where = test and test.name  # file and line
 
     @property
     def title(self):
-        return f"{self.test.name}: {self.name}" + {"fit": "", "predict": " (left out)", "candidate": " (not measured)"}[self.use]
+        use = {"fit": "", "predict": " (left out)", "candidate": " (not measured)"}[self.use]
+        return f"{self.test.name}: {self.name}{use}"
 
     @property
     def size(self):
@@ -110,54 +89,37 @@ class Measured:
     @property
     def level(self):
         """The size of its values, to which parts refer."""
-        return float(np.abs(self.values).max()) if self.values is not None and self.size else 1.0
-
-    def in_file(self, values):
-        """Values in the unit of FILE."""
-        return values / factor(self.shown, self.unit)
-
-    @property
-    def x_in_file(self):
-        return self.x / factor(self.x_shown, self.x_unit)
+        return float(np.abs(self.values).max()) if self.values is not None else 1.0
 
     @functools.cache
     def of(self, run):
         """Its values in a run; nan where the run has none."""
         if self.x is None:
-            value = run.summary[self.name] if self.name in run.summary else np.nan
-            return np.array([np.nan if value is None else float(value)])
+            value = run.summary.get(self.name)
+            return np.array([np.nan if value is None else float(value)]) / self.scales[-1]
         return _first(*self.course(run), self.x)
 
     def course(self, run):
         """x and y of the curve that a run has."""
-        (table, x), (other, y) = self.columns
-        table, other = run.table(table), run.table(other)
-        try:
-            x, y = self.factors[0] * table[x], self.factors[1] * other[y]
-        except KeyError as missing:
-            raise knap.KnapError(f"a run has no column {missing.args[0]}") from None
-        if len(x) != len(y):
-            x = np.interp(other["time"], table["time"], x)
-        keep = np.isfinite(x) & np.isfinite(y)
-        return x[keep], y[keep]
+        _, *curve = knap.course(run, *self.columns)
+        return [factor * values / scale for factor, scale, values in zip(self.factors, self.scales, curve)]
 
     def mistake(self, run):
-        """What the first run shows of FILE, and what is allowed; None: nothing. It lacks a column; it lies on the other side of zero where a
-        sign was forgotten; it reaches the end of its time before the end of the curve."""
-        try:
-            x, y = self.course(run)
-        except knap.KnapError as error:
-            return str(error), ""
+        """What the first run shows of FILE, and what is allowed; None: nothing. It lies on the other side of zero where
+        a sign was forgotten; it reaches the end of its time before the end of the curve."""
+        x, y = self.course(run)
         if not len(x):
             return None
-        signs = [-1 if np.clip(x, *self.x[[0, -1]]).ptp() == 0 < np.clip(-x, *self.x[[0, -1]]).ptp() else 1, 1]
+        ends = self.x[[0, -1]]
+        signs = [-1 if np.clip(x, *ends).ptp() == 0 < np.clip(-x, *ends).ptp() else 1, 1]
         product = _first(signs[0] * x, y, self.x) * self.values
         signs[1] = -1 if (product < 0).sum() > 1 and not (product > 0).any() else 1
         if signs != [1, 1]:
-            return "the first run has its curve on the other side of zero", f"factors = {[float(sign * old) for sign, old in zip(signs, self.factors)]}"
-        if not x.min() <= self.x[0] < self.x[-1] <= x.max() and run.reached_end:
-            low, high, first, last = (f"{value / factor(self.x_shown, self.x_unit):.4g}" for value in (x.min(), x.max(), *self.x[[0, -1]]))
-            return (f"the first run has its curve from {low} to {high} {self.x_shown}, what was measured goes from {first} to {last} {self.x_shown}",
+            remedy = [float(sign * old) for sign, old in zip(signs, self.factors)]
+            return "the first run has its curve on the other side of zero", f"factors = {remedy}"
+        if not x.min() <= ends[0] < ends[1] <= x.max() and run.reached_end:
+            of_run, of_data = (f"from {a:.4g} to {b:.4g} {self.x_unit}" for a, b in ((x.min(), x.max()), ends))
+            return (f"the first run has its curve {of_run}, what was measured goes {of_data}",
                     "a later time.end, in `set`; the part that runs have, between = [...]")
         return None
 
@@ -179,9 +141,9 @@ class Test:
 class Problem:
     """What FILE asks for: `parameters`, `tests`, `options` of [fit]."""
 
-    def __init__(self, name, parameters, tests, options):
-        self.name, self.parameters, self.tests, self.options = name, parameters, tests, {**defaults, **options}
-        self.file = None  # FILE
+    def __init__(self, name, parameters, tests, options, file=None):
+        self.name, self.parameters, self.tests, self.file = name, parameters, tests, file
+        self.options = {**defaults, **options}
 
     @property
     def measured(self):
@@ -193,11 +155,9 @@ class Problem:
 
     def check_first(self, runs):
         """Mistakes of FILE that the first run of each test shows."""
-        texts = []
-        for m in (m for m in self.measured if m.x is not None):
-            for text, remedy in (found for run in runs.answers(m.test)[:1] if run and (found := m.mistake(run))):
-                texts.append(f"error: {m.title}: {text}\n  --> {m.where}" + f"\n   = allowed: {remedy}" * bool(remedy))
-        if texts:
+        curves = [m for m in self.measured if m.x is not None]
+        found = [(m, m.mistake(run)) for m in curves for run in runs.answers(m.test)[:1] if run]
+        if texts := [mistake(f"{m.title}: {wrong[0]}", m.where, wrong[1]) for m, wrong in found if wrong]:
             raise Mistakes(texts, "the first run was done")
 
     def values(self, u):
@@ -208,49 +168,37 @@ class Problem:
         return tuple(float(f"{value:.6g}") for value in self.values(u))
 
     def keys_of(self, *tests):
-        """{key of the scenarios of these tests: number of the parameter that sets it}; TEST:KEY where several parameters do, each in a
-        test of its own."""
+        """{key of the scenarios of these tests: number of the parameter that sets it}; TEST:KEY where several
+        parameters do, each in a test of its own."""
         names = ("", *(test.name for test in tests))
-        keys = [(*key.rpartition(":"), i) for i, parameter in enumerate(self.parameters) for key in parameter.keys if key.rpartition(":")[0] in names]
-        owners = {plain: {i for _, _, other, i in keys if other == plain} for _, _, plain, _ in keys}
-        return {plain if len(owners[plain]) == 1 else f"{of}:{plain}": i for of, _, plain, i in keys}
+        keys = [(*key.rpartition(":"), i) for i, p in enumerate(self.parameters) for key in p.keys]
+        keys = [(of, plain, i) for of, _, plain, i in keys if of in names]
+        owners = {plain: {i for _, other, i in keys if other == plain} for _, plain, _ in keys}
+        return {plain if len(owners[plain]) == 1 else f"{of}:{plain}": i for of, plain, i in keys}
 
     def set_of(self, test, u):
         """KEY=VALUE of a run of a test."""
         return {**test.set, **{key: self.parameters[i].text(u[i]) for key, i in self.keys_of(test).items()}}
 
 
-def outputs_of(table):
-    """{name: unit} of the outputs of the program in the summary or a csv file; a name may begin with *."""
-    outputs = knap.schema("--outputs")
-    return outputs.get(table) or outputs.get(f"{table}.csv", {})
-
-
-def unit_of(table, name):
-    """Unit of an output of the program; None where it has none of this name."""
-    rows = outputs_of(table)
-    return next((unit for pattern, unit in rows.items() if name == pattern or (pattern[0] == "*" and name.endswith(pattern[1:]) and len(name) >= len(pattern))), None)
-
-
 def allowed(key):
     """What a key of keys.toml may be, in words."""
-    kind = key["kind"]
     if "allowed" in key:
         return key["allowed"]
-    if isinstance(kind, list):
-        return ", ".join(f'"{word}"' for word in kind)
     if "range" in key:
-        return f"{'a whole number' if kind == 'whole' else 'a number or a percentage'} from {key['range'][0]:g} to {key['range'][1]:g}"
-    return {"text": "a text", "table": "a table", "tables": "tables"}[kind]
+        kind = "a whole number" if key["kind"] == "whole" else "a number or a percentage"
+        return f"{kind} from {key['range'][0]:g} to {key['range'][1]:g}"
+    return ", ".join(f'"{word}"' for word in key["kind"])
 
 
 def markdown():
     """scenarios/FIT_KEYS.md"""
-    heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]", "measured": "[[test.NAME.measured]]",
-             "expect": "[expect.PARAMETER]"}
+    heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]",
+             "measured": "[[test.NAME.measured]]", "expect": "[expect.PARAMETER]"}
     lines = [prose.rstrip()]
     for kind, rows in keys.items():
-        lines += ["", f"## {heads.get(kind, f'[{kind}]')}", "", "| key | value | default | meaning |", "|---|---|---|---|"]
+        lines += ["", f"## {heads.get(kind, f'[{kind}]')}", ""]
+        lines += ["| key | value | default | meaning |", "|---|---|---|---|"]
         for name, key in rows.items():
             default = key.get("standard", key.get("default"))
             default = "required" if key.get("required") else default if default else "0" if default == 0 else ""
@@ -258,32 +206,31 @@ def markdown():
     return "\n".join(lines) + "\n"
 
 
+def _one(key, given):
+    """A value in the form that the program uses; None where it is not allowed."""
+    kind = key["kind"]
+    if kind == "quantity":
+        return knap.quantity(given)
+    if kind in ("whole", "number"):
+        value, unit = knap.quantity(given) or (np.nan, "")
+        value *= knap.factor(unit, "") or np.nan
+        is_allowed = key["range"][0] <= value <= key["range"][1] and (kind == "number" or value == int(value))
+        return None if not is_allowed else value if kind == "number" else int(value)
+    is_allowed = given in kind if isinstance(kind, list) else isinstance(given, {"text": str, "table": dict}[kind])
+    return given if is_allowed else None
+
+
 def _checked(key, given):
-    """The value of a key in the form that the program uses; None where it is not allowed."""
-    kind, count = key["kind"], key.get("count")
-    if isinstance(kind, list):
-        return given if given in kind else None
-    if kind in ("text", "table"):
-        return given if isinstance(given, str if kind == "text" else dict) else None
-    if kind in ("whole", "number", "quantity"):
-        found = quantity(given)
-        if kind == "quantity" or found is None:
-            return found
-        value, (low, high) = found[0] * (factor(found[1], "") or np.nan), key["range"]
-        return None if not low <= value <= high or (kind == "whole" and value != int(value)) else int(value) if kind == "whole" else value
-    if kind == "array":
-        try:
-            found = np.array(given, float)
-        except (TypeError, ValueError):
-            return None
-        return found if found.ndim == len(key["shape"]) and found.shape[-1] == 2 and np.isfinite(found).all() else None
-    given = given if isinstance(given, list) or count else [given]
-    if not isinstance(given, list) or not given or (count and len(given) != count):
+    """The same of a key that may have many values: quantities become an array and their unit."""
+    if not key.get("many"):
+        return _one(key, given)
+    found = [_one(key, item) for item in (given if isinstance(given, list) else [given])]
+    if not found or None in found or key.get("count", len(found)) != len(found):
         return None
-    if kind == "quantities":
-        found = [quantity(value) for value in given]
-        return (np.array([value for value, _ in found]), found[0][1]) if None not in found and len({unit for _, unit in found}) == 1 else None
-    return given if all(isinstance(value, str if kind == "texts" else dict) for value in given) else None
+    if key["kind"] != "quantity":
+        return found
+    values, units = zip(*found)
+    return (np.array(values), units[0]) if len(set(units)) == 1 else None
 
 
 class _Reader:
@@ -294,7 +241,7 @@ class _Reader:
         try:
             self.root = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
-            raise Mistakes([f"error: {error}\n  --> {file}"]) from None
+            raise Mistakes([mistake(error, file)]) from None
         self.lines, counts, head = {}, {}, ""
         for number, line in enumerate(text.splitlines(), 1):
             if match := re.match(r"\s*(\[\[?)([^\]]+)\]", line):
@@ -313,65 +260,70 @@ class _Reader:
         return self.lines.get(path, (1, ""))
 
     def error(self, path, text, remedy=""):
-        number, line = self.line(path)
-        self.found.append(f"error: `{path}` {text}\n  --> {self.file}:{number}\n   | {line.strip()}"
-                          + (f"\n   = allowed: {remedy}" if remedy else ""))
+        number, line = self.line(path.lstrip("."))
+        self.found.append(mistake(f"`{path.lstrip('.')}` {text}", f"{self.file}:{number}\n   | {line.strip()}", remedy))
 
-    def refuse(self, kind, name, path, given):
+    def refuse(self, kind, name, path, given, more=""):
         """A mistake in the value of a key of a table; what was `given` has it."""
-        self.error(f"{path}.{name}".lstrip("."), f"= {given[name]!r} is not allowed", allowed(keys[kind][name]))
+        self.error(f"{path}.{name}", f"= {given[name]!r} is not allowed", allowed(keys[kind][name]) + more)
 
     def table(self, given, kind, path):
         """{key: value} of a table, with defaults; a key that is not there and has none is None."""
-        found = {name: key.get("default") for name, key in keys[kind].items()}
+        found, meant = {name: key.get("default") for name, key in keys[kind].items()}, set()
         if not isinstance(given, dict):
             self.error(path, "is not a table")
-            return found
+            return {**found, "given": keys[kind].keys()}
         for name in given:
             if name not in found:
-                near = difflib.get_close_matches(name, found, 1)
-                self.error(f"{path}.{name}".lstrip("."), "is not a key" + (f"; did you mean `{near[0]}`?" if near else ""), ", ".join(found))
+                near = difflib.get_close_matches(name, found.keys() - given.keys(), 1)
+                meant.update(near)
+                hint = "".join(f"; did you mean `{key}`?" for key in near)
+                self.error(f"{path}.{name}", f"is not a key{hint}", ", ".join(found))
             elif (value := _checked(keys[kind][name], given[name])) is not None:
                 found[name] = value
             else:
                 self.refuse(kind, name, path, given)
-        for name, key in keys[kind].items():
-            if key.get("required") and name not in given:
-                self.error(path or name, f"has no `{name}`", allowed(key))
+        found["given"] = given.keys() | meant  # what is asked for again would be a second message of one mistake
+        for name in (name for name, key in keys[kind].items() if key.get("required") and name not in found["given"]):
+            self.error(path or name, f"has no `{name}`", allowed(keys[kind][name]))
         return found
 
-    def number(self, name, path):
-        """The unit of a number of the summary; a mistake where there is none of this name."""
-        unit = unit_of("summary", name)
+    def unit(self, name, path):
+        """SI unit of TABLE.COLUMN; None, and a mistake, where runs have none of this name."""
+        table, _, column = name.partition(".")
+        unit, known = knap.unit_of_output(table, column), knap.outputs_of(table)
+        what, near = f"{name!r} is not a column of a table of the run", [f"{table}.{other}" for other in known][:12]
+        if table == "summary":
+            what, near = f"{column!r} is not a number of the summary", difflib.get_close_matches(column, known, 3)
         if unit is None:
-            near = difflib.get_close_matches(name, outputs_of("summary"), 3)
-            self.error(path, f"= {name!r} is not a number of the summary", ", ".join(near) or "see scenarios/OUTPUTS.md")
+            self.error(path, f"= {what}", ", ".join(near) or "see scenarios/OUTPUTS.md")
         return unit
 
     def parameter(self, name, given, tests):
+        """A Parameter; one with a mistake sets no key, so that no scenario is asked about it."""
         path = f"parameter.{name}"
         table = self.table(given, "parameter", path)
-        found = Parameter(name, table["key"] or [], (0.0, 1.0), "", table["scale"] == "log")
-        for key in found.keys:
+        found, n = Parameter(name, [], (0.0, 1.0), "", table["scale"] == "log"), len(self.found)
+        for key in table["key"] or []:
             of, _, plain = key.rpartition(":")
+            others = {self.owners.setdefault((test, plain), name) for test in ([of] if of else tests)} - {name}
             if of and of not in tests:
                 self.error(f"{path}.key", f"names the test {of!r}, which does not exist", ", ".join(tests))
-            for test in [of] if of else tests:
-                other = self.owners.setdefault((test, plain), name)
-                if other != name:
-                    self.error(f"{path}.key", f"has {key!r}, which the parameter {other} has, too", "a key of one parameter alone")
-                    break
+            elif others:
+                self.error(f"{path}.key", f"has {key!r}, which the parameter {others.pop()} has, too",
+                           "a key of one parameter alone")
         if table["bounds"] is None:
             return found
         (low, high), unit = table["bounds"]
+        keys_of_scenario = (table["key"] or []) if len(self.found) == n else []
+        found.normal, found.start = (table[key] and table[key][0] for key in ("normal", "start"))
         if not low < high or (found.log and low <= 0):
             self.refuse("parameter", "bounds", path, given)
-            found.log = False  # what follows looks for other mistakes between bounds of 0 and 1
             return found
-        found.low, found.high, found.unit = low, high, unit
-        found.normal, found.start = (table[key] and table[key][0] for key in ("normal", "start"))
-        for key, good in (("normal", lambda value: low <= value[0] <= high and value[1] > 0), ("start", lambda value: low <= value <= high)):
-            if table[key] and not (table[key][1] == unit and good(table[key][0])):
+        found.low, found.high, found.unit, found.keys = low, high, unit, keys_of_scenario
+        for key, is_good in (("normal", found.normal is None or low <= found.normal[0] <= high and found.normal[1] > 0),
+                             ("start", found.start is None or low <= found.start <= high)):
+            if table[key] and not (table[key][1] == unit and is_good):
                 self.refuse("parameter", key, path, given)
         return found
 
@@ -383,181 +335,186 @@ class _Reader:
             scenario = str((self.file.parent / scenario).resolve())
         elif scenario.endswith(".toml"):
             self.refuse("test", "scenario", path, given)
+            scenario = ""
         values = {key: value if isinstance(value, str) else knap._toml(value) for key, value in table["set"].items()}
         test = Test(name, scenario, values, table["seeds"] or seeds, table["seed"])
-        for key in table["set"]:
-            if owner := self.owners.get((name, key)):
-                self.error(f"{path}.set", f"has {key!r}, which the parameter {owner} sets", "other keys of the scenario")
+        for key, owner in ((key, self.owners.get((name, key))) for key in table["set"]):
+            if owner:
+                self.error(f"{path}.set", f"has {key!r}, which the parameter {owner} sets", "others of the scenario")
         for i, entry in enumerate(table["measured"]):
             self.measured(test, entry, f"{path}.measured[{i}]")
+        test.is_empty = "measured" not in table["given"]
         return test
 
     def measured(self, test, given, path):
-        table = self.table(given, "measured", path)
-        kinds = [name for name in ("number", "curve", "points") if name in given]
+        n, table = len(self.found), self.table(given, "measured", path)
+        kinds = [kind for kind in ("number", "curve") if kind in table["given"]]
         if len(kinds) != 1:
-            self.error(path, "needs exactly one of number, curve, points")
+            self.error(path, "needs exactly one of number, curve")
         if len(kinds) != 1 or table[kinds[0]] is None:
             return
-        found = (self.one_number if kinds[0] == "number" else self.curve)(test, table, path, given)
-        if found is None:
+        is_curve, points, own = kinds == ["curve"], None, [""]
+        names = {key: table[key] for key in "xy"} if is_curve else {"number": f"summary.{table['number']}"}
+        units = [self.unit(name or "", f"{path}.{key}") for key, name in names.items()
+                 if name or key not in table["given"]]
+        if is_curve:
+            points, own = self.csv(table["curve"], f"{path}.curve")
+            ends = points and (points[0][0], points[-1][0])
+        elif "values" not in table["given"] and table["use"] != "candidate":
+            self.error(path, "has no `values`", keys["measured"]["values"]["allowed"])
+        elif table["values"]:
+            points, own = table["values"][0].mean()[None, None], table["values"][1:]
+        else:  # a candidate
+            own = [table[key][1] for key in ("scatter", "noise") if table[key] and table[key][1] != "%"][:1] or [""]
+        if len(self.found) > n:
             return
+        scales, columns = [knap.factor(*pair) for pair in zip(own, units)], [*names.values()]
+        if None in scales:
+            of = [f"{name.removeprefix('summary.')}: {unit or 'none'}" for name, unit in zip(columns, units)]
+            kind = "curve" if is_curve else "values"
+            self.error(f"{path}.{kind}", f"has the unit {', '.join(own)}", f"a unit of {', of '.join(of)}")
+            return
+        found = Measured(test, columns[-1].partition(".")[2], table["use"], None, None, columns=columns,
+                         factors=table["factors"], unit=own[-1] or units[-1], x_unit=(own[0] or units[0]) * is_curve)
+        found.where, found.path, found.scales = f"{self.file}:{self.line(path)[0]}", path, scales
+        if is_curve:
+            (low, high), unit = table["between"] or (np.array([-np.inf, np.inf]), "")
+            scale = (knap.factor(unit or own[0], units[0]) or np.nan) / scales[0]
+            points = [point for point in points if low * scale <= point[0] <= high * scale]
+            if len(points) < 2:
+                ends = f"; the curve goes from {ends[0]:g} to {ends[1]:g} {found.x_unit}"
+                self.refuse("measured", "between", path, given, ends)
+                return
+            found.x = np.array(points)[:, 0]
+        if points is not None:
+            found.values = np.array(points)[:, -1]
+        if table["values"] and not is_curve:
+            found.n = len(table["values"][0])
+            if found.n > 2:  # of the specimens themselves
+                found.scatter = float(table["values"][0].std(ddof=1))
         found.n = table["n"] or found.n
-        for key in ("scatter", "noise"):
-            value, unit = table[key] or (None, "")
-            if value is not None and unit == "%" and found.values is None:
-                found.part = value = float(np.hypot(found.part, value / 100)) * np.sign(value)
-            elif value is not None:
-                value *= found.level / 100 if unit == "%" else factor(unit, found.unit) or np.nan
-                setattr(found, key, value)
-            if value is not None and unit == "%" and found.values is not None and not found.level > 0:
-                self.error(f"{path}.{key}", "is a part of a measured 0", f"a {key} in {found.unit or 'the unit of the number'}")
-            elif value is not None and not value >= 0:
+        for key in (key for key in ("scatter", "noise") if table[key]):
+            value, unit = table[key]
+            scale = (knap.factor(unit or own[-1], units[-1]) or np.nan) / scales[-1]
+            scale = 0.01 * found.level if unit == "%" else scale
+            if unit == "%" and not found.level > 0:
+                self.error(f"{path}.{key}", "is a part of a measured 0", f"a {key} in {found.unit or 'no unit'}")
+            elif not value * scale >= 0:
                 self.refuse("measured", key, path, given)
-            elif value is not None and found.values is None and unit != "%":
-                found.shown = unit or found.shown
-        if any((other.name, other.use) == (found.name, found.use) for other in test.measured):
-            self.error(path, f"is the second one of {found.name} in this test", "values = [...] of several specimens; another test; another `use`")
-        found.where, found.path = f"{self.file}:{self.line(path)[0]}", f"{path}.{kinds[0]}"
+            elif unit == "%" and found.values is None:
+                found.part = float(np.hypot(found.part, value * scale))
+            else:
+                setattr(found, key, value * scale)
+        if any(other.title == found.title for other in test.measured):
+            self.error(path, f"is the second one of {found.name} in this test",
+                       "values = [...] of several specimens; another test; another `use`")
         test.measured.append(found)
 
-    def one_number(self, test, table, path, given):
-        unit = self.number(table["number"], f"{path}.number")
-        found = Measured(test, table["number"], table["use"], None, None, unit=unit)
-        if table["values"] is None:
-            if table["use"] != "candidate" and "values" not in given:
-                self.error(path, "has no `values`", keys["measured"]["values"]["allowed"])
-        elif unit is not None:
-            values, own = table["values"]
-            scale = factor(own, unit)
-            if scale is None:
-                self.error(f"{path}.values", f"are in {own}", f"a unit of {found.name}: {unit or 'none'}")
-                return None
-            found.values, found.n, found.shown = np.array([values.mean() * scale]), len(values), own or unit
-            if len(values) > 2:  # of the specimens themselves
-                found.scatter = float(values.std(ddof=1)) * scale
-        return found
-
-    def curve(self, test, table, path, given):
-        points, own, columns, units = table["points"], table["units"], [], []
-        for key in "xy":
-            name, _, column = (table[key] or "").partition(".")
-            columns.append((name, column))
-            units.append(unit_of(name, column))
-            if units[-1] is None:
-                known = [f"{name}.{row}" for row in outputs_of(name)]
-                self.error(f"{path}.{key}", f"= {table[key]!r} is not a column of a table of the run",
-                           ", ".join(known[:12]) or allowed(keys["measured"][key]))
-        if table["curve"]:
-            points, own = self.csv(table["curve"], own, f"{path}.curve")
-            if points is None:
-                return None
-        elif len(points) < 2 or not (np.diff(points[:, 0]) > 0).all():
-            self.refuse("measured", "points", path, given)
-            return None
-        scales = [factor(unit, of or "") for unit, of in zip(own, units)]
-        if None in scales and None not in units:
-            self.error(f"{path}.units", f"= {own!r} is not allowed", f"units of {table['x']}: {units[0]}, of {table['y']}: {units[1]}")
-        if None in scales or None in units:
-            return None
-        x, y = (points * scales).T
-        if table["between"]:
-            (low, high), unit = table["between"]
-            keep = (x >= low * (factor(unit, units[0]) or np.nan)) & (x <= high * (factor(unit, units[0]) or np.nan))
-            if keep.sum() < 2:
-                self.refuse("measured", "between", path, given)
-                return None
-            x, y = x[keep], y[keep]
-        found = Measured(test, columns[1][1], table["use"], y, None, x=x, columns=columns, factors=table["factors"], unit=units[1], x_unit=units[0])
-        found.x_shown, found.shown = (unit or of for unit, of in zip(own, units))
-        return found
-
-    def csv(self, name, units, path):
-        """Points and units of a csv file; all its mistakes are one error with a line for each. None: it has some."""
+    def csv(self, name, path):
+        """Points and units of a csv file; all its mistakes are one error with a line for each, and it has no points."""
+        file, wrong, points, remedy = self.file.parent / name, [], [], keys["measured"]["curve"]["allowed"]
         try:
-            head, *rows = csv.reader((self.file.parent / name).read_text(encoding="utf-8-sig").splitlines() or [""])
+            head, *rows = csv.reader(file.read_text(encoding="utf-8-sig").splitlines() or [""])
         except (OSError, UnicodeDecodeError) as error:
-            self.error(path, f"= {name!r} cannot be read: {getattr(error, 'strerror', None) or error}", keys["measured"]["curve"]["allowed"])
-            return None, units
-        titles, points, wrong = [knap.name_and_unit(title) for title in head], [], []
-        if len(head) != 2 or any(quantity(title) or (title.endswith(")") and not unit) for title, unit in titles):
+            self.error(path, f"= {name!r} cannot be read: {getattr(error, 'strerror', None) or error}", remedy)
+            return None, ()
+        titles = [knap.name_and_unit(title) for title in head]
+        if len(head) != 2 or any(knap.quantity(title) or (title.endswith(")") and not unit) for title, unit in titles):
             wrong.append((1, f"{','.join(head)!r} are not two names with units"))
         for number, row in ((number, row) for number, row in enumerate(rows, 2) if row):
-            try:
-                x, y = map(float, row)
-            except ValueError:
-                x = y = np.nan
-            if not np.isfinite([x, y]).all():
+            numbers = [found for found in map(knap.quantity, row) if found and not found[1]]
+            if not len(numbers) == len(row) == 2:
                 wrong.append((number, f"{','.join(row)!r} is not two numbers"))
-            elif points and x <= points[-1][0]:
-                wrong.append((number, f"x = {x:g} is not larger than {points[-1][0]:g} before it"))
+            elif points and numbers[0][0] <= points[-1][0]:
+                wrong.append((number, f"x = {numbers[0][0]:g} is not larger than {points[-1][0]:g} before it"))
             else:
-                points.append((x, y))
-        if len(points) < 2:
+                points.append([value for value, _ in numbers])
+        if len(points) < 2 and not wrong:
             wrong.append((len(rows) + 1, "it ends with fewer than two points"))
         if wrong:
-            lines = "".join(f"\n  --> {self.file.parent / name}:{number}: {text}" for number, text in wrong[:20]) + "\n  ..." * (len(wrong) > 20)
-            self.error(path, f"= {name!r} has {len(wrong)} mistake{'s' * (len(wrong) > 1)}", keys["measured"]["curve"]["allowed"] + lines)
-            return None, units
-        return np.array(points), [unit or other for (_, unit), other in zip(titles, units)]
+            lines = [f"\n  --> {file}:{number}: {text}" for number, text in wrong[:20]]
+            lines += ["\n  ..."] * (len(wrong) > 20)
+            self.error(path, f"= {name!r} has {len(wrong)} mistake{'s' * (len(wrong) > 1)}", remedy + "".join(lines))
+        return None if wrong else points, [unit for _, unit in titles]
 
     def expect(self, name, given, parameters):
         """Value of the mean of the posterior, and how far from it the mean may lie."""
-        table, unit = self.table(given, "expect", f"expect.{name}"), next((p.unit for p in parameters if p.name == name), None)
+        path, unit = f"expect.{name}", next((p.unit for p in parameters if p.name == name), None)
+        table = self.table(given, "expect", path)
         if unit is None:
-            self.error(f"expect.{name}", "is not a parameter", ", ".join(p.name for p in parameters))
+            self.error(path, "is not a parameter", ", ".join(p.name for p in parameters))
             return None
         for key, units in (("value", [unit]), ("within", ["%", unit])):
             if table[key] and table[key][1] not in units:
-                self.refuse("expect", key, f"expect.{name}", given)
+                self.refuse("expect", key, path, given)
         (value, _), (within, of) = table["value"] or (0, ""), table["within"] or (0, "")
         return value, within * value / 100 if of == "%" != unit else within
 
 
 def read(file, check_scenarios=True, fit=True):
-    """The Problem of a file; raises Mistakes. For a `fit` each test has something measured; knap-sensitivity can do with the names
-    of numbers."""
+    """The Problem of a file; raises Mistakes. For a `fit` each test has something measured; knap-sensitivity can do
+    with the names of numbers."""
     reader = _Reader(file)
     top = reader.table(reader.root, "top", "")
-    options = {**reader.table(top["fit"], "fit", "fit"), **reader.table(top["sensitivity"], "sensitivity", "sensitivity")}
+    options = {}
+    for name in ("fit", "sensitivity"):
+        options.update(reader.table(top[name], name, name))
     parameters = [reader.parameter(name, table, top["test"]) for name, table in top["parameter"].items()]
     tests = [reader.test(name, table, options["seeds"]) for name, table in top["test"].items()]
     options["expect"] = {name: reader.expect(name, table, parameters) for name, table in top["expect"].items()}
     for name in options["numbers"]:
-        reader.number(name, "sensitivity.numbers")
-    problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options)
-    problem.file = pathlib.Path(file)
+        reader.unit(f"summary.{name}", "sensitivity.numbers")
+    problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options, pathlib.Path(file))
     per_point = sum(test.seeds for test in tests)
     if fit and options["budget"] < per_point * max(options["first"], 1):
-        reader.error("fit.first" if options["first"] else "fit.budget", f"needs more runs than the budget of {options['budget']}",
+        reader.error("fit.first" if options["first"] else "fit.budget",
+                     f"needs more runs than the budget of {options['budget']}",
                      f"{per_point} runs for each point: the number of tests times seeds")
-    for name, table in top["test"].items():
-        if not (isinstance(table, dict) and table.get("measured")) and (fit or not options["numbers"]):
-            reader.error(f"test.{name}", "has nothing measured", f"[[test.{name}.measured]]" + "; [sensitivity] numbers" * (not fit))
+    for test in tests:
+        if fit and test.is_empty:
+            reader.error(f"test.{test.name}", "has nothing measured", f"[[test.{test.name}.measured]]")
+        if not (fit or reader.found or options["numbers"] or any(m.x is None for m in test.measured)):
+            reader.error(f"test.{test.name}", "has no number", "[sensitivity] numbers; measured with `number`")
     if fit and not problem.fitted and not reader.found:
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]] with use = \"fit\"")
     if check_scenarios:
-        _check_scenarios(reader, problem)
+        for test in tests:
+            if test.scenario:
+                _check_scenario(reader, problem, test)
     if reader.found:
-        raise Mistakes(reader.found)
+        raise Mistakes(list(dict.fromkeys(reader.found)))
     return problem
 
 
-def _check_scenarios(reader, problem):
-    """What the program says of every scenario with its parameters at both bounds, and of every number that it would not have."""
-    def said(test, u, *more):
-        with tempfile.TemporaryDirectory() as folder:
-            command = [knap.program(), "sweep", test.scenario, "--print-commands", "-q", "-o", folder]
-            for key, value in [*problem.set_of(test, [u] * len(problem.parameters)).items(), *more]:
-                command += ["-s", f"{key}={value}"]
-            done = subprocess.run(command, capture_output=True, text=True)
-        return done.stderr.strip() if done.returncode else ""
+def _check_scenario(reader, problem, test):
+    """What the program says of a scenario with its parameters at both bounds, and of every number and column that it
+    would not have. Columns are those of a run of one step."""
+    curves, numbers = ([m for m in test.measured if (m.x is None) == is_number] for is_number in (False, True))
+    expect = ", ".join(f'{m.name} = {{ below = "1 {m.unit}" }}' for m in numbers)
 
-    for test in (test for test in problem.tests if test.scenario):
-        if wrong := next(((side, text) for side, u in (("lower", 0.0), ("upper", 1.0)) if (text := said(test, u))), None):
-            reader.error(f"test.{test.name}", "with all parameters at their {} bounds:\n{}".format(*wrong))
-            continue
-        for m in (m for m in test.measured if m.x is None and m.unit is not None):
-            text = said(test, 0.0, ("expect", f'{{ {m.name} = {{ below = "1 {m.unit}" }} }}' if m.unit else f"{{ {m.name} = {{ below = 1 }} }}"))
-            if text.startswith("error[nothing-to-expect]"):
-                reader.error(m.path, f"= {m.name!r} is no number of {test.scenario}: {text.splitlines()[0].split('` ', 1)[-1]}")
+    def ask(u, *words, **values):
+        values |= {**problem.set_of(test, [u] * len(problem.parameters)), "figure": "", "study": "", "sweep": ""}
+        sets = [text for pair in values.items() for text in ("-s", "=".join(pair))]
+        return subprocess.run([knap.program(), *words, test.scenario, "-q", *sets], capture_output=True, text=True)
+
+    with tempfile.TemporaryDirectory() as folder:
+        for side, u in (("lower", 0.0), ("upper", 1.0)):
+            said = ask(u, "sweep", "--print-commands", "-o", folder, expect=f"{{ {expect} }}")
+            if said.returncode:
+                for text in re.split(r"\n(?=error)", said.stderr.strip().rpartition("\n")[0]):
+                    key = (re.search(r"--set ([^=\s]+)=", text) or ("", ""))[1]
+                    owner = reader.owners.get((test.name, key))
+                    path = f"parameter.{owner}.key" if owner else f"test.{test.name}"
+                    path = next((f"{m.path}.number" for m in numbers if key == "expect" and m.name in text), path)
+                    reader.error(path, f"at the {side} bounds: {text}")
+                return
+        values = {"time.end": "1 ns", "expect": ""}
+        if not curves or ask(0.0, "run", "-j", "1", "-o", f"{folder}/step", **values).returncode:
+            return
+        run = knap.Run(f"{folder}/step")
+        for m, key, name in ((m, *pair) for m in curves for pair in zip("xy", m.columns)):
+            table, column = name.split(".", 1)
+            known = run.table(table) if table in run.tables else {}
+            if column not in known:
+                reader.error(f"{m.path}.{key}", f"= {name!r} is no column of {test.scenario}",
+                             ", ".join(f"{table}.{name}" for name in known) or "tables: " + ", ".join(run.tables))

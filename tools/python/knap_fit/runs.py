@@ -1,20 +1,19 @@
 """Runs the tests of a problem at points of its parameters, with all seeds, and goes on where it was stopped."""
 import collections
-import concurrent.futures
-import csv
 import hashlib
 import json
-import os
 import pathlib
 import re
 import shlex
 import shutil
 import subprocess
-import threading
+import time
 
 import numpy as np
 
 import knap
+
+from .problem import label
 
 # the runs draw nothing, keep no frames, and may miss [expect]
 _short = {"output.fields": "false", "output.report": "false", "figure": "", "expect": "", "study": "", "sweep": ""}
@@ -29,36 +28,31 @@ class Commands(Exception):
     """The command lines of the runs that come next, which others are to start."""
 
 
-def table(file, head, rows):
-    """Writes a csv file; a reader, or a process that was ended, finds the old one or the new one."""
-    new = file.with_suffix(".new")
-    with open(new, "w", newline="", encoding="utf-8") as out:
-        writer = csv.writer(out, lineterminator="\n")
-        writer.writerow(head)
-        writer.writerows([[f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row] for row in rows])
-    os.replace(new, file)
-
-
 class Runs:
-    """`points`: places in the unit cube, a row each, of the values that the runs get (six digits; points.csv). `why[job]`, for
-    each job (point, test, seed) that is done: "", or why it failed. Points and run.json of the runs are the whole state.
-    `own_seeds`: every point has seeds of its own, so that the emulator averages over meshes; otherwise all points share theirs,
-    for slopes."""
+    """`values`: of the parameters at each point, with six digits (points.csv). `why[job]`, for each job (point, test,
+    seed) that is done: "", or why it failed. Points and run.json of the runs are the whole state. `own_seeds`: every
+    point has seeds of its own, so that the emulator averages over meshes; otherwise all points share theirs, for
+    slopes."""
 
     def __init__(self, problem, directory, jobs=1, print_commands=False, force=False, own_seeds=True):
-        self.problem, self.directory, self.jobs, self.print_commands = problem, pathlib.Path(directory), jobs, print_commands
-        self.own_seeds = own_seeds
-        self.why, self._answers = {}, {}
-        self._children, self._lock, self._ended = set(), threading.Lock(), False
-        self.values = []  # of the parameters at each point, in the units of the keys
+        self.problem, self.directory, self.jobs = problem, pathlib.Path(directory), jobs
+        self.print_commands, self.own_seeds = print_commands, own_seeds
+        self.values, self.why, self._answers = [], {}, {}
+        self.per_point = sum(test.seeds for test in problem.tests)
         self._start(force)
 
     @property
     def n_runs(self):
         return len(self.why)
 
+    @property
+    def points(self):
+        """Places in the unit cube, a row each."""
+        columns = np.reshape(self.values, (-1, len(self.problem.parameters))).T
+        return np.array([p.place(column) for p, column in zip(self.problem.parameters, columns)]).T
+
     def counted(self):
-        failed = [why for why in self.why.values() if why]
+        failed = [self.why[job] for job in self._jobs() if self.why.get(job)]
         return f"{len(self.why)} runs, {len(failed)} failed" + (f" (the first: {failed[0][:120]})" if failed else "")
 
     def gates(self, test):
@@ -66,18 +60,35 @@ class Runs:
         found = [re.match(r"gate (\w+)", why) for (_, of, _), why in self.why.items() if of is test]
         return collections.Counter(gate[1] for gate in found if gate)
 
-    def cause(self, k, test):
-        """Why a point has no value of a test."""
-        return next((why for (point, of, _), why in self.why.items() if why and (point, of) == (k, test)), "the run ended before it had one; a later time.end?")
+    def cause(self, test, k=None):
+        """Why a point, or any, has no value of a test."""
+        found = (why for (point, of, _), why in self.why.items() if why and of is test and k in (None, point))
+        return next(found, "the run ended before it had one; a later time.end?")
 
-    @property
-    def per_point(self):
-        return sum(test.seeds for test in self.problem.tests)
+    def remedy(self, test):
+        """Of a test without values: the cause, and what may help."""
+        return (f"the first run without one: {self.cause(test)}\n = allowed: bounds around parameters with which the "
+                f"test works; a later time.end, a smaller step or a finer mesh, in `set` of [test.{test.name}]")
 
-    @property
-    def points(self):
-        parameters = self.problem.parameters
-        return np.array([[p.place(value) for p, value in zip(parameters, row)] for row in self.values]).reshape(-1, len(parameters))
+    def names(self, test):
+        """Numbers of the summary of a test."""
+        return sorted({name for run in self.answers(test) if run for name in run.summary})
+
+    def surplus_scatter(self):
+        """Of each parameter, what its law "as measured" divides it by scatters by, over its mean: `knap check` at the
+        middle."""
+        found = np.zeros(len(self.problem.parameters))
+        for test in self.problem.tests:
+            if not any(np.isfinite(self.numbers(test, f"measured_{name}")).any() for name in ("sigma_c", "G_c")):
+                continue
+            words = [knap.program(), "check", test.scenario, *self._sets(self.problem.set_of(test, [0.5] * len(found)))]
+            done = subprocess.run(words, capture_output=True, text=True)
+            surplus = r"  law (\S+): a (crack|specimen).* surplus of this mesh is (\S+) \+- (\S+)"
+            for law, what, mean, deviation in re.findall(surplus, done.stdout):
+                i = self.problem.keys_of(test).get(f"interface.{law}.{'G_c' if what == 'crack' else 'sigma_c'}")
+                if i is not None:
+                    found[i] = max(found[i], float(deviation) / float(mean))
+        return found
 
     def _start(self, force):
         self.directory.mkdir(parents=True, exist_ok=True)
@@ -86,30 +97,31 @@ class Runs:
             file = pathlib.Path(test.scenario)
             text = hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else test.scenario
             described.append([test.name, text, test.set, test.seeds, test.first_seed])
-        data = [[m.title, m.use, m.n, m.scatter, np.ravel(m.values).tolist()] for m in self.problem.measured if m.values is not None]
+        data = [[m.title, m.n, m.scatter, m.values.tolist()] for m in self.problem.measured if m.values is not None]
         data += [self.problem.options[key] for key in ("interval", "model_error", "seed")]
+        now, k = [described, data], len(self.problem.parameters)
         mark, points = self.directory / "problem.json", self.directory / "points.csv"
-        old = json.loads(mark.read_text()) if mark.exists() else [described, data]
+        old = json.loads(mark.read_text()) if mark.exists() else now
         if points.exists() and not force:
             self.values = list(zip(*(map(float, column) for column in knap.read_csv(points).values())))
         # other bounds and scales change no run
-        one, other = ([[*row[:2], *row[4:5]] if 0 < i <= len(self.problem.parameters) else row for i, row in enumerate(rows)] for rows in (old[0], described))
-        same = one == other and bool(((self.points > -1e-5) & (self.points < 1 + 1e-5)).all())
-        if not same and not force:
-            raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these bounds; -o for another directory, "
-                       "--force to delete them and begin anew")
+        one, other = ([[*row[:2], *row[4:5]] if 0 < i <= k else row for i, row in enumerate(rows)]
+                      for rows in (old[0], described))
+        if (one != other or (np.abs(self.points - 0.5) > 0.50001).any()) and not force:
+            raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these "
+                       "bounds; -o for another directory, --force to delete them and begin anew")
         if force:
             points.unlink(missing_ok=True)
             shutil.rmtree(self.directory / "runs", ignore_errors=True)
-        if old != [described, data] or force:
+        if old != now or force:
             (self.directory / "convergence.csv").unlink(missing_ok=True)  # of other measurements of the same runs
-        if old != [described, data] or not mark.exists():
-            mark.write_text(json.dumps([described, data]))
+        mark.write_text(json.dumps(now))
 
     def add(self, points):
         """Adds points and does what remains to be done of all of them."""
         self.values += [self.problem.rounded(u) for u in np.reshape(points, (-1, len(self.problem.parameters)))]
-        table(self.directory / "points.csv", [p.title for p in self.problem.parameters], self.values)
+        titles = [label(p.name, p.unit) for p in self.problem.parameters]
+        knap.write_csv(self.directory / "points.csv", titles, self.values)
         self.finish()
 
     def at(self, points):
@@ -128,60 +140,56 @@ class Runs:
     def seed(self, k, test, seed):
         return seed + k * test.seeds if self.own_seeds else seed
 
+    @staticmethod
+    def _sets(values):
+        return [text for key, value in values.items() for text in ("-s", f"{key}={value}")]
+
     def command(self, k, test, seed):
         words = [knap.program(), "run", test.scenario, "-j", "1", "-q", "-o", str(self.folder(k, test, seed))]
-        for key, value in {**_short, **self.problem.set_of(test, self.points[k]), "seed": self.seed(k, test, seed)}.items():
-            words += ["-s", f"{key}={value}"]
-        return words
+        values = {**_short, **self.problem.set_of(test, self.points[k]), "seed": self.seed(k, test, seed)}
+        return words + self._sets(values)
 
     def _recorded(self, job):
-        """What run.json says of a run, whichever process made it: "" where it is good, why it failed; None: it is not done."""
+        """What run.json says of a run, whichever process made it: "" where it is good, why it failed; None: it is not
+        done."""
         file = self.folder(*job) / "run.json"
         info = json.loads(file.read_text()) if file.exists() else {}
-        if info.get("status") not in ("done", "failed"):
-            return None
-        missed = [gate["name"] for gate in info["gates"] if not gate["pass"]] if info["status"] == "done" else []
-        return f"gate {', '.join(missed)}" if missed else "" if info["status"] == "done" else info.get("reason") or "no reason given"
+        if info.get("status") == "failed":
+            return info.get("reason") or "no reason given"
+        missed = ", ".join(gate["name"] for gate in info.get("gates", []) if not gate["pass"])
+        return None if info.get("status") != "done" else f"gate {missed}" if missed else ""
 
     def _run(self, job):
-        """Does a run; returns its exit code and what it said."""
-        with self._lock:
-            if self._ended:
-                return _interrupted, ""
-            child = subprocess.Popen(self.command(*job), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-            self._children.add(child)
-        lines = child.communicate()[1].strip().splitlines()
-        with self._lock:
-            self._children.discard(child)
-        return child.returncode, lines[0] if lines else "no message"
+        """Starts a run."""
+        return subprocess.Popen(self.command(*job), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
 
     def finish(self):
-        """Does the runs that remain; a failed one (exit code 3; 2: no scenario there) is noted and the rest goes on. When this
-        process is interrupted it ends its runs; each leaves a checkpoint from which it goes on."""
-        jobs = []
-        for job in self._jobs():
-            if job not in self.why and (why := self._recorded(job)) is not None:
-                self.why[job] = why
-            elif job not in self.why:
-                jobs.append(job)
+        """Does the runs that remain; a failed one (exit code 3; 2: no scenario there) is noted and the rest goes on.
+        When this process is interrupted it ends its runs; each leaves a checkpoint from which it goes on."""
+        jobs = [job for job in self._jobs() if job not in self.why]
+        self.why.update((job, why) for job in jobs if (why := self._recorded(job)) is not None)
+        jobs, running = [job for job in jobs if job not in self.why], {}
         if jobs and self.print_commands:
-            raise Commands("\n".join(" ".join(map(shlex.quote, self.command(*job))) for job in jobs))
-        pool = concurrent.futures.ThreadPoolExecutor(self.jobs)
+            raise Commands("\n".join(shlex.join(self.command(*job)) for job in jobs))
         try:
-            for job, (code, text) in zip(jobs, pool.map(self._run, jobs)):
-                if code == _interrupted:
-                    raise KeyboardInterrupt
-                if code not in (0, 2, 3, 4) or text.startswith("error[run-"):  # of another process, of another program
-                    raise Stop(f"a run ended with exit code {code}: {text}")
-                self.why[job] = "" if code in (0, 4) else self._recorded(job) or text
-        except BaseException:
-            with self._lock:
-                self._ended = True
-                for child in self._children:
-                    child.terminate()
-            raise
+            while jobs or running:
+                running.update((job, self._run(job)) for job in jobs[: self.jobs - len(running)])
+                jobs = [job for job in jobs if job not in running]
+                for job in [job for job, child in running.items() if child.poll() is not None]:
+                    code, lines = running[job].returncode, running[job].communicate()[1].strip().splitlines()
+                    text = lines[0] if lines else "no message"
+                    if code == _interrupted:
+                        raise KeyboardInterrupt
+                    if code not in (0, 2, 3, 4) or text.startswith("error[run-"):  # of another process or program
+                        raise Stop(f"a run ended with exit code {code}: {text}")
+                    self.why[job] = "" if code in (0, 4) else self._recorded(job) or text
+                    del running[job]
+                time.sleep(0.01 * bool(running))
         finally:
-            pool.shutdown(cancel_futures=True)
+            for child in running.values():
+                child.terminate()
+            for child in running.values():
+                child.wait()
 
     def answers(self, test):
         """The Run of each point and seed of a test; None where it failed."""
@@ -198,6 +206,6 @@ class Runs:
 
     def numbers(self, test, name):
         """A number of the summary, mean over seeds, for every point."""
-        found = np.array([run.summary.get(name, np.nan) if run else np.nan for run in self.answers(test)], float).reshape(-1, test.seeds)
-        count = np.isfinite(found).sum(axis=1)
-        return np.where(count > 0, np.nansum(found, axis=1) / np.maximum(count, 1), np.nan)
+        found = [run.summary.get(name, np.nan) if run else np.nan for run in self.answers(test)]
+        found = np.ma.masked_invalid(np.reshape(np.array(found, float), (-1, test.seeds)))
+        return found.mean(axis=1).filled(np.nan)
