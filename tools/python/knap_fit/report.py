@@ -164,7 +164,7 @@ def page(runs, notes, tables, pictures):
     for _, file, head, rows in tables:
         table(runs.directory / file, head, rows)
     blocks = [f"<h2>{html.escape(title)}</h2>\n{knap.html_table(head, rows)}\n" for title, _, head, rows in tables if rows]
-    blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file)}\n" for title, file in filter(None, pictures)]
+    blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file, title)}\n" for title, file in filter(None, pictures)]
     made = next((run.info for test in problem.tests for run in runs.answers(test) if hasattr(run, "info")), {})
     versions = {"knap": f"{made.get('version', '')} {made.get('git', {}).get('hash', '')}", "Python": platform.python_version(),
                 **{name: sys.modules[name].__version__ for name in ("numpy", "scipy", "sklearn", "emcee", "matplotlib") if name in sys.modules}}
