@@ -211,6 +211,7 @@ std::string overview(const Ensemble& ensemble) {
     std::vector<std::string> restless;
     for (const EnsembleRun& run : ensemble.runs) {
         if (ensemble.safety) break;  // its verdict says it
+        if (run.is_left()) continue;
         if (const std::string trouble = run.result.trouble(); !trouble.empty())
             troubles += "- " + run.name + ": " + trouble + "\n";
         if (run.result.at_rest == 0) restless.push_back(run.name);
