@@ -122,8 +122,8 @@ void print_text(const Json& record, bool brief) {
     const auto text = [](const Json& of, const char* key) { return of[key].get<std::string>(); };
     std::printf("%s: %s, %s, version %s, seed %s\n", text(record, "directory").c_str(), text(record, "name").c_str(),
                 text(record, "status").c_str(), text(record, "version").c_str(), record["seed"].dump().c_str());
-    std::printf("  %d triangles, %lld steps, %.1f s of processor time\n", record["triangles"].get<int>(),
-                record["steps"].get<long long>(), record["cpu_s"].get<double>());
+    std::printf("  %d triangles, %lld steps, %s of processor time\n", record["triangles"].get<int>(),
+                record["steps"].get<long long>(), readable(record["cpu_s"].get<double>(), "s").c_str());
     if (brief) return;
     for (const auto& [name, value] : record["summary"].items())
         std::printf("  %-24s %s\n", name.c_str(), number_text(value, unit_in(record, name)).c_str());

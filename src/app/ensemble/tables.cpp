@@ -159,8 +159,8 @@ std::string variants_table(const Ensemble& ensemble, const std::vector<std::size
 
 /// "dissipated, reference: 27.6 mJ (explicit_r4)"
 std::string heading(const Ensemble& study, std::size_t q) {
-    const std::string name = study.quantities[q].name + ", ";
-    if (study.errors.empty()) return name + std::to_string(study.n_seeds) + " seeds";
+    const std::string name = study.quantities[q].name + (study.errors.empty() && study.n_seeds == 0 ? "" : ", ");
+    if (study.errors.empty()) return name + (study.n_seeds > 0 ? std::to_string(study.n_seeds) + " seeds" : "");
     const QuantityErrors& errors = study.errors[q];
     const std::string value = shown(errors.reference, display_unit_of(study, q), 8);
     return name + (errors.reference_run ? "reference: " + value + " (" + study.runs[*errors.reference_run].name + ")"
