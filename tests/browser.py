@@ -1,5 +1,6 @@
-"""report.html in headless Chromium: `browser.py KNAP DIRECTORY`. At the widths of a phone, a tablet and a screen nothing is wider than the
-page; text stands off from the page in light and in dark mode; paper is A4; a live page loads itself, and says when its run was killed.
+"""report.html of a run, a study and a sweep in headless Chromium: `browser.py KNAP DIRECTORY`. At the widths of a phone, a tablet, a screen and
+on A4 nothing is wider than the page, and no number is broken; text stands off from the page in light and in dark mode; a live page is there
+before the mesh is, loads itself, and says when its run was killed.
 `browser.py --site SITE DIRECTORY`: no page of the site (tools/site/build) is wider than a phone, which may zoom; wide tables scroll; the
 search is above the page and leads to the words. Exit code 77: no Chromium, or no site."""
 import json
@@ -42,10 +43,11 @@ const contrast = (a, b) => (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
 document.getElementById("f").onload = () => {{
   const d = document.getElementById("f").contentDocument, of = e => d.defaultView.getComputedStyle(e), paper = light(of(d.body).backgroundColor);
   const texts = [...d.querySelectorAll("body, figcaption, .bad, pre, td")].map(e => contrast(light(of(e).color), paper));
-  const figures = d.querySelector(".figures");
+  const figures = d.querySelector(".figures"), parts = e => {{ const all = d.createRange(); all.selectNodeContents(e); return all.getClientRects().length; }};
+  const numbers = [...d.querySelectorAll("td")].filter(e => /^[-+.]?[0-9]\\S*$/.test(e.textContent));
   document.getElementById("out").textContent = "MEASURED " + JSON.stringify({{ width: d.documentElement.scrollWidth,
     columns: figures ? of(figures).gridTemplateColumns.split(" ").length : 0, contrast: Math.min(...texts), dark: paper < 0.5,
-    texts: [...d.images].map(i => i.alt), cut: [...d.querySelectorAll(".table")].filter(t => t.scrollWidth > t.clientWidth).map(t => t.textContent.slice(0, 60)), moved: moved(d.getElementById("frames")) }});
+    texts: [...d.images].map(i => i.alt), numbers: numbers.length, broken: numbers.filter(e => parts(e) > 1).map(e => e.textContent), cut: [...d.querySelectorAll(".table")].filter(t => t.scrollWidth > t.clientWidth).map(t => t.textContent.slice(0, 60)), moved: moved(d.getElementById("frames")) }});
 }};</script>""")
     found = re.search(r"MEASURED (\{.*?\})<", browse(harness, "--window-size=1400,900", f"--blink-settings=preferredColorScheme={0 if dark else 1}",
                                                     "--virtual-time-budget=20000", "--dump-dom"), re.DOTALL)
@@ -109,10 +111,34 @@ for width, columns in ((320, 1), (360, 1), (375, 1), (768, 2), (1280, 2)):
         assert page["width"] <= width, page
         assert page["columns"] == columns, page
         assert not page["cut"], page["cut"]  # tables of numbers and meanings
+        assert page["numbers"] > 20 and not page["broken"], page["broken"]
         assert page["dark"] == dark, page
         assert page["contrast"] >= 4.5, page  # WCAG 2.1, AA
         assert all(len(text.split()) >= 3 for text in page["texts"]), page["texts"]
         assert page["moved"][0] == page["moved"][1] and page["moved"][0].endswith("t = 0 s") and " " in page["moved"][0][:-9], page["moved"]
+
+
+
+def on_paper(report):
+    """A copy that a screen shows as A4 paper does."""
+    copy = folder / "paper.html"
+    copy.write_text(report.read_text().replace("@media screen", "@media speech").replace("@media print", "@media all"))
+    return copy
+
+
+plate = ["edge_cracked_block", "-s", "expect={}"]
+for kind, command in (("study", ["study", "bar_ramp_wave"]), ("sweep", ["sweep", *plate, "-s", "time.end=30 us", "-s", "mesh.size=2 mm,3 mm", "--seeds", "1..2"])):
+    subprocess.run([knap, *command, "-q", "-o", folder / kind], env=environment, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    for width in (320, 375, 768, 1280):
+        page = measured(folder / kind / "report.html", width, False)
+        print(kind, width, {name: page[name] for name in ("width", "numbers", "cut")})
+        assert page["width"] <= width and page["numbers"] >= 4 and not page["broken"], page  # wide tables scroll by themselves
+        assert page["cut"] or width > 400, page
+paper_width = round(180 / 25.4 * 96)  # [px] of 210 mm with margins of 15 mm
+for kind in ("run", "study", "sweep"):
+    page = measured(on_paper(folder / kind / "report.html"), paper_width, False)
+    print(kind, "on A4", {name: page[name] for name in ("width", "numbers")})
+    assert page["width"] <= paper_width and not page["cut"] and not page["broken"], page
 
 browse(report, f"--print-to-pdf={folder}/report.pdf", "--no-pdf-header-footer")
 pdf = (folder / "report.pdf").read_bytes()
@@ -130,7 +156,7 @@ live = start_live()
 try:
     while not page.exists() and live.poll() is None: time.sleep(0.1)
     text = page.read_text()  # before the first step: no picture
-    assert 'id="live"' in text and "<img" not in text, text[:3000]
+    assert 'id="live"' in text and "makes its mesh" in text and "<img" not in text, text[:3000]
     while "<img" not in text and live.poll() is None: time.sleep(0.1), (text := page.read_text())
     live.kill(), live.wait()
     live = start_live()  # again from its start: an open page loads itself, so there must be one at any moment
@@ -152,8 +178,15 @@ frame.onload = () => {{
   document.getElementById("out").textContent = "FOUND " + found.join();
 }};</script>""")
     assert "FOUND false,true" in browse(harness, "--virtual-time-budget=20000", "--dump-dom"), "what was opened is closed again"
+    live.kill()
+    live = subprocess.Popen([knap, "sweep", *plate, "-s", "mesh.size=3 mm,0.5 mm", "--seeds", "1..2", "-o", folder / "live_sweep"], env=environment,
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    page, sweep, so_far = folder / "live_sweep/report.html", "", r"2 of 4 runs are done, 0 failed, 2 to go, about \d+ (s|min) left; now size_0.5_mm_s1"
+    while not re.search(so_far, sweep) and live.poll() is None: time.sleep(0.1), (sweep := page.read_text() if page.exists() else "")
+    assert re.search(so_far, sweep) and 'value="0.500"' in sweep and "2 of 2" in sweep and "This sweep goes on" in browse(page, "--dump-dom"), sweep[-3000:]
 finally:
     live.kill()
+page = folder / "live.html"
 assert "Written at 20" in text  # for who has no scripts
 page.write_text(re.sub(r'data-written="\d+"', f'data-written="{int(time.time()) - 3600}"', text))
 late = browse(page, "--dump-dom")

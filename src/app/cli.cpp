@@ -384,9 +384,9 @@ private:
         CLI::App* command = add("info", "settings and results of runs", [this] {
             return show_runs(runs_, csv_ ? RunFormat::csv : json_ ? RunFormat::json : RunFormat::text);
         });
-        command->add_option("runs", runs_, "run directories")->required();
-        command->add_flag("--json", json_, "as JSON");
-        command->add_flag("--csv", csv_, "as a table, one line per run");
+        command->add_option("runs", runs_, "run directories, or studies and sweeps: the runs in them")->required();
+        command->add_flag("--json", json_, "as JSON")
+            ->excludes(command->add_flag("--csv", csv_, "as a table, one line per run"));
     }
 
     void add_new() {

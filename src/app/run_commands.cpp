@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
+#include "base/whole_file.hpp"
 #include "figures/canvas.hpp"
 #include "figures/ticks.hpp"
 #include "output/vtk_series.hpp"
@@ -116,12 +117,14 @@ void print_table(const Json& all) {
     }
 }
 
-void print_text(const Json& record) {
+/// `brief`: without its numbers.
+void print_text(const Json& record, bool brief) {
     const auto text = [](const Json& of, const char* key) { return of[key].get<std::string>(); };
     std::printf("%s: %s, %s, version %s, seed %s\n", text(record, "directory").c_str(), text(record, "name").c_str(),
                 text(record, "status").c_str(), text(record, "version").c_str(), record["seed"].dump().c_str());
-    std::printf("  %d triangles, %lld steps, %.1f s of processor time\n", record["triangles"].get<int>(),
-                record["steps"].get<long long>(), record["cpu_s"].get<double>());
+    std::printf("  %d triangles, %lld steps, %s of processor time\n", record["triangles"].get<int>(),
+                record["steps"].get<long long>(), readable(record["cpu_s"].get<double>(), "s").c_str());
+    if (brief) return;
     for (const auto& [name, value] : record["summary"].items())
         std::printf("  %-24s %s\n", name.c_str(), number_text(value, unit_in(record, name)).c_str());
     for (const Json& gate : record["gates"])
@@ -170,7 +173,17 @@ ExitCode render_run(const std::filesystem::path& run, const FigureOptions& figur
 
 ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat format) {
     Json all = Json::array();
+    std::vector<std::filesystem::path> found;
+    std::string tables;  // of studies and sweeps
     for (const auto& run : runs) {
+        const auto inside = earlier_record(run).is_of_a_run ? std::vector<std::filesystem::path>() : runs_in(run);
+        if (inside.empty()) found.push_back(run);
+        found.insert(found.end(), inside.begin(), inside.end());
+        for (const char* table : {"study.md", "sweep.md"})
+            if (std::error_code none; !inside.empty() && std::filesystem::exists(run / table, none))
+                tables += read_given_file(run / table, "no-run") + "\n";
+    }
+    for (const auto& run : found) {
         all.push_back(read_run_json(run));
         all.back()["directory"] = run.string();
         if (const Json& status = all.back()["status"];
@@ -179,10 +192,11 @@ ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat for
     }
     if (format == RunFormat::csv) print_table(all);
     else if (format == RunFormat::json)
-        std::printf("%s\n",
-                    (runs.size() == 1 ? all[0] : all).dump(2, ' ', false, Json::error_handler_t::replace).c_str());
-    else
-        for (const Json& record : all) print_text(record);
+        std::printf("%s\n", (found.size() == 1 && found == runs ? all[0] : all)
+                                .dump(2, ' ', false, Json::error_handler_t::replace)
+                                .c_str());
+    else std::printf("%s", tables.c_str());
+    for (const Json& record : all) print_text(record, found != runs);
     return exit_done;
 }
 

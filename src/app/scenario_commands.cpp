@@ -397,6 +397,11 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
 }
 
 ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, bool force) {
+    const std::string ending = output.extension().string();
+    if (!output.empty() && ending != ".msh" && ending != ".vtu" && ending != ".svg")
+        throw UserError("mesh-format", "`" + output.string() + "` is not the name of a mesh",
+                        "known endings: .msh, .vtu, .svg");
+    if (!output.empty() && !force) refuse_existing(output);
     const Model model = model_of(read);
     const MeshReport report = judge(model.mesh);
     print_warnings(read.warnings), print_warnings(findings_of_places(read, model));
@@ -424,10 +429,6 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
     std::fputs(placed_sets_text(read.scenario, model.mesh).c_str(), stdout);
     if (!model.mesh.grain.empty()) print_grains(read.scenario, model.mesh);
     if (output.empty()) return exit_done;
-    const std::string ending = output.extension().string();
-    if (ending != ".msh" && ending != ".vtu" && ending != ".svg")
-        throw UserError("mesh-format", "`" + ending + "` is not a mesh format", "known: .msh, .vtu, .svg");
-    if (!force) refuse_existing(output);
     write_new_file(output, mesh_as_text(model.mesh, ending, read.scenario.material_names()));
     std::printf("mesh:    %s\n", output.string().c_str());
     return exit_done;

@@ -309,10 +309,19 @@ void add_crack_scale(const FigureOptions& options, const Frame& frame, const His
     scale.precracks = !interfaces_of(frame, InterfaceStatus::precrack).empty();
 }
 
+/// Zeros give no range: a bar of 0 to 1 would be the scale of nothing.
+void add_bar(const ColourScale& bar, const FigureOptions& options, const ValueSpan& values, Legend& legend) {
+    const BodyField* const field = body_field(options.show);
+    const bool has_isolines = field && field->at_corner;  // they name the unit of the bar
+    if (values.min == 0 && values.max == 0 && options.range.empty() && !has_isolines)
+        legend.note = bar.quantity + ": 0 everywhere";
+    else legend.bar = bar;
+}
+
 void add_crack_legend(const FigureOptions& options, const Frame&, const FigureContext&, const FigureScale& scale,
                       Legend& legend) {
     const CrackColour& colour = crack_colour(options.colour);
-    if (std::isfinite(scale.values.low)) legend.bar = crack_scale(options, scale.values);
+    if (std::isfinite(scale.values.low)) add_bar(crack_scale(options, scale.values), options, scale.values, legend);
     else legend.note = "no broken interface";
     if (!colour.precracks && scale.precracks) legend.entries.push_back({"pre-crack", black, precrack_width});
     if (!colour.damaged && scale.damaged)
@@ -339,7 +348,7 @@ void add_field_scale(const FigureOptions& options, const Frame& frame, const His
 
 void add_field_legend(const FigureOptions& options, const Frame& frame, const FigureContext&, const FigureScale& scale,
                       Legend& legend) {
-    legend.bar = field_scale(options, frame, scale.values);
+    add_bar(field_scale(options, frame, scale.values), options, scale.values, legend);
 }
 
 void add_path_scale(const FigureOptions&, const Frame& frame, const Histories& histories, FigureScale& scale) {
@@ -351,7 +360,7 @@ void add_path_scale(const FigureOptions&, const Frame& frame, const Histories& h
 
 void add_path_legend(const FigureOptions& options, const Frame&, const FigureContext&, const FigureScale& scale,
                      Legend& legend) {
-    legend.bar = path_scale(options, scale.values);
+    add_bar(path_scale(options, scale.values), options, scale.values, legend);
 }
 
 const BodyKind body_kinds[] = {

@@ -1,6 +1,7 @@
 #include "record/html.hpp"
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
 #include "figures/animation.hpp"
@@ -20,74 +21,6 @@ namespace {
 constexpr std::size_t max_whole = 1'300'000;  // [byte] of pictures that are kept as they are
 constexpr int small_width = 900;              // [pixel] of further ones
 
-const char* const style = R"(
-:root { color-scheme: light dark; --ink: #222; --paper: #fff; --faint: #5b5b5b; --line: #ccc; --code: #f6f6f6;
-        --bad: #a11 }
-@media (prefers-color-scheme: dark) {
-  :root { --ink: #dcdcdc; --paper: #17191c; --faint: #a8a8a8; --line: #44484d; --code: #22262a; --bad: #ff8a80 }
-}
-body { font: 15px/1.5 system-ui, "DejaVu Sans", sans-serif; color: var(--ink); background: var(--paper);
-       max-width: 60em; margin: 2em auto; padding: 0 1em; overflow-wrap: anywhere }
-a { color: inherit }
-h1 { font-size: 1.6em; margin: 0 }
-h2 { font-size: 1.15em; margin: 1.8em 0 .5em; border-bottom: 1px solid var(--line) }
-.question { font-style: italic; margin: .3em 0 1em }
-.bad { color: var(--bad) }
-.bad li, .warn li { list-style: "\26A0  "; margin: .2em 0 }
-table { border-collapse: collapse; font-size: .9em }
-th, td { text-align: left; vertical-align: top; padding: .15em .9em .15em 0; border-bottom: 1px solid var(--line);
-         overflow-wrap: break-word }
-td { font-variant-numeric: tabular-nums }
-.table { overflow-x: auto }
-figure { margin: 0 0 1em; break-inside: avoid }
-img { max-width: 100%; height: auto; background: #fff }
-figcaption { color: var(--faint); font-size: .85em }
-pre { white-space: pre-wrap; background: var(--code); padding: .6em; font-size: .85em }
-input[type=range] { width: 100% }
-button { min-height: 2.4em }
-.figures { display: grid; grid-template-columns: 1fr 1fr; gap: 0 1em }
-.figures > :only-child { grid-column: 1 / -1 }
-.short { white-space: nowrap }
-@media screen and (max-width: 44em) {
-  .figures { grid-template-columns: 1fr }
-  body { margin: 1em auto }
-  th, td { padding-right: .5em; min-width: 3.5em }
-  :is(th, td):last-child { padding-right: 0; overflow-wrap: anywhere }
-  tr:has(> :nth-child(3):last-child) { display: grid; grid-template-columns: 1fr auto }
-  :is(th, td):has(~ :nth-child(3):last-child) { border: 0 }
-  :is(th, td):nth-child(2):has(+ :last-child) { text-align: right }
-  :is(th, td):nth-child(3):last-child { grid-column: 1 / -1 }
-}
-@media screen and (max-width: 23em) { th, td { overflow-wrap: anywhere } }
-@page { size: A4; margin: 15mm }
-@media print {
-  :root { color-scheme: light; --ink: #222; --paper: #fff; --faint: #5b5b5b; --line: #ccc; --bad: #a11 }
-  body { margin: 0; max-width: none; font-size: 10pt }
-  .screen, details { display: none }
-  td { overflow-wrap: anywhere }
-  tr { break-inside: avoid }
-  h2 { break-after: avoid }
-}
-)";
-
-/// Loads the page again; one whose time of writing (data-written) stays behind says that the run has ended.
-const char* const reloading = R"(
-const live = document.getElementById("live"), wait = live.dataset.period, what = "This " + live.dataset.kind,
-      age = Date.now() / 1000 - live.dataset.written;
-if (age > 60 + 4 * wait) {
-  document.getElementById("now").textContent = what + " has ended before its end, or its steps take long: nothing " +
-    "new for " + Math.round(age / 60) + " min. The same command " + live.dataset.again + ". Last state: ";
-  live.className = "bad";
-} else document.getElementById("now").textContent = what + " goes on: ";
-addEventListener("DOMContentLoaded", () => {  // what the reader opened stays open
-  const text = document.querySelector("details"), name = location.pathname;
-  if (!text) return;
-  text.open = sessionStorage.getItem(name) === "open";
-  text.ontoggle = () => sessionStorage.setItem(name, text.open ? "open" : "");
-});
-setTimeout(() => location.reload(), 1000 * wait);
-)";
-
 /// "2026-11-29 12:30:05 UTC"
 std::string time_of_day(std::time_t when) {
     std::tm parts{};
@@ -95,22 +28,6 @@ std::string time_of_day(std::time_t when) {
     std::strftime(text.data(), text.size(), "%F %T UTC", gmtime_r(&when, &parts));
     return text.data();
 }
-
-const char* const moving = R"(
-const box = document.getElementById("frames"), line = box.querySelector("input"), picture = box.querySelector("img");
-const all = JSON.parse(document.getElementById("pictures").textContent);
-const show = () => { const [address, words] = all[line.value]; picture.src = address; picture.alt = words;
-                     line.ariaValueText = box.querySelector("figcaption").textContent = words; };
-let playing = 0;
-line.oninput = show;
-box.querySelector("button").onclick = () => {
-  if (playing) { clearInterval(playing); playing = 0; return; }
-  if (line.value == line.max) line.value = 0;
-  playing = setInterval(() => { if (line.value == line.max) { clearInterval(playing); playing = 0; } else line.value++;
-                                show(); }, 250);
-};
-addEventListener("beforeprint", () => { line.value = line.max; show(); });
-)";
 
 std::string base64(std::string_view bytes) {
     constexpr std::string_view letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -138,12 +55,18 @@ std::string json_text(const std::string& text) {
     return quoted;
 }
 
+/// Whether a cell does not go over two lines: a short one, or a number with its unit or its deviation.
+bool stays_whole(const std::string& cell) {
+    constexpr std::size_t short_cell = 8, longest_number = 24;  // [character] "161.3 ns", "-6.729e-16 kg m/s"
+    const bool is_number = cell.find_first_of("0123456789") == cell.find_first_not_of("+-.");
+    return n_characters(cell) <= (is_number ? longest_number : short_cell);
+}
+
 std::string cells(const HtmlRow& row, const char* kind) {
-    constexpr std::size_t short_cell = 8;  // [character] as "161.3 ns", which must not go over two lines
     std::string text = "<tr>";
     for (const std::string& cell : row)
-        text += std::string("<") + kind + (n_characters(cell) <= short_cell ? " class=\"short\">" : ">") +
-                html_text(cell) + "</" + kind + ">";
+        text += std::string("<") + kind + (stays_whole(cell) ? " class=\"short\">" : ">") + html_text(cell) + "</" +
+                kind + ">";
     return text + "</tr>\n";
 }
 
@@ -163,8 +86,10 @@ std::string html_text(std::string_view text) {
 
 std::string html_table(const HtmlRow& header, const std::vector<HtmlRow>& rows) {
     if (rows.empty()) return "";
-    std::string text =
-        "<div class=\"table\"><table>\n" + (header.empty() ? "" : "<thead>" + cells(header, "th") + "</thead>\n");
+    constexpr std::size_t widest_on_phones = 4;  // [column] a wider table scrolls, and is small on paper
+    const std::string kind = rows[0].size() > widest_on_phones ? " class=\"wide\"" : "";
+    std::string text = "<div class=\"table\"><table" + kind + ">\n" +
+                       (header.empty() ? "" : "<thead>" + cells(header, "th") + "</thead>\n");
     for (const HtmlRow& row : rows) text += cells(row, "td");
     return text + "</table></div>\n";
 }
@@ -219,7 +144,7 @@ std::string html_slider(const std::vector<std::pair<std::string, std::string>>& 
            "<input type=\"range\" min=\"0\" max=\"" +
            last + "\" value=\"" + last +
            "\" aria-label=\"time\"></div></figure>\n<script type=\"application/json\" id=\"pictures\">[" + list +
-           "]</script>\n<script>" + moving + "</script>\n";
+           "]</script>\n<script>" + report_frames + "</script>\n";
 }
 
 std::string html_picture(const std::string& bytes, const std::string& caption) {
@@ -275,19 +200,21 @@ std::string html_figures(const std::vector<std::filesystem::path>& files,
 std::string html_page(const std::string& title, const std::string& question, const std::string& body) {
     return "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" +
-           html_text(title) + "</title>\n<style>" + style + "</style>\n</head>\n<body>\n<h1>" + html_text(title) +
-           "</h1>\n" + (question.empty() ? "" : "<p class=\"question\">" + html_text(question) + "</p>\n") + body +
+           html_text(title) + "</title>\n<style>" + report_style + "</style>\n</head>\n<body>\n<h1>" +
+           html_text(title) + "</h1>\n" +
+           (question.empty() ? "" : "<p class=\"question\">" + html_text(question) + "</p>\n") + body +
            "</body>\n</html>\n";
 }
 
-std::string html_live(const std::string& kind, const std::string& state, const std::string& again, double period) {
+std::string html_live(const std::string& kind, const std::string& state, const std::string& again, double period,
+                      double part) {
     const std::string seconds = std::to_string(std::lround(std::max(period, 1.)));
     const std::time_t now = std::time(nullptr);
     return "<p id=\"live\" data-kind=\"" + kind + "\" data-written=\"" + std::to_string(now) + "\" data-period=\"" +
            seconds + "\" data-again=\"" + html_text(again) + "\"><span id=\"now\">This " + kind +
            " goes on, or was killed since: </span>" + html_text(state) + ". Written at " + time_of_day(now) +
-           ".</p>\n<script>" + reloading + "</script>\n<noscript><meta http-equiv=\"refresh\" content=\"" + seconds +
-           "\"></noscript>\n";
+           ".</p>\n<progress aria-label=\"progress\" value=\"" + formatted("%.3f", part) + "\"></progress>\n<script>" +
+           report_live + "</script>\n<noscript><meta http-equiv=\"refresh\" content=\"" + seconds + "\"></noscript>\n";
 }
 
 std::string question_of(const std::string& scenario) {

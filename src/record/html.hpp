@@ -9,6 +9,9 @@
 
 namespace knap {
 
+/// report.css, report_live.js and report_frames.js of this folder.
+extern const char *const report_style, *const report_live, *const report_frames;
+
 /// The text with its special characters escaped.
 std::string html_text(std::string_view text);
 
@@ -41,8 +44,9 @@ std::string html_page(const std::string& title, const std::string& question, con
 
 /// A line about a run, study or sweep (`kind`) that goes on, with the time of day; the page loads itself again every
 /// `period` [s]. Where it no longer changes it says that the run has ended, since one that was killed cannot, and what
-/// the same command does: `again`.
-std::string html_live(const std::string& kind, const std::string& state, const std::string& again, double period);
+/// the same command does: `again`. `part` of its work is done.
+std::string html_live(const std::string& kind, const std::string& state, const std::string& again, double period,
+                      double part);
 
 /// The first comment of a scenario up to its question mark; empty where it does not ask.
 std::string question_of(const std::string& scenario);

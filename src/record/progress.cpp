@@ -32,6 +32,12 @@ std::string fitted(std::string line, std::FILE* terminal) {
 
 }  // namespace
 
+std::string left_text(double seconds) {
+    return seconds < 100    ? formatted("%.0f s left", seconds)
+           : seconds < 6000 ? formatted("%.0f min left", seconds / 60)
+                            : formatted("%.1f h left", seconds / 3600);
+}
+
 Progress::Progress(std::FILE* file, const State& start, double end)
     : file_(file),
       terminal_(file != nullptr && isatty(fileno(file))),
@@ -44,8 +50,7 @@ std::string Progress::line(const State& now, const Recorder& recorder) const {
     const EnergyLedger& ledger = recorder.ledger();
     const double part = now.time / end_, wall = watch_.wall();
     std::string text = formatted("%3.0f %%  t ", 100 * part) + scaled(now.time, "s");
-    if (part < 1 && now.time > start_)
-        text += formatted("  %.0f s left", wall * (end_ - now.time) / (now.time - start_));
+    if (part < 1 && now.time > start_) text += "  " + left_text(wall * (end_ - now.time) / (now.time - start_));
     text += "  main crack " + scaled(cracks.main_length, "m");
     const double speed = recorder.cracks().tip_speed() / recorder.options().context.rayleigh_speed;
     if (std::isfinite(speed)) text += formatted("  v/cR %.2f", speed);

@@ -7,6 +7,9 @@
 
 namespace knap {
 
+/// "42 s left", "12 min left", "3.5 h left"
+std::string left_text(double seconds);
+
 class Progress {
 public:
     /// `file`: destination of the lines (null: none); `start`: first state of this process, from which step rate and

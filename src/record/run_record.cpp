@@ -306,8 +306,14 @@ std::string run_json(const RunRecord& record) {
 }
 
 Json read_run_json(const std::filesystem::path& run) {
-    if (std::error_code none; !std::filesystem::exists(run / "run.json", none))
-        throw UserError("no-run", "`" + run.string() + "` is not a run directory: it has no run.json");
+    if (std::error_code none; !std::filesystem::exists(run / "run.json", none)) {
+        const std::vector<std::filesystem::path> inside = runs_in(run);
+        throw UserError("no-run", "`" + run.string() + "` is not a run directory: it has no run.json",
+                        inside.empty()
+                            ? ""
+                            : "it has " + std::to_string(inside.size()) + " runs; name one, as `" +
+                                  inside.front().string() + "`: `knap info " + run.string() + "` lists them");
+    }
     const std::string text = read_given_file(run / "run.json", "no-run");
     const auto damaged = [&](const std::string& why) {
         return UserError("bad-run", "`" + (run / "run.json").string() + "` " + why,
@@ -329,6 +335,17 @@ Json read_run_json(const std::filesystem::path& run) {
                           record[member.name].dump(-1, ' ', true, Json::error_handler_t::replace));
     }
     return record;
+}
+
+std::vector<std::filesystem::path> runs_in(const std::filesystem::path& directory) {
+    std::error_code none;
+    std::vector<std::filesystem::path> runs;
+    for (const auto& folder : {directory / "runs", directory})
+        for (std::filesystem::directory_iterator at(folder, none), end; !none && at != end; at.increment(none))
+            if (std::error_code no_file; std::filesystem::exists(at->path() / "run.json", no_file))
+                runs.push_back(at->path());
+    std::ranges::sort(runs);
+    return runs;
 }
 
 EarlierRecord earlier_record(const std::filesystem::path& directory) {

@@ -88,6 +88,9 @@ OutputTable run_json_outputs();
 /// where it is not.
 nlohmann::ordered_json read_run_json(const std::filesystem::path& run);
 
+/// The runs in the directory of a study or sweep, or in one of runs, by name.
+std::vector<std::filesystem::path> runs_in(const std::filesystem::path& directory);
+
 /// The state of a directory according to its run.json; the default where there is none.
 struct EarlierRecord {
     bool is_of_a_run = false;    // also where the file is damaged

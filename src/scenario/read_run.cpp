@@ -263,12 +263,14 @@ void read_figure(const Table& table, std::set<std::string>& files) {
         table.error("exclusive-keys", "measured", "belongs to the body or to curves over two axes");
     if (table.has("measured") && figure.measured_by.empty())
         table.error("missing-key", "measured", "has no source", "measured_by = \"authors, year\"");
-    try {
-        check_type(figure);
-    } catch (const UserError& error) {
-        table.error("figure-font", figure.font_size > 0 ? "font_size" : "paper_width",
-                    "is not possible: " + error.diagnostics.front().message);
-    }
+    if (table.given("font_size") == (figure.font_size > 0)) try {  // else its error was reported
+            check_type(figure);
+        } catch (const UserError& error) {
+            const Diagnostic& fault = error.diagnostics.front();
+            table.error("figure-font",
+                        fault.code == "figure-font" && figure.font_size > 0 ? "font_size" : "paper_width",
+                        "is not possible: " + fault.message);
+        }
     table.scenario().figures.push_back(std::move(figure));
 }
 

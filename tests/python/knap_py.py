@@ -159,8 +159,11 @@ class ManyRuns(unittest.TestCase):
         self.assertEqual(list(study.table["level"]), [1, 2])
         self.assertEqual(study.table["line"][0], "explicit, explicit")
         self.assertGreater(study.table["order of time of 1.5 mJ"][1], 1.5)
-        self.assertIn('alt="convergence_', study._repr_html_())
+        self.assertIn('alt="convergence ', study._repr_html_())
         self.assertEqual(len(study.runs), 2)
+        (out / "study.csv").rename(out / "later.csv")
+        with self.assertRaisesRegex(knap.KnapError, "the study goes on, or was stopped.*; 2 of its runs have begun"):
+            knap.read(out)
 
 
 class Statistics(unittest.TestCase):

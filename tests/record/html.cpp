@@ -25,7 +25,8 @@ TEST_CASE("the captions of a slider are read back as they were") {
 }
 
 TEST_CASE("a live page loads itself again and a question is found below a line for editors") {
-    const std::string page = html_page("t", "", html_live("sweep", "half <way>", "starts it again", 4));
+    const std::string page = html_page("t", "", html_live("sweep", "half <way>", "starts it again", 4, 0.25));
+    CHECK(page.find("<progress aria-label=\"progress\" value=\"0.250\">") != std::string::npos);
     CHECK(page.find("half &lt;way&gt;") != std::string::npos);
     CHECK(page.find("location.reload()") != std::string::npos);
     CHECK(page.find("data-period=\"4\"") != std::string::npos);

@@ -227,7 +227,7 @@ def _has_process(directory):
 def _first_picture(directory):
     """That of a sweep of a [[figure]] is sweep.png; others are in figures."""
     pictures = [*directory.glob("sweep.png"), *sorted(directory.glob("figures/*.png"))]
-    return image(pictures[0]) if pictures else ""
+    return image(pictures[0], f"{pictures[0].stem.replace('_', ' ')} of {directory}") if pictures else ""
 
 
 def _readable(value, unit):
@@ -252,13 +252,13 @@ def shown(value, digits=6):
 def html_table(titles, rows, digits=4):
     def line(cells, kind):
         return "<tr>" + "".join(f"<{kind}>{html.escape(shown(cell, digits))}</{kind}>" for cell in cells) + "</tr>"
-    return f"<table>{line(titles, 'th')}{''.join(line(row, 'td') for row in rows)}</table>"
+    return f'<div style="overflow-x: auto"><table>{line(titles, "th")}{"".join(line(row, "td") for row in rows)}</table></div>'
 
 
-def image(file):
-    """A picture inside a page."""
+def image(file, words=""):
+    """A picture inside a page; `words` say what it shows."""
     kind = file.suffix[1:].replace("svg", "svg+xml")
-    return f'<img style="max-width: 100%" alt="{html.escape(file.name)}" src="data:image/{kind};base64,{base64.b64encode(file.read_bytes()).decode()}">'
+    return f'<img style="max-width: 100%" alt="{html.escape(words or file.name)}" src="data:image/{kind};base64,{base64.b64encode(file.read_bytes()).decode()}">'
 
 
 def _sides(head, rows):
@@ -313,7 +313,12 @@ def read(directory):
     for kind in ("sweep", "study"):
         if (directory / f"{kind}.csv").exists():
             return Ensemble(directory, kind)
-    raise KnapError(f"{directory} has none of run.json, sweep.csv, study.csv")
+    inside = sorted(file.parent for place in ("runs/*", "*") for file in directory.glob(f"{place}/run.json"))
+    for kind in ("sweep", "study"):
+        if (directory / f"{kind}.toml").exists():
+            raise KnapError(f"{directory} has no {kind}.csv: the {kind} goes on, or was stopped, and the same command continues it; "
+                            f"{len(inside)} of its runs have begun")
+    raise KnapError(f"{directory} has none of run.json, sweep.csv, study.csv" + (f"; it has {len(inside)} runs, as {inside[0]}" if inside else ""))
 
 
 def program():

@@ -7,9 +7,12 @@
 #include "base/child_process.hpp"
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
+#include "base/formatted.hpp"
+#include "base/stopwatch.hpp"
 #include "base/text.hpp"
 #include "base/whole_file.hpp"
 #include "record/html.hpp"
+#include "record/progress.hpp"
 #include "record/version.hpp"
 
 #include <fcntl.h>
@@ -19,6 +22,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <map>
@@ -29,6 +33,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Texts = std::vector<std::string>;
+
+constexpr int live_period = 3;  // [s] between two reports while runs go on
 
 /// Blocks SIGINT, SIGTERM, SIGHUP and SIGCHLD (a run has ended) and fetches them one by one.
 class HeldSignals {
@@ -46,9 +52,9 @@ public:
             for (const int which : {SIGINT, SIGTERM, SIGHUP}) std::signal(which, SIG_IGN);
         sigprocmask(SIG_SETMASK, &before_, nullptr);
     }
-    /// Waits for a signal, 10 s at most; true for the first interrupt.
+    /// Waits for a signal, some seconds at most; true for the first interrupt.
     bool next_interrupts() {
-        constexpr timespec most{.tv_sec = 10, .tv_nsec = 0};
+        constexpr timespec most{.tv_sec = live_period, .tv_nsec = 0};
         const int which = sigtimedwait(&held_, nullptr, &most);  // -1: none came
         const bool first = which > 0 && which != SIGCHLD && !interrupted_;
         interrupted_ = interrupted_ || first;
@@ -94,9 +100,8 @@ pid_t start(const std::string& scenario, const EnsembleRun& run, const fs::path&
 }
 
 /// "done, 343 steps, 0.5 s" or the failure; `ended`: status of its process from waitpid().
-std::string outcome(const fs::path& run, int ended, bool interrupted) {
-    if (interrupted && !fs::exists(run / "run.json")) return "not started";
-    const RunResult result = read_result(run, {});
+std::string outcome(const RunResult& result, int ended, bool interrupted) {
+    if (interrupted && result.status == "refused") return "not started";
     if (result.is_under_way())
         return WIFSIGNALED(ended) ? "killed by signal " + std::to_string(WTERMSIG(ended)) : "failed: " + result.reason;
     if (result.status != "done" && result.status != "interrupted") return result.trouble();
@@ -151,22 +156,41 @@ std::vector<const EnsembleRun*> runs_to_do(std::span<const EnsembleRun> all, con
 
 std::string title_of(const Ensemble& ensemble) { return ensemble.title.empty() ? ensemble.name : ensemble.title; }
 
-/// report.html while runs go on.
-void write_live_report(const Ensemble& ensemble, std::size_t n_done, const fs::path& directory) try {
-    const std::string state = std::to_string(n_done) + " of " + std::to_string(ensemble.runs.size()) + " runs are done";
-    write_whole_file(directory / "report.html", html_page(title_of(ensemble), ensemble.question,
-                                                          html_live(ensemble.kind, state, "continues it", 5)));
+/// report.html while runs go on: how many are left and how long they may take, and the results so far. `wall` [s] since
+/// the first of `n_to_do` runs started.
+void write_live_report(const Ensemble& ensemble, const Texts& running, std::size_t n_to_do, double wall,
+                       const fs::path& directory) try {
+    const auto count = [&](const auto& is) {
+        return static_cast<std::size_t>(std::ranges::count_if(ensemble.runs, is));
+    };
+    const auto is_left = [](const EnsembleRun& run) { return run.is_left() || run.result.status == "interrupted"; };
+    const std::size_t n = ensemble.runs.size(), n_left = count(is_left),
+                      n_done = count([](const EnsembleRun&run) { return run.result.status == "done"; }),
+                      n_ended = n_to_do - std::min(n_left, n_to_do);
+    std::string state =
+        formatted("%zu of %zu runs are done, %zu failed, %zu to go", n_done, n, n - n_done - n_left, n_left);
+    if (n_left > 0 && n_ended > 0)
+        state += ", about " + left_text(wall * static_cast<double>(n_left) / static_cast<double>(n_ended));
+    if (!running.empty()) state += "; now " + joined(running);
+    write_whole_file(
+        directory / "report.html",
+        html_page(title_of(ensemble), ensemble.question,
+                  html_live(ensemble.kind, state, "continues it", live_period,
+                            static_cast<double>(n - n_left) / static_cast<double>(n)) +
+                      html_section("Results so far", n_left < n ? html_of_markdown(overview(ensemble)) : "")));
 } catch (const OutputError&) {
     // a full disk ends the ensemble where its results are written, not here
 }
 
-/// False when interrupted. Meanwhile report.html says how many runs are done.
-bool do_runs(const Ensemble& ensemble, const std::string& scenario, const std::vector<const EnsembleRun*>& to_do,
+/// Reads the result of each run that ends. False when interrupted. Meanwhile report.html says how many runs are done.
+bool do_runs(Ensemble& ensemble, const std::string& scenario, const std::vector<const EnsembleRun*>& to_do,
              const fs::path& directory, const BatchOptions& options) {
     const fs::path runs = directory / "runs";
     HeldSignals signals;
     std::map<pid_t, const EnsembleRun*> running;
     std::size_t n_started = 0, n_done = 0;
+    const Stopwatch watch;
+    double next_report = 0;  // [s]
     const auto may_start = [&] { return n_started < to_do.size() && !signals.interrupted(); };
     while (!running.empty() || may_start()) {
         if (may_start() && running.size() < static_cast<std::size_t>(options.n_at_once)) {
@@ -174,8 +198,12 @@ bool do_runs(const Ensemble& ensemble, const std::string& scenario, const std::v
             running[start(scenario, *run, runs, options.force, signals.before())] = run;
             continue;
         }
-        if (ensemble.report && !options.quiet)
-            write_live_report(ensemble, ensemble.runs.size() - to_do.size() + n_done, directory);
+        if (ensemble.report && !options.quiet && watch.wall() >= next_report) {
+            Texts names;
+            for (const auto& [child, run] : running) names.push_back(run->name);
+            write_live_report(ensemble, names, to_do.size(), watch.wall(), directory);
+            next_report = watch.wall() + live_period;
+        }
         if (signals.next_interrupts())  // the runs receive Ctrl-C themselves, but perhaps not SIGTERM
             for (const auto& [child, run] : running) kill(child, SIGTERM);
         int status = 0;
@@ -183,10 +211,12 @@ bool do_runs(const Ensemble& ensemble, const std::string& scenario, const std::v
             const auto found = running.find(ended);
             if (found == running.end()) continue;
             const std::string& name = found->second->name;
+            RunResult& result = ensemble.runs[static_cast<std::size_t>(found->second - ensemble.runs.data())].result;
+            result = read_result(runs / name, ensemble.quantities);
             ++n_done;
             if (!options.quiet)
                 std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(),
-                             outcome(runs / name, status, signals.interrupted()).c_str());
+                             outcome(result, status, signals.interrupted()).c_str());
             running.erase(found);
         }
     }
@@ -254,11 +284,15 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
         return exit_done;
     }
     for (std::size_t n_done = 0;;) {
-        if (!do_runs(ensemble, scenario, to_do, directory, options)) return exit_interrupted;
         for (EnsembleRun& run : std::span(ensemble.runs).subspan(n_done)) {
+            if (std::ranges::find(to_do, &run) != to_do.end()) {
+                run.result = {.values = std::vector<double>(ensemble.quantities.size(), NAN)};
+                continue;
+            }
             run.result = read_result(runs / run.name, ensemble.quantities);
             if (!run.refusal.empty()) run.result.reason = run.refusal;
         }
+        if (!do_runs(ensemble, scenario, to_do, directory, options)) return exit_interrupted;
         n_done = ensemble.runs.size();
         if (!ensemble.safety || !continue_search(ensemble, scenario, options.n_at_once)) break;
         to_do = runs_to_do(std::span(ensemble.runs).subspan(n_done), runs, options.force);

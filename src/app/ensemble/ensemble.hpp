@@ -32,7 +32,7 @@ struct BatchOptions {
 
 /// The numbers of a run, from its directory.
 struct RunResult {
-    std::string status;  // of run.json; "refused" without one: the run did not start
+    std::string status;  // of run.json; "refused" without one: the run did not start; "": it has not ended yet
     std::string reason;  // of a failure
     std::string bulk, cohesion;
     bool gates_hold = true;
@@ -63,6 +63,8 @@ struct EnsembleRun {
     std::string resolved;                // its resolved.toml: a directory with another one holds another run
     double mesh_size = 0;                // [m] smallest requested size; 0 of a mesh that is read
     RunResult result = {};
+
+    bool is_left() const { return result.status.empty(); }
 };
 
 /// One combination of values; its runs differ in the seed, or in what is drawn at random, only.

@@ -159,8 +159,8 @@ std::string variants_table(const Ensemble& ensemble, const std::vector<std::size
 
 /// "dissipated, reference: 27.6 mJ (explicit_r4)"
 std::string heading(const Ensemble& study, std::size_t q) {
-    const std::string name = study.quantities[q].name + ", ";
-    if (study.errors.empty()) return name + std::to_string(study.n_seeds) + " seeds";
+    const std::string name = study.quantities[q].name + (study.errors.empty() && study.n_seeds == 0 ? "" : ", ");
+    if (study.errors.empty()) return name + (study.n_seeds > 0 ? std::to_string(study.n_seeds) + " seeds" : "");
     const QuantityErrors& errors = study.errors[q];
     const std::string value = shown(errors.reference, display_unit_of(study, q), 8);
     return name + (errors.reference_run ? "reference: " + value + " (" + study.runs[*errors.reference_run].name + ")"
@@ -211,6 +211,7 @@ std::string overview(const Ensemble& ensemble) {
     std::vector<std::string> restless;
     for (const EnsembleRun& run : ensemble.runs) {
         if (ensemble.safety) break;  // its verdict says it
+        if (run.is_left()) continue;
         if (const std::string trouble = run.result.trouble(); !trouble.empty())
             troubles += "- " + run.name + ": " + trouble + "\n";
         if (run.result.at_rest == 0) restless.push_back(run.name);

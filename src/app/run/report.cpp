@@ -234,37 +234,42 @@ void write_report(const Scenario& scenario, const RunRecord& record, const Recor
     write_whole_file(directory / "report.html", html_page(title_of(scenario), question_of(text), body));
 }
 
-std::string starting_page(const Scenario& scenario, const std::string& toml, const RunRecord& record) {
+std::string starting_page(const Scenario& scenario, const std::string& toml, const RunRecord& record,
+                          const std::string& state) {
     return live_page(scenario, toml, record,
-                     html_live("run", "before its first step", "starts it again", LiveReport::shortest_period));
+                     html_live("run", state, "starts it again", LiveReport::shortest_period, 0));
 }
 
-void LiveReport::write(const std::string& state, const Model& model, const State& now, const RunRecord& record,
-                       const Recorder& recorder) {
-    const Stopwatch watch;
+void LiveReport::draw(const Model& model, const State& now, const Recorder& recorder) {
+    const double begin = Stopwatch::seconds(CLOCK_THREAD_CPUTIME_ID);
     FigureOptions options = frame_options(recorder);
     options.curves = "energy";
     const FigureContext& context = recorder.options().context;
     const Histories& histories = recorder.histories();
-    std::string picture;
     try {
         const Frame frame = make_frame(model, now, false);
         const FigureScale scale = scale_of(options, frame, histories, context);
-        picture = html_picture(webp_of(draw_picture(options, frame, histories, context, scale).image),
-                               words_of(options) + "; below it the energies over time, t = " + time_text(now.time));
+        picture_ = html_picture(webp_of(draw_picture(options, frame, histories, context, scale).image),
+                                words_of(options) + "; below it the energies over time, t = " + time_text(now.time));
     } catch (const UserError&) {
         // what only the end of a run has
     }
+    next_picture_ = clock_.wall() + (Stopwatch::seconds(CLOCK_THREAD_CPUTIME_ID) - begin) / share_of_live;
+}
+
+void LiveReport::write(const std::string& state, double part, const Model& model, const State& now,
+                       const RunRecord& record, const Recorder& recorder) {
+    if (clock_.wall() >= next_picture_) draw(model, now, recorder);
     const std::string text = read_whole_file(directory_ / "scenario.toml"),
                       again = Checkpoints::exist_in(directory_) ? "continues it" : "starts it again";
     try {
-        write_whole_file(directory_ / "report.html",
-                         live_page(scenario_, text, record, html_live("run", state, again, period_) + picture));
+        write_whole_file(
+            directory_ / "report.html",
+            live_page(scenario_, text, record, html_live("run", state, again, shortest_period, part) + picture_));
     } catch (const OutputError&) {
         // a full disk ends the run where its results are written, not here
     }
-    period_ = std::max(shortest_period, watch.cpu() / share_of_live);
-    next_ = clock_.wall() + period_;
+    next_ = clock_.wall() + shortest_period;
 }
 
 }  // namespace knap

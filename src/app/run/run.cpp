@@ -309,7 +309,7 @@ void Run::count(const StepReport& report) {
     recorder_.after_step(now_, report);
     progress_->after_step(now_, recorder_, setup_.model.mesh.n_triangles());
     if (live_ && live_->is_due())
-        live_->write(progress_->line(now_, recorder_), setup_.model, now_, record_, recorder_);
+        live_->write(progress_->line(now_, recorder_), now_.time / until_, setup_.model, now_, record_, recorder_);
     report_warnings();
     if (states_.is_due(now_)) states_.write(memory());
     const GateKeeper& gates = recorder_.gates();
@@ -428,7 +428,15 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     const int n_threads = use_threads(options.threads);
     keep_freed_memory();
 
-    // nothing is written before mesh and model are known to be possible
+    // but a page for who waits, nothing is written before mesh and model are known to be possible
+    RunDirectory place(directory);
+    RunRecord record{.name = requested.scenario.name, .title = requested.scenario.title, .command = options.command};
+    const auto page = [&](const char* state) {
+        return is_watched(requested.scenario, options)
+                   ? starting_page(requested.scenario, requested.source.text(), record, state)
+                   : "";
+    };
+    if (is_watched(requested.scenario, options)) place.announce(page("makes its mesh"), record);
     Model model = model_of(requested);
     const Continuation continuation =
         options.force ? Continuation{.read = requested} : continuation_of(requested, model, directory);
@@ -445,7 +453,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     if (!options.dump_lcp.empty()) check_dump(model, scenario.time.scheme);
     std::optional<MoreauJean> stepper;
     renew(stepper, model, scenario.time.scheme, plan.limits);
-    RunRecord record = record_of(scenario, model, plan);
+    record = record_of(scenario, model, plan);
     record.command = options.command, record.threads = n_threads, record.spent.model = clock.cpu();
     std::string warnings;
     for (const auto& found : {findings_of_model(read, model, plan), of_obstacles, read.warnings})
@@ -457,8 +465,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
     for (const NamedFile& file : scenario.files) files.emplace_back(file.name, file.bytes);
 
     const InterruptGuard guard;  // from here on the run ends with complete files
-    RunDirectory place(directory, files, record, options.force, continuation.first_files_of_shorter,
-                       is_watched(scenario, options) ? starting_page(scenario, read.source.text(), record) : "");
+    place.start(files, record, options.force, continuation.first_files_of_shorter, page("before its first step"));
     try {
         if (!place.resumes())
             place.log().add(warnings + placed_sets_text(scenario, model.mesh) + probes_text(model, scenario.probes));

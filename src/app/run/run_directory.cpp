@@ -136,8 +136,8 @@ void write_record(const fs::path& directory, RunRecord record, const std::string
 }
 
 /// While the files of an earlier run still exist, so that nothing is lost where the new ones cannot be written.
-void write_first(const fs::path& directory, const FirstFiles& files, const std::string& page, const RunRecord& record) {
-    const bool vacant = is_vacant(directory);
+void write_first(const fs::path& directory, bool vacant, const FirstFiles& files, const std::string& page,
+                 const RunRecord& record) {
     try {
         write_record(directory, record, "starting");
         for (const auto& [name, text] : files) write_whole_file(directory / name, text);
@@ -225,26 +225,50 @@ bool holds_only(const fs::path& directory, const std::vector<std::string>& names
     });
 }
 
-RunDirectory::RunDirectory(const fs::path& directory, const FirstFiles& files, const RunRecord& record, bool force,
-                           const std::optional<FirstFiles>& shorter, const std::string& page) {
-    continues_in(directory, files, force, shorter);
+void RunDirectory::announce(const std::string& page, const RunRecord& record) try {
+    refuse_special_files(directory_);
+    if (!is_vacant(directory_)) return;
+    for (fs::path at = directory_; !at.empty() && !fs::exists(at); at = at.parent_path()) made_ = at;
+    fs::create_directories(directory_);
+    log_.emplace(open_log(directory_ / "log.txt"));
+    announced_ = true;
+    RunRecord starting = record;
+    starting.status = "starting";
+    write_whole_file(directory_ / "run.json", run_json(starting));
+    write_whole_file(directory_ / "report.html", page);
+} catch (const std::exception&) {
+    // start() says why
+}
+
+RunDirectory::~RunDirectory() {
+    std::error_code none;
+    if (announced_)
+        for (const char* name : {"report.html", "run.json", "log.txt"}) fs::remove(directory_ / name, none);
+    for (fs::path at = directory_; !made_.empty() && fs::remove(at, none) && at != made_;) at = at.parent_path();
+}
+
+void RunDirectory::start(const FirstFiles& files, const RunRecord& record, bool force,
+                         const std::optional<FirstFiles>& shorter, const std::string& page) {
+    continues_in(directory_, files, force, shorter);
     std::error_code error;
-    if (fs::create_directories(directory, error); error) throw cannot("make", directory, error);
-    log_.emplace(open_log(directory / "log.txt"));
-    resumes_ = continues_in(directory, files, force, shorter);
+    if (fs::create_directories(directory_, error); error) throw cannot("make", directory_, error);
+    if (!log_) log_.emplace(open_log(directory_ / "log.txt"));
+    resumes_ = continues_in(directory_, files, force, shorter);
+    const bool vacant = std::exchange(announced_, false) || is_vacant(directory_);
+    made_.clear();
     if (!resumes_) {
-        write_first(directory, files, page, record);
-        clear(directory, files, !page.empty());
+        write_first(directory_, vacant, files, page, record);
+        clear(directory_, files, !page.empty());
         log_->truncate(0);
     }
     for (const char* part : {"fields", "figures"})
-        if (fs::create_directories(directory / part, error); error) throw cannot("make", directory / part, error);
+        if (fs::create_directories(directory_ / part, error); error) throw cannot("make", directory_ / part, error);
     if (resumes_ && !shorter) return;
     if (resumes_) {  // killed anywhere here, it is an unfinished run of the one scenario or the other
-        Checkpoints::reopen_end(directory);
-        for (const auto& [name, text] : files) write_whole_file(directory / name, text);
+        Checkpoints::reopen_end(directory_);
+        for (const auto& [name, text] : files) write_whole_file(directory_ / name, text);
     }
-    write_record(directory, record, "running");
+    write_record(directory_, record, "running");
 }
 
 }  // namespace knap

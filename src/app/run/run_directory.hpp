@@ -2,6 +2,7 @@
 // The directory of a run: reserved before anything is computed, never overwritten without --force, complete and movable
 // afterwards.
 //
+//     announce   where nothing is: log.txt, run.json "starting" and report.html; what does not begin removes them
 //     look       what is there?            a refusal changes nothing
 //     lock       log.txt                   from here on no other process uses the directory
 //     look       again, under the lock
@@ -44,21 +45,32 @@ using FirstFiles = std::vector<std::pair<std::string, std::string>>;
 
 class RunDirectory {
 public:
+    explicit RunDirectory(const std::filesystem::path& path)
+        : directory_(path.has_filename() ? path : path.parent_path()) {}
+    ~RunDirectory();
+    RunDirectory(const RunDirectory&) = delete;
+    RunDirectory& operator=(const RunDirectory&) = delete;
+
+    /// Writes report.html where no run is, for who waits for a mesh; without a word where that is not possible.
+    void announce(const std::string& page, const RunRecord& record);
+
     /// Reserves the directory for a run that starts with these files. The same run that was not completed continues, or
     /// starts again where it has no checkpoint yet. Anything else in the directory is refused (UserError) unless
     /// `force`, and even then it must be an earlier run (with a run.json, or the same resolved.toml) that is not under
     /// way. Only files and directories with the names that runs use are removed. `shorter`: first files of a run with
     /// an earlier end that this one may continue; they are then replaced by `files`. `page`: report.html of a run that
     /// starts, in place of an earlier one, which a browser may show; "": none.
-    RunDirectory(const std::filesystem::path& directory, const FirstFiles& files, const RunRecord& record, bool force,
-                 const std::optional<FirstFiles>& shorter = std::nullopt, const std::string& page = "");
+    void start(const FirstFiles& files, const RunRecord& record, bool force,
+               const std::optional<FirstFiles>& shorter = std::nullopt, const std::string& page = "");
 
     bool resumes() const { return resumes_; }  // from a checkpoint
     AppendedFile& log() { return *log_; }
 
 private:
+    std::filesystem::path directory_;
+    std::filesystem::path made_;  // the outermost directory that was made for the announcement
     std::optional<AppendedFile> log_;
-    bool resumes_ = false;
+    bool announced_ = false, resumes_ = false;
 };
 
 /// Whether a run reserved this directory, or was about to, and was stopped before its first files existed: any run may

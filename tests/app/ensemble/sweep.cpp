@@ -149,6 +149,13 @@ TEST_CASE("sweep: every run and table is there and finished runs are kept") {
     CHECK(statistics[2][3] == "J");
     CHECK(std::stod(statistics[2][5]) == tests::relative(6e-3, 1e-9));
     CHECK(std::stod(statistics[2][6]) < 1e-11);
+    const Answer listed = command("info " + folder.in_shell("s"));
+    CHECK(listed.has(text_of(sweep / "sweep.md")));
+    CHECK(listed.has("s/runs/G_c_3_s2: bar_pulled_apart, done"));
+    CHECK_FALSE(listed.has("dissipated  "));  // its numbers
+    CHECK(command("info --csv " + folder.in_shell("s")).text ==
+          command("info --csv " + folder.in_shell("s/runs")).text);
+    CHECK(command("render " + folder.in_shell("s")).has("it has 4 runs; name one, as `"));
     // one is lost: it alone is made again; more seeds are added
     const fs::path kept = sweep / "runs/G_c_3_s1/run.json";
     const auto written = fs::last_write_time(kept);
@@ -204,7 +211,8 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
     waitpid(child, &status, 0);
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == 130);
-    CHECK(text_of(folder.path / "s/report.html").find("0 of 1 runs are done") != std::string::npos);
+    CHECK(text_of(folder.path / "s/report.html").find("0 of 1 runs are done, 0 failed, 1 to go; now s1") !=
+          std::string::npos);
     REQUIRE(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
     CHECK(command(sweep).code == 0);
     CHECK(text_of(folder.path / "s/report.html").find("runs are done") == std::string::npos);

@@ -126,6 +126,26 @@ TEST_CASE("run directory: a start that was killed is started again and nobody el
     CHECK_FALSE(fs::exists(folder.path / "run/checkpoint"));
 }
 
+TEST_CASE("run directory: a page for who waits for a mesh goes with a run that does not begin") {
+    const Folder folder("announced");
+    const std::string listening = "bar_ramp_wave -j 1 -s 'expect={}' " + undrawn + "-s 'mesh.size=1 mm' ";
+    const std::string outside = "-s 'initial=[{box=[8,8,9,9],velocity=[0,1]}]' ";
+    CHECK(command("run " + listening + outside + "-o " + folder.in_shell("new/deep/run")).has("empty-selection"));
+    CHECK_FALSE(fs::exists(folder.path / "new"));
+    fs::create_directory(folder.path / "run");
+    CHECK(command("run " + listening + outside + "-o " + folder.in_shell("run/")).has("empty-selection"));
+    CHECK(fs::is_empty(folder.path / "run"));
+    write(folder.path / "run/report.html", "mine");
+    CHECK(command("run " + listening + "-o " + folder.in_shell("run")).has("run-exists"));
+    CHECK(text_of(folder.path / "run/report.html") == "mine");
+    // one that was killed meanwhile has left its page
+    fs::create_directory(folder.path / "killed");
+    write(folder.path / "killed/log.txt", ""), write(folder.path / "killed/report.html", "makes its mesh");
+    write(folder.path / "killed/run.json", "{\"status\": \"starting\", \"version\": \"0\"}");
+    CHECK(command("run " + listening + "-o " + folder.in_shell("killed")).code == 0);
+    CHECK(is_done(folder.path / "killed"));
+}
+
 TEST_CASE("run directory: what runs did not make stays") {
     const Folder folder("notes");
     const fs::path run = folder.path / "run";

@@ -178,7 +178,7 @@ def page(runs, notes, tables, pictures):
         knap.write_csv(runs.directory / file, head, rows)
     safe = html.escape
     blocks = [f"<h2>{safe(title)}</h2>\n{knap.html_table(head, rows)}" for title, _, head, rows in tables if rows]
-    blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file)}" for title, file in filter(None, pictures)]
+    blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file, title)}" for title, file in filter(None, pictures)]
     made = next((run.info for test in problem.tests for run in runs.answers(test) if hasattr(run, "info")), {})
     versions = [f"knap {made.get('version', '')} {made.get('git', {}).get('hash', '')}",
                 f"Python {platform.python_version()}"]
