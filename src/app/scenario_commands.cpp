@@ -428,7 +428,10 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
     if (ending != ".msh" && ending != ".vtu" && ending != ".svg")
         throw UserError("mesh-format", "`" + ending + "` is not a mesh format", "known: .msh, .vtu, .svg");
     if (!force) refuse_existing(output);
-    write_new_file(output, mesh_as_text(model.mesh, ending, read.scenario.material_names()));
+    std::vector<std::string> joints;  // by their laws
+    for (const Index law : read.scenario.law_of_joint)
+        joints.push_back(law < 0 ? "without a law" : read.scenario.laws[law].name);
+    write_new_file(output, mesh_as_text(model.mesh, ending, read.scenario.material_names(), joints));
     std::printf("mesh:    %s\n", output.string().c_str());
     return exit_done;
 }
