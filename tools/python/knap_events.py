@@ -176,6 +176,8 @@ def plot(run, found, file, over=None):
         raise knap.KnapError("the figure needs matplotlib (Debian: python3-matplotlib)") from None
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    if not len(found["time"]):
+        raise knap.KnapError(f"{run.directory} has no breaks to draw")
     figure, axes = plt.subplots(1, 3 if over else 2, figsize=(13 if over else 9, 3.6), constrained_layout=True)
     left, right = axes[:2]
     m = np.sort(found["magnitude"][np.isfinite(found["magnitude"])])
