@@ -199,6 +199,7 @@ std::vector<CaptionedFigure> draw_mechanism(const Ensemble& safety, const fs::pa
     FigureOptions sheet = safety.sheet;
     const double moved = largest_displacement(frame);
     if (sheet.deform == 1) sheet.deform = visible_magnification(moved, safety.safety->diagonal);
+    if (sheet.range.empty()) sheet.range = {0, moved};  // what moves as one has one colour
     return {{draw_figure(sheet, frame, source->run.histories, source->run.context, directory / "figures").file,
              "The mechanism of " + mechanism->name + ", which has moved by " + readable(moved, "m") + " at " +
                  readable(frame.time, "s") + "; displacements × " + shortest(sheet.deform)}};
