@@ -52,6 +52,11 @@ std::span<const Measure<FluidMoment>> fluid_columns() {
         {"_injected", "m3", "volume that has entered since the start; 0 of a fluid whose pressure is given",
          [](const M& m) { return m.injected; }},
         {"_length", "m", "length of the cracks and joints that it fills", [](const M& m) { return m.length; }},
+        {"_sharp_crack", "m",
+         "length of the cracks that it has entered, as a sharp crack has it, which takes G_c times its growth: every "
+         "interface counts by the part of its fracture energy that it has taken, also in the process zone, wet or not; "
+         "a crack with which the run begins as a whole",
+         [](const M& m) { return m.sharp_crack; }},
         {"_aperture", "m", "largest opening there", [](const M& m) { return m.aperture; }}};
     return columns;
 }
@@ -66,7 +71,8 @@ std::span<const Measure<FluidOfRun>> fluid_numbers() {
          [](const R& r) { return r.largest_pressure; }},
         {"*_volume", "m3", "volume of the cracks that it fills at the end", [](const R& r) { return r.now.volume; }},
         {"*_length", "m", "their length", [](const R& r) { return r.now.length; }},
-        {"*_aperture", "m", "their largest opening", [](const R& r) { return r.now.aperture; }}};
+        {"*_sharp_crack", "m", "that of sharp cracks, as in fluids.csv", [](const R& r) { return r.now.sharp_crack; }},
+        {"*_aperture", "m", "largest opening of the cracks that it fills", [](const R& r) { return r.now.aperture; }}};
     return numbers;
 }
 

@@ -429,7 +429,10 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
     std::fputs(placed_sets_text(read.scenario, model.mesh).c_str(), stdout);
     if (!model.mesh.grain.empty()) print_grains(read.scenario, model.mesh);
     if (output.empty()) return exit_done;
-    write_new_file(output, mesh_as_text(model.mesh, ending, read.scenario.material_names()));
+    std::vector<std::string> joints;  // by their laws
+    for (const Index law : read.scenario.law_of_joint)
+        joints.push_back(law < 0 ? "without a law" : read.scenario.laws[law].name);
+    write_new_file(output, mesh_as_text(model.mesh, ending, read.scenario.material_names(), joints));
     std::printf("mesh:    %s\n", output.string().c_str());
     return exit_done;
 }

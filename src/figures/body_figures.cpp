@@ -424,7 +424,8 @@ Plot body_plot(Box seen, const FigureOptions& options, double below) {
 
 std::string magnification(const FigureOptions& options, bool obstacles) {
     if (!body_kind(options.show) || options.deform == 1) return "";
-    return "displacements × " + short_number(options.deform) + (obstacles ? ", so closed gaps overlap" : "");
+    return "displacements × " + short_number(options.deform) +
+           (obstacles && options.deform > 1 ? ", so closed gaps overlap" : "");
 }
 
 FigureScale body_scale(const FigureOptions& options, const Frame& frame, const Histories& histories) {

@@ -225,7 +225,8 @@ Chart fluid_volume_chart(const History& fluids) {
 }
 
 Chart fluid_length_chart(const History& fluids) {
-    return components_over_time("Cracks that fluids fill", "length", "m", fluids, {{"_length", "length"}});
+    return components_over_time("Cracks that fluids fill", "length", "m", fluids,
+                                {{"_length", "length"}, {"_sharp_crack", "sharp crack"}});
 }
 
 Chart stress_strain_chart(const History& stress_strain) {

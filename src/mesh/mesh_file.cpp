@@ -95,7 +95,39 @@ std::string vtu(const Mesh& mesh) {
     return out.text;
 }
 
-std::string svg(const Mesh& mesh) {
+/// The parts of a picture and their names, a line of the page after another.
+class SvgLegend {
+public:
+    SvgLegend(double left, double top, double right) : left_(left), right_(right), x_(left), y_(top) {}
+
+    void area(const std::string& colour, const std::string& name) {
+        add(name, "<rect width=\"24\" height=\"14\" y=\"-12\" stroke=\"#8a8a8a\" fill=\"" + colour + "\"/>");
+    }
+    void line(const std::string& colour, const std::string& name) {
+        add(name, "<path d=\"M0 -5L24 -5\" stroke-width=\"3\" stroke=\"" + colour + "\"/>");
+    }
+    const std::string& text() const { return text_; }
+    double bottom() const { return text_.empty() ? y_ : y_ + height; }
+
+private:
+    static constexpr double height = 26, of_letter = 9, of_symbol = 56;  // [pixel]
+
+    void add(const std::string& name, const std::string& symbol) {
+        const double width = of_symbol + of_letter * static_cast<double>(name.size());
+        if (x_ > left_ && x_ + width > right_) x_ = left_, y_ += height;
+        std::string shown;
+        for (const char c : name) shown += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
+        text_ += "<g transform=\"translate(" + decimal(x_) + "," + decimal(y_ + height - 8) + ")\">" + symbol +
+                 "<text x=\"32\" font-family=\"sans-serif\" font-size=\"16\">" + shown + "</text></g>\n";
+        x_ += width;
+    }
+
+    double left_, right_, x_, y_;
+    std::string text_;
+};
+
+std::string svg(const Mesh& mesh, const std::vector<std::string>& region_names,
+                const std::vector<std::string>& joint_names) {
     const Box box = bounding_box(mesh.vertices);
     constexpr double width = 1600, margin = 10;  // [pixel]
     const double pixels = width / box.extent().x();
@@ -105,17 +137,23 @@ std::string svg(const Mesh& mesh) {
         out << command << margin + pixels * (x.x() - box.low.x()) << " " << margin + pixels * (box.high.y() - x.y());
     };
     const auto lines = [&](const char* colour, double line_width, const auto& edges, const auto& is_drawn) {
+        if (std::ranges::none_of(edges, is_drawn)) return false;
         out << "<path fill=\"none\" stroke=\"" << colour << "\" stroke-width=\"" << line_width << "\" d=\"";
         for (const auto& edge : edges)
             if (is_drawn(edge)) point("M", ends(mesh, edge)[0]), point("L", ends(mesh, edge)[1]);
         out << "\"/>\n";
+        return true;
     };
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" << width + 2 * margin << "\" height=\""
-        << pixels * box.extent().y() + 2 * margin << "\">\n";
+    SvgLegend legend(margin, pixels * box.extent().y() + 2 * margin, width);
     constexpr const char* fills[]{"#ffffff", "#f0c8b4", "#bcd8ea", "#d6e2ae",
                                   "#f0e0a4", "#d8c4e6", "#aee2d4", "#f0c0d4"};
-    for (Index region = 1; region < n_regions(mesh); ++region) {
-        out << "<path fill=\"" << fills[region % std::size(fills)] << "\" d=\"";
+    for (Index region = 0; region < n_regions(mesh); ++region) {
+        const char* const fill = fills[region % std::size(fills)];
+        const bool is_there = std::ranges::count(mesh.region, region) > 0;
+        if (n_regions(mesh) > 1 && is_there && region < std::ssize(region_names))
+            legend.area(fill, region_names[region]);
+        if (region == 0 || !is_there) continue;  // the colour of the page
+        out << "<path fill=\"" << fill << "\" d=\"";
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
             if (mesh.region[t] != region) continue;
             const auto& [a, b, c] = mesh.triangles[t];
@@ -126,20 +164,35 @@ std::string svg(const Mesh& mesh) {
     using Interior = const InteriorEdge&;
     const auto& interior = mesh.interior_edges;
     lines("#8a8a8a", 0.4, interior, [](Interior e) { return !e.cracked; });
-    lines("#2f5d8a", 1.2, interior, [&](Interior e) { return !mesh.grain.empty() && !mesh.within_grain(e); });
-    lines("#c0392b", 0.8, interior, [](Interior e) { return e.joint >= 0; });
+    if (lines("#2f5d8a", 1.2, interior, [&](Interior e) { return !mesh.grain.empty() && !mesh.within_grain(e); }))
+        legend.line("#2f5d8a", "borders of grains");
+    constexpr const char* of_joints[]{"#1b7f3b", "#7b3fa0", "#d98200", "#00808a", "#9a6324", "#d6006f"};
+    std::vector<std::string> names;  // of joint sets
+    for (const InteriorEdge& e : interior)
+        while (e.joint >= std::ssize(names))
+            names.push_back(names.size() < joint_names.size() ? joint_names[names.size()]
+                                                              : "joint" + std::to_string(names.size()));
+    for (std::size_t n = 0, colour = 0; n < names.size(); ++n) {
+        if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n), names[n]) - names.begin() <
+            static_cast<std::ptrdiff_t>(n))
+            continue;  // drawn
+        const char* const stroke = of_joints[colour++ % std::size(of_joints)];
+        if (lines(stroke, 2, interior, [&](Interior e) { return e.joint >= 0 && names[e.joint] == names[n]; }))
+            legend.line(stroke, names[n]);
+    }
     lines("#000000", 1.2, mesh.boundary_edges, [](const BoundaryEdge&) { return true; });
-    lines("#c0392b", 1.6, interior, [](Interior e) { return e.cracked; });
-    out << "</svg>\n";
-    return out.text;
+    if (lines("#c0392b", 2, interior, [](Interior e) { return e.cracked; })) legend.line("#c0392b", "cracked");
+    return "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" + decimal(width + 2 * margin) + "\" height=\"" +
+           decimal(legend.bottom()) + "\">\n" + out.text + legend.text() + "</svg>\n";
 }
 
 }  // namespace
 
-std::string mesh_as_text(const Mesh& mesh, const std::string& ending, const std::vector<std::string>& region_names) {
+std::string mesh_as_text(const Mesh& mesh, const std::string& ending, const std::vector<std::string>& region_names,
+                         const std::vector<std::string>& joint_names) {
     if (ending == ".msh") return gmsh(mesh, region_names);
     if (ending == ".vtu") return vtu(mesh);
-    if (ending == ".svg") return svg(mesh);
+    if (ending == ".svg") return svg(mesh, region_names, joint_names);
     throw std::invalid_argument("a mesh is written as .msh, .vtu or .svg, not as `" + ending + "`");
 }
 

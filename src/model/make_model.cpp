@@ -63,13 +63,18 @@ public:
             for (const Index t : knap::not_empty(selected_triangles(mesh_, given[i].on), "an initial stress",
                                                  given[i].on, EmptySelection::initial_stresses, i)) {
                 is_stressed[t] = 1;
-                for (Index k = 0; k < 3 && given[i].field.table; ++k)  // so that a finer mesh has values, too
-                    given[i].field.at_start(mesh_.corner(t, k));
+                const auto value_at = [&, &box = given[i].on.box](const Vec2& x) {
+                    // points over the box suffice: triangles on its border reach beyond it
+                    const bool beyond = given[i].field.table && box;
+                    return given[i].field.at_start(beyond ? x.cwiseMax(box->low).cwiseMin(box->high).eval() : x);
+                };
+                for (Index k = 0; k < 3 && given[i].field.table; ++k)
+                    value_at(mesh_.corner(t, k));  // so will a finer mesh
                 for (Index m = 0; m < n; ++m) {
                     const Vec2 place = n == 1
                                            ? mesh_.centroid(t)
                                            : Vec2(0.5 * (mesh_.corner(t, (m + 1) % 3) + mesh_.corner(t, (m + 2) % 3)));
-                    model_.initial_stress[n * t + m] = given[i].field.at_start(place);
+                    model_.initial_stress[n * t + m] = value_at(place);
                 }
             }
         for (Index t = 0; t < mesh_.n_triangles(); ++t)

@@ -13,7 +13,7 @@ bool PlaceField::depends_on_time() const {
 }
 
 BadPlace PlaceField::unreached(const Vec2& place) const {
-    return {*this, "`" + path + "`: the points of the file do not reach " + place_text(place) + " of the body",
+    return {*this, "`" + path + "`: the points of " + text + " do not reach " + place_text(place) + " of the body",
             "points round all places that need a value, or on a line that has them all: in between it is linear, and "
             "beyond them unknown"};
 }

@@ -34,6 +34,18 @@ void Source::quote(Diagnostic& d) const {
     d.length = std::max(1, std::min(d.length, to_the_end));
 }
 
+Diagnostic at_line(Diagnostic d, const std::filesystem::path& file, const std::string& bytes, int line) {
+    std::istringstream in(bytes);
+    std::string quoted;
+    for (int i = 0; i < line && std::getline(in, quoted); ++i) {
+    }
+    if (quoted.ends_with('\r')) quoted.pop_back();
+    d.file = file.string(), d.line = line, d.column = line > 0 ? 1 : 0;
+    d.length = std::max(1, static_cast<int>(quoted.size()));
+    d.source_line = quoted;
+    return d;
+}
+
 void Findings::error(const std::string& code, const std::string& message, const Node& at, const std::string& note,
                      const std::string& hint) {
     found_.push_back({.code = code, .message = message, .hint = hint, .note = note});

@@ -4,6 +4,7 @@
 #include "base/text.hpp"
 #include "scenario/toml_tree.hpp"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,9 @@ private:
     std::string name_, text_;
     std::vector<std::string> lines_;
 };
+
+/// A message at a line of a file that the scenario names; line 0: about all of it.
+Diagnostic at_line(Diagnostic message, const std::filesystem::path& file, const std::string& bytes, int line);
 
 class Findings {
 public:

@@ -192,6 +192,8 @@ public:
         for (std::size_t i = 0; i < reading.list("body").size(); ++i) lists.push_back(item("body", i) + ".crack");
         for (const std::string& list : lists)
             for (const Table& table : reading.list(list)) free_names_.insert(table.text("interface"));
+        for (const std::string& name : free_names_)
+            if (!name.empty() && !reading.values.has("interface." + name)) missing_.push_back(name);
     }
 
     void read() {
@@ -218,8 +220,9 @@ private:
             Index &one = of_pair_[a][b], &other = of_pair_[b][a];
             if (one >= 0) table.error("duplicate-name", "", "is the second law of this pair of materials");
             one = other = law;
-        } else if (!free_names_.contains(name)) {
-            const std::string inside = name + "-" + name;  // of a material, whose laws have two names
+        } else if (!free_names_.contains(name) &&
+                   did_you_mean(name, missing_).empty()) {  // else reported where it is meant
+            const std::string inside = name + "-" + name;   // of a material, whose laws have two names
             table.error("unknown-name", "", "belongs to no pair of materials and no support or joint set",
                         "known: " + first_of(known_),
                         pair_.contains(inside) ? "did you mean `" + inside + "`?" : did_you_mean(name, known_));
@@ -248,6 +251,7 @@ private:
     std::map<std::string, std::pair<Index, Index>> pair_;
     std::map<std::string, Index> grain_;  // material by name, if there are grains
     std::set<std::string> free_names_;
+    std::vector<std::string> missing_;  // of them, those of no law
     std::vector<std::string> known_{"default"};
 };
 

@@ -72,17 +72,28 @@ void mark_curve(const Table& table, const Node& name, GmshMesh& read, const auto
         if (line.group == group) mark(read.mesh.interior_edges[line.edge]);
 }
 
-/// Cracks, and joints, whose laws read_laws finds.
+/// Cracks, and joints, whose laws read_laws finds. What a curve is that nothing names, the file does not tell.
 void mark_curves(const Table& table, GmshMesh& read) {
-    for (const Node& name : table.items("cracks"))
+    std::vector<std::string> idle;
+    for (const GmshGroup& group : read.inner_groups)
+        if (group.n > 0) idle.push_back(group.name);
+    for (const Node& name : table.items("cracks")) {
         mark_curve(table, name, read, [](InteriorEdge& edge) { edge.cracked = true; });
+        std::erase(idle, name.text);
+    }
     for (const Table& joint : table.list("joint")) {
         if (!joint.has("interface")) continue;  // reported
         const Index number = joint.new_joint_set();
-        if (joint.has("curve"))
-            mark_curve(table, table.reading().values.place_of(joint.path("curve")), read,
-                       [&](InteriorEdge& edge) { edge.joint = number; });
+        if (!joint.has("curve")) continue;
+        mark_curve(table, table.reading().values.place_of(joint.path("curve")), read,
+                   [&](InteriorEdge& edge) { edge.joint = number; });
+        std::erase(idle, joint.text("curve"));
     }
+    if (!idle.empty())
+        table.warning("unused-curve", "file",
+                      "has physical curves inside the body that are neither cracks nor joints: " + first_of(idle),
+                      "cracks = [\"" + idle.front() + "\"] in [mesh] or a [[mesh.joint]] with curve = \"" +
+                          idle.front() + "\"; a curve that is to be neither needs no physical group");
 }
 
 /// [[domain.region]] over the mesh: the triangles whose centroids lie inside. They leave their grains, so that the

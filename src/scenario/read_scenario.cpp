@@ -62,6 +62,9 @@ std::string text_of_file(const std::filesystem::path& file) {
     }
 }
 
+/// "traces[0] (line 12)": between the table that placed a line and the line of its file.
+constexpr std::string_view line_of_file = " (line ";
+
 /// Paths of tables by the parts of a Shape.
 class PathsOfParts {
 public:
@@ -198,18 +201,29 @@ std::string Scenario::table_of_part(std::size_t body, PlacedSet::Part part, std:
     for (const PlacedSet& set : placed_sets) {
         if (set.body != body || set.part != part || i < set.first || i >= set.first + static_cast<std::size_t>(set.n))
             continue;
-        return set.path + (set.is_random() ? "" : " (line " + std::to_string(set.file_lines[i - set.first]) + ")");
+        return set.path +
+               (set.is_random() ? "" : std::string(line_of_file) + std::to_string(set.file_lines[i - set.first]) + ")");
     }
     return item(path, i);
 }
 
 Diagnostic ReadResult::at(const std::string& key_path, Diagnostic message) const {
+    if (const std::size_t line = key_path.find(line_of_file); line != std::string::npos)
+        return in_file(key_path.substr(0, line) + ".file", std::stoi(key_path.substr(line + line_of_file.size())),
+                       std::move(message));
     message.file = source.name();
     if (const Node& node = values.place_of(key_path); node.is_placed()) {
         source.set_place(message, node);
         source.quote(message);
     }
     return message;
+}
+
+Diagnostic ReadResult::in_file(const std::string& key_path, int line, Diagnostic message) const {
+    const auto file = std::ranges::find(scenario.files, key_path, &NamedFile::key);
+    if (file == scenario.files.end()) return at(key_path, std::move(message));
+    return at_line(std::move(message), std::filesystem::path(source.name()).parent_path() / values.find(key_path)->text,
+                   file->bytes, line);
 }
 
 std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
@@ -222,7 +236,7 @@ std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
             for (std::size_t i = 0; i < body.excavations.size(); ++i)
                 if (path == item(body.path + ".region", body.shape.regions.size() - body.excavations.size() + i))
                     path = named = item("excavation", body.excavations[i]);
-        std::string key = path;
+        std::string key = named.find(line_of_file) == std::string::npos ? path : named;
         for (const char* outline : {".box", ".radius", ".size", ".points"})
             if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;
         found.push_back(

@@ -15,8 +15,11 @@ struct ReadResult {
     Values values;  // every key with its value and origin
     Source source;  // the text of the file
 
-    /// A message with the place (file, line, column, source line) of a key, or of the nearest table above it.
+    /// A message with the place (file, line, column, source line) of a key, or of the nearest table above it; or, of
+    /// "traces[0] (line 12)", in the file of the traces.
     Diagnostic at(const std::string& key_path, Diagnostic message) const;
+    /// A message about a line of the file that a key names; 0: about all of it.
+    Diagnostic in_file(const std::string& key_path, int line, Diagnostic message) const;
     /// Errors of the mesher about parts of the shape, at the keys of these parts.
     std::vector<Diagnostic> at_shapes(const ShapeError& error) const;
 };

@@ -281,16 +281,14 @@ void read_traces(const Table& table) {
                   .part = PlacedSet::Part::cracks,
                   .first = shape.cracks.size()};
     const Index joint = table.given("interface") ? table.new_joint_set() : -1;
+    std::vector<std::pair<const Trace*, Vec2>> beyond;  // and where
     for (const Trace& trace : traces) {
         if (table.given("class") && trace.kind != table.text("class")) continue;
         Crack crack{.points = trace.points, .joint = joint};
         for (Vec2& p : crack.points) p -= origin;
-        const auto beyond = std::ranges::find_if(crack.points, [&](const Vec2& p) { return is_beyond(shape, p); });
-        if (beyond != crack.points.end() && !crops) {
-            const Box box = bounding_box(shape.outer.points);
-            file.report(trace.line, TraceFile::name_of(trace) + " leaves the body at " + place_text(*beyond),
-                        "the body reaches from " + place_text(box.low) + " to " + place_text(box.high) +
-                            "; origin moves the map, crop = true cuts it at the border");
+        const auto out = std::ranges::find_if(crack.points, [&](const Vec2& p) { return is_beyond(shape, p); });
+        if (out != crack.points.end() && !crops) {
+            beyond.emplace_back(&trace, *out);
         } else if (is_inside(shape, crack.points)) {
             shape.cracks.push_back(std::move(crack));
             set.file_lines.push_back(trace.line);
@@ -299,6 +297,17 @@ void read_traces(const Table& table) {
         }
     }
     set.n = static_cast<int>(set.file_lines.size());
+    const bool together = beyond.size() > 2;  // most likely one mistake: the unit or the origin
+    for (std::size_t i = 0; i < (together ? 1 : beyond.size()); ++i) {
+        const auto& [trace, place] = beyond[i];
+        const Box box = bounding_box(shape.outer.points);
+        const std::string all = std::to_string(beyond.size() + set.file_lines.size() + set.n_cropped);
+        file.report(trace->line,
+                    (together ? std::to_string(beyond.size()) + " of " + all + " traces leave the body, as " : "") +
+                        TraceFile::name_of(*trace) + (together ? "" : " leaves the body") + " at " + place_text(place),
+                    "the body reaches from " + place_text(box.low) + " to " + place_text(box.high) +
+                        "; origin moves the map, crop = true cuts it at the border");
+    }
     if (set.n == 0 && !file.has_reports())
         table.error("geometry", "file", "has no trace that lies in the body", "origin or unit of the map");
     scenario.placed_sets.push_back(std::move(set));

@@ -217,19 +217,8 @@ void Table::warning(const std::string& code, std::string_view key, const std::st
 
 void Table::error_in_file(const std::string& code, std::string_view key, const std::string& text, int line,
                           const std::string& problem, const std::string& note) const {
-    std::istringstream in(text);
-    std::string quoted;
-    for (int i = 0; i < line && std::getline(in, quoted); ++i) {
-    }
-    if (quoted.ends_with('\r')) quoted.pop_back();
-    reading_.findings.add({.code = code,
-                           .message = problem,
-                           .file = (reading_.files.directory / this->text(key)).string(),
-                           .line = line,
-                           .column = line > 0 ? 1 : 0,
-                           .length = std::max<int>(1, static_cast<int>(quoted.size())),
-                           .source_line = quoted,
-                           .note = note});
+    reading_.findings.add(at_line({.code = code, .message = problem, .note = note},
+                                  reading_.files.directory / this->text(key), text, line));
 }
 
 Index Table::new_joint_set() const {

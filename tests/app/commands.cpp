@@ -148,6 +148,19 @@ TEST_CASE("mesh reports and writes") {
     CHECK(command(scenario + "-o " + folder.in_shell("m.stl")).code == 2);
 }
 
+TEST_CASE("the picture of a mesh has a legend of the classes of a map and of minerals") {
+    const Folder folder("mesh_picture");
+    for (const auto& [scenario, names] :
+         {std::pair{"mapped_fractures", std::vector<std::string>{">fault<", ">joint<", ">bedding<"}},
+          std::pair{"micrograph", std::vector<std::string>{">quartz<", ">feldspar<", ">mica<", ">borders of grains<",
+                                                           ">cracked<"}}}) {
+        const std::string file = std::string(scenario) + ".svg";
+        CHECK(command("mesh " + std::string(scenario) + " -o " + folder.in_shell(file)).code == 0);
+        const std::string picture = text_of(folder.path / file);
+        for (const std::string& name : names) CHECK_MESSAGE(picture.find(name) != std::string::npos, name);
+    }
+}
+
 TEST_CASE("help and version answer") {
     for (const char* name : {"run", "check", "mesh", "render", "info", "new", "schema", "bench", "calibrate"})
         CHECK_MESSAGE(command("--help").has(name), name);

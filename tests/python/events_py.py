@@ -72,10 +72,49 @@ class Numbers(unittest.TestCase):
         self.assertLess(abs(np.std(off) - 1), 0.15)
         self.assertTrue(np.isnan(events.b_value(m[:5])[0]))
 
+    def test_b_of_rounded_magnitudes_is_that_of_the_exact_ones(self):
+        off = []
+        for seed in range(200):  # from below -4.05 on, of which -4.0 is the first complete class
+            m = -4.05 + np.random.default_rng(seed).exponential(np.log10(np.e) / 1.3, 400)
+            b, error, _ = events.b_value(np.round(m, 1), -4.0)
+            off.append((b - 1.3) / error)
+        self.assertLess(abs(np.mean(off)), 0.25)  # without the correction by 0.05 it is 3
+        uncorrected, error, _ = events.b_value(np.round(m, 1), -4.0, 0.0)
+        self.assertGreater(uncorrected - events.b_value(np.round(m, 1), -4.0)[0], error)
+        self.assertAlmostEqual(events.b_value(np.round(m, 1))[2], -4.0)
+
     def test_rates_count_all_events(self):
         run = run_of(*[(t, t, 0, 0, 0.01, 0, 1, 1e-6, 0) for t in (1, 2, 3, 3.5, 10)])
         at, rate = events.rate(run, events.join(run), bins=3)
         np.testing.assert_allclose(rate * 3, [4, 0, 1])
+
+    def test_rates_over_a_load_count_all_events_and_their_energy(self):
+        run = run_of(*[(t, t, 0, 0, 0.01, 0, 1, 1e-6, 0) for t in (1, 2, 3, 3.5, 10)])
+        breaks, force = run.table("breaks"), knap.Table({"time": np.array([0, 10.0]), "top_force_y": np.array([0, -20.0])}, {"top_force_y": "N"})
+        run.tables, run.table = ["breaks", "reactions"], {"breaks": breaks, "reactions": force}.__getitem__
+        rates = events.rates_of(run, events.join(run), "reactions.top_force_y", 3)
+        np.testing.assert_allclose(rates["top_force_y"], [-17, -11, -5])
+        np.testing.assert_allclose(rates["rate"] * 6, [1, 0, 4])
+        np.testing.assert_allclose(rates["energy"], [1, 0, 4])
+        self.assertEqual(rates.titles, ["top_force_y [N]", "events", "rate [1/N]", "energy [J]"])
+        with self.assertRaises(knap.KnapError):
+            events.rates_of(run, events.join(run), "reactions.top_force_z")
+
+
+class Minerals(unittest.TestCase):
+    def test_each_break_has_the_moduli_of_its_two_sides(self):
+        run = run_of((1, 1, 0, 90, 2, 1, 2, 0, 1e-4), (2, 2, 0, 135, 2, 1, 2, 0, 1e-4))
+        (folder / "resolved.toml").write_text("[material.soft]\nE = 1e10\nnu = 0.25\ndensity = 2500\n[material.stiff]\nE = 3e10\nnu = 0.25\ndensity = 2500\n")
+        run.info["materials"] = ["soft", "stiff"]
+        points = np.array([[1, -1], [1, 1], [0, 0], [1, -1], [3, -1], [1, 1], [3, -1], [3, 1], [1, 1]], float)
+        bulk = knap.Table({"region": np.array([0, 1, 1])})
+        bulk.points, bulk.cells = points, np.arange(9).reshape(3, 3)
+        run.frame_times, run.frame = [0.0], lambda time: types.SimpleNamespace(bulk=bulk)
+        found = events.join(run)
+        np.testing.assert_allclose(found["moment"], [0.5 * (1e10 + 3e10) / 2.5 * 2e-4, 3e10 / 2.5 * 2e-4])
+        run.frame_times = []
+        with self.assertRaises(knap.KnapError):
+            events.join(run)
 
 
 class ARun(unittest.TestCase):
@@ -89,7 +128,7 @@ class ARun(unittest.TestCase):
             import matplotlib  # noqa: F401
         except ImportError:
             self.skipTest("python3-matplotlib is not installed")
-        events.plot(run, found, folder / "events.png")
+        events.plot(run, found, folder / "events.png", over="energy.strain")
         self.assertGreater((folder / "events.png").stat().st_size, 10000)
 
 

@@ -246,6 +246,21 @@ TEST_CASE("mesh file: surfaces without a name that become one material are said 
     CHECK(said("1 1") == 0);
 }
 
+TEST_CASE("mesh file: curves inside the body that nothing names are said") {
+    const auto said = [](const std::string& keys) -> std::string {
+        const std::vector<Diagnostic> warnings =
+            read_scenario_text(samples::changed("cracks = [\"crack\"]\n", keys, two_materials), "s.toml", {}, data)
+                .warnings;
+        const auto found = std::ranges::find(warnings, "unused-curve", &Diagnostic::code);
+        return found == warnings.end() ? "" : found->message.substr(found->message.find("joints: "));
+    };
+    const std::string joint = "joint = [{ curve = \"joint\", interface = \"default\" }]\n";
+    CHECK(said("") == "joints: crack, joint");
+    CHECK(said("cracks = [\"crack\"]\n") == "joints: joint");
+    CHECK(said(joint) == "joints: crack");
+    CHECK(said("cracks = [\"crack\"]\n" + joint).empty());
+}
+
 TEST_CASE("mesh file: a built-in scenario has its mesh in the binary") {
     const ReadResult built_in = open_scenario("hopkinson_time_piece");
     const ReadResult on_disk = read_scenario(KNAP_SOURCE_DIR "/scenarios/hopkinson_time_piece.toml");

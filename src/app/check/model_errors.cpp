@@ -236,6 +236,38 @@ std::size_t entry_of_initial(const ReadResult& read, std::size_t number, bool ve
     return entries.at(number - n_of_bodies);  // those of bodies come first
 }
 
+constexpr double much_of_map = 0.2;  // [-] of the length or number of cracks, that snap leaves out
+
+/// Cracks that the snap of their body leaves out: an error where none is left, a warning where many are missing.
+std::vector<Diagnostic> findings_of_snap(const ReadResult& read) {
+    std::vector<Diagnostic> found;
+    for (const Body& body : read.scenario.bodies) {
+        if (!(body.shape.snap > 0) || body.shape.cracks.empty()) continue;
+        const CrackLengths lengths(body.shape);
+        std::vector<double> inside;  // [m] each
+        double drawn = 0, lost = 0;  // [m] snap may make others longer
+        std::size_t n_lost = 0;
+        for (std::size_t i = 0; i < lengths.drawn.size(); ++i) {
+            drawn += lengths.drawn[i], lost += std::max(0.0, lengths.drawn[i] - lengths.after[i]);
+            if (lengths.drawn[i] > 0) inside.push_back(lengths.drawn[i]), n_lost += lengths.after[i] == 0;
+        }
+        const double n = static_cast<double>(inside.size());
+        if (inside.empty() || (lost < much_of_map * drawn && static_cast<double>(n_lost) < much_of_map * n)) continue;
+        const auto middle = inside.begin() + static_cast<std::ptrdiff_t>(inside.size() / 2);
+        std::ranges::nth_element(inside, middle);
+        const std::string key = body.path + ".snap";
+        found.push_back(read.at(
+            key, {.severity = n_lost == inside.size() ? Diagnostic::Severity::error : Diagnostic::Severity::warning,
+                  .code = "lost-cracks",
+                  .message = formatted("`%s` = %s leaves out %zu of %zu cracks, and %s of their %s", key.c_str(),
+                                       readable(body.shape.snap, "m").c_str(), n_lost, inside.size(),
+                                       readable(lost, "m").c_str(), readable(drawn, "m").c_str()),
+                  .note = "a snap far below the length of the cracks, half of which are shorter than " +
+                          readable(*middle, "m")}));
+    }
+    return found;
+}
+
 }  // namespace
 
 Model model_of(ReadResult& read) {
@@ -250,6 +282,8 @@ Model model_of(ReadResult& read) {
             model = build_model(read.scenario);
         }
         std::vector<Diagnostic> found;
+        for (Diagnostic& of_snap : findings_of_snap(read))
+            (of_snap.severity == Diagnostic::Severity::error ? found : read.warnings).push_back(std::move(of_snap));
         for (const Contradiction& c : find_contradictions(model, read.scenario.loads))
             found.push_back(described(read, c));
         if (!found.empty()) throw UserError(std::move(found));
@@ -266,7 +300,7 @@ Model model_of(ReadResult& read) {
         throw UserError(
             {read.at(item(lists[error.list], number) + (initial ? ".box" : ".on"), error.diagnostics.front())});
     } catch (const BadPlace& error) {
-        throw UserError({read.at(error.path, error.diagnostics.front())});
+        throw UserError({read.in_file(error.path, 0, error.diagnostics.front())});
     }
 }
 

@@ -310,7 +310,7 @@ public:
             if (std::ranges::find(named, who) != named.end()) continue;
             named.push_back(who);
             if (named.size() > max_details) return;
-            add(parts.empty() ? "mesh.size" : parts[0].substr(0, parts[0].find(' ')), "small-step",
+            add(parts.empty() ? "mesh.size" : parts[0], "small-step",
                 formatted(
                     "a triangle at %s has an edge of %s where the mesh size is %s; its stable step of %s is %.3g times "
                     "smaller than the %s of that size, and all triangles use the smallest one. Next to it: %s",

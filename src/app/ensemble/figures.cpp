@@ -1,7 +1,9 @@
 // Figures of a study: errors over cost and over h, or means with their deviations over both. Of a sweep: a contact
 // sheet; its trajectories are in trajectories.cpp.
 #include "app/ensemble/ensemble.hpp"
+#include "base/display_unit.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "figures/body_figures.hpp"
 #include "figures/chart.hpp"
 #include "figures/contact_sheet.hpp"
@@ -163,29 +165,44 @@ fs::path draw_sheet(const Ensemble& sweep, const fs::path& directory) {
         .file;
 }
 
-/// A round number that magnifies displacements to a part of the body that can be seen; 1 where they can be anyway.
+/// A round factor of displacements, with which they are a part of the body that can be seen, and no more.
 double visible_magnification(double displacement, double diagonal) {
     constexpr double seen = 0.05;
     const double wanted = seen * diagonal / displacement;
-    if (!(wanted > 1 && std::isfinite(wanted))) return 1;
+    if (!(wanted > 0 && std::isfinite(wanted))) return 1;
     const double power = std::pow(10, std::floor(std::log10(wanted))), digit = wanted / power;
     return (digit >= 5 ? 5 : digit >= 2 ? 2 : 1) * power;
 }
 
-/// The end of the run that does not stand at the smallest factor, of two the one that moved.
+double largest_displacement(const Frame& frame) {
+    double largest = 0;
+    for (const Vec2& u : frame.displacement) largest = std::max(largest, u.norm());
+    return largest;
+}
+
+/// The run that does not stand at the smallest factor, of two the one that moved, where it had moved too far for one
+/// that stands: what falls further does so without new contacts, if there is no [contact].
 std::vector<CaptionedFigure> draw_mechanism(const Ensemble& safety, const fs::path& directory) {
     const EnsembleRun* mechanism = nullptr;
     for (const EnsembleRun& run : safety.runs)
         if (safety.variants[run.variant].level == safety.safety->high && run.result.steps > 0) mechanism = &run;
     if (mechanism == nullptr) return {};
-    const auto source = panel_source(directory / "runs" / mechanism->name, safety.sheet);
+    const fs::path of_run = directory / "runs" / mechanism->name;
+    const auto source = panel_source(of_run, safety.sheet);
     if (!source) return {};
+    Frame frame = source->frame;
+    for (std::size_t i = 1; i + 1 < source->run.frame_times.size(); ++i)
+        if (Frame earlier = read_frame(of_run, i); largest_displacement(earlier) > safety.safety->options.runaway) {
+            frame = std::move(earlier);
+            break;
+        }
     FigureOptions sheet = safety.sheet;
-    double largest = 0;
-    for (const Vec2& u : source->frame.displacement) largest = std::max(largest, u.norm());
-    if (sheet.deform == 1) sheet.deform = visible_magnification(largest, safety.safety->diagonal);
-    return {{draw_figure(sheet, source->frame, source->run.histories, source->run.context, directory / "figures").file,
-             "The mechanism: the end of " + mechanism->name}};
+    const double moved = largest_displacement(frame);
+    if (sheet.deform == 1) sheet.deform = visible_magnification(moved, safety.safety->diagonal);
+    if (sheet.range.empty()) sheet.range = {0, moved};  // what moves as one has one colour
+    return {{draw_figure(sheet, frame, source->run.histories, source->run.context, directory / "figures").file,
+             "The mechanism of " + mechanism->name + ", which has moved by " + readable(moved, "m") + " at " +
+                 readable(frame.time, "s") + "; displacements × " + shortest(sheet.deform)}};
 }
 
 }  // namespace

@@ -130,9 +130,15 @@ Ensemble plan_safety(const std::string& scenario, const Texts& overrides) {
                                           [](const FigureOptions& figure) { return figure.show == "displacement"; });
     if (own != read.scenario.figures.end()) safety.sheet = *own;
     safety.sheet.show = "displacement", safety.sheet.file = "mechanism.png", safety.sheet.at.clear();
-    // the runs keep their last frame, are no studies themselves, and may miss [expect]
+    // the runs keep frames for the mechanism, are no studies themselves, and may miss [expect]
     safety.safety->common = overrides;
-    const Texts more{"output.fields=true", "output.every=1e9", "figure=", "expect=", "study=", "sweep="};
+    constexpr double n_frames = 20;
+    const Texts more{"output.fields=true",
+                     "output.every=" + shortest(read.scenario.time.end / n_frames),
+                     "figure=",
+                     "expect=",
+                     "study=",
+                     "sweep="};
     for (const Texts& each : {more, report_of_runs(overrides)})
         safety.safety->common.insert(safety.safety->common.end(), each.begin(), each.end());
     if (options.criterion == SafetyOptions::Criterion::rest) safety.safety->common.emplace_back("time.until=rest");

@@ -245,36 +245,14 @@ std::string snap_text(const Scenario& scenario, std::size_t number) {
     return text + "\n";
 }
 
-/// [m] Of each crack inside the body, as drawn and after snap; of lines that lie on each other one counts.
-struct CrackLengths {
-    explicit CrackLengths(Shape shape) : snaps(shape.snap > 0), after(inside(shape)) {
-        shape.snap = 0;
-        drawn = snaps ? inside(shape) : after;
-    }
-    /// ", 515 m, 476 m after snap"
-    std::string text(const PlacedSet& set) const {
-        const auto sum = [&](const std::vector<double>& lengths) {
-            const auto first = lengths.begin() + static_cast<std::ptrdiff_t>(set.first);
-            return readable(std::accumulate(first, first + set.n, 0.0), "m");
-        };
-        return ", " + sum(drawn) + (snaps ? ", " + sum(after) + " after snap" : "");
-    }
-
-    bool snaps;
-    std::vector<double> drawn, after;
-
-private:
-    static std::vector<double> inside(const Shape& shape) {
-        std::vector<double> lengths(shape.cracks.size(), 0.0);
-        const PlanarGraph graph = planar_graph(shape, 0);
-        for (const GraphSegment& segment : graph.segments) {
-            if (segment.crack < 0) continue;
-            const auto [a, b] = graph.line(segment);
-            lengths[segment.crack] += (b - a).norm();
-        }
-        return lengths;
-    }
-};
+/// ", 515 m, 476 m after snap"
+std::string lengths_text(const CrackLengths& lengths, const PlacedSet& set, bool snaps) {
+    const auto sum = [&](const std::vector<double>& of_cracks) {
+        const auto first = of_cracks.begin() + static_cast<std::ptrdiff_t>(set.first);
+        return readable(std::accumulate(first, first + set.n, 0.0), "m");
+    };
+    return ", " + sum(lengths.drawn) + (snaps ? ", " + sum(lengths.after) + " after snap" : "");
+}
 
 /// "70 of quartz (55 % of the area), 31 of mica (45 %)"
 std::string grains_text(const Scenario& scenario, const Mesh& mesh) {
@@ -296,6 +274,22 @@ std::string grains_text(const Scenario& scenario, const Mesh& mesh) {
 
 }  // namespace
 
+CrackLengths::CrackLengths(Shape shape) {
+    const auto inside = [&] {
+        std::vector<double> lengths(shape.cracks.size(), 0.0);
+        const PlanarGraph graph = planar_graph(shape, 0);
+        for (const GraphSegment& segment : graph.segments) {
+            if (segment.crack < 0) continue;
+            const auto [a, b] = graph.line(segment);
+            lengths[segment.crack] += (b - a).norm();
+        }
+        return lengths;
+    };
+    after = inside();
+    if (std::exchange(shape.snap, 0) > 0) drawn = inside();
+    else drawn = after;
+}
+
 std::string placed_sets_text(const Scenario& scenario, const Mesh& mesh) {
     std::string text;
     if (scenario.given && !scenario.given->others.empty())
@@ -310,10 +304,11 @@ std::string placed_sets_text(const Scenario& scenario, const Mesh& mesh) {
         return of_body.try_emplace(body, scenario.bodies[body].shape).first->second;
     };
     for (const PlacedSet& set : scenario.placed_sets)
-        text += formatted("  %-14s %d placed", set.path.c_str(), set.n) +
-                (set.is_random() ? "" : lengths_of(set.body).text(set)) +
-                (set.n_cropped > 0 ? formatted(", %d outside the body left out", set.n_cropped) : "") +
-                (set.fraction > 0 ? formatted(", %.4g %% of the area of the body\n", 100 * set.fraction) : "\n");
+        text +=
+            formatted("  %-14s %d placed", set.path.c_str(), set.n) +
+            (set.is_random() ? "" : lengths_text(lengths_of(set.body), set, scenario.bodies[set.body].shape.snap > 0)) +
+            (set.n_cropped > 0 ? formatted(", %d outside the body left out", set.n_cropped) : "") +
+            (set.fraction > 0 ? formatted(", %.4g %% of the area of the body\n", 100 * set.fraction) : "\n");
     return text;
 }
 

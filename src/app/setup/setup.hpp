@@ -41,6 +41,12 @@ struct Resolution {
 /// Resolution of the pairs of materials with a common interface in the mesh; compared with Scenario::finest_edge().
 std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& mesh);
 
+/// [m] Of each crack inside a body, as drawn and after snap; of lines that lie on each other one counts.
+struct CrackLengths {
+    explicit CrackLengths(Shape shape);
+    std::vector<double> drawn, after;
+};
+
 /// The sets of inclusions and joints, and what the snap of a body did, a line each: "  inclusions[0]  30 placed, 12.3 %
 /// of the area".
 std::string placed_sets_text(const Scenario& scenario, const Mesh& mesh);

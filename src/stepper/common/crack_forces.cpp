@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "stepper/common/surface_energy.hpp"
 
 #include <algorithm>
 
@@ -23,8 +24,8 @@ CrackForces::CrackForces(const Model& model) : model_(model) {
     if (model.has_injected_fluids()) of_corner_.assign(model.mesh.n_corners(), Vec2::Zero());
 }
 
-void CrackForces::take_open(const State& state, bool damaged, Reached& reached) {
-    new_.clear();
+void CrackForces::take_open(const State& state, bool damaged, Reached& reached, std::vector<Index>& taken) const {
+    taken.clear();
     for (std::size_t s = 0; s < state.split_fans.size(); ++s) {
         const auto points = model_.points(model_.fans[state.split_fans[s]]);
         for (std::size_t j = 0; j < points.size(); ++j) {
@@ -32,7 +33,7 @@ void CrackForces::take_open(const State& state, bool damaged, Reached& reached) 
             const double cohesion = state.points[state.first_point[s] + j].cohesion;
             if (reached.is_open[p] || points[j].on_support() || (damaged ? cohesion >= 1 : cohesion > 0)) continue;
             reached.is_open[p] = 1;
-            new_.push_back(p);
+            taken.push_back(p);
         }
     }
 }
@@ -44,7 +45,7 @@ bool CrackForces::is_passable(Index interface, const Reached& reached) const {
 }
 
 /// From the vertices of an interface that are reached, and on through others.
-void CrackForces::enter(Index interface, Reached& reached) {
+void CrackForces::enter(Index interface, Reached& reached) const {
     std::vector<Index> next{interface};
     const Index n = model_.points_per_interface();
     while (!next.empty()) {
@@ -72,7 +73,7 @@ void CrackForces::follow(const State& state) {
     bool grows = false;
     for (std::size_t f = 0; f < fluids_.size(); ++f) {
         Reached& reached = fluids_[f];
-        take_open(state, model_.crack_fluids[f].given.in_process_zone, reached);
+        take_open(state, model_.crack_fluids[f].given.in_process_zone, reached, new_);
         for (const Index p : new_) enter(model_.interface_of(p), reached);
         if (new_.empty()) continue;
         std::ranges::sort(reached.points);
@@ -116,6 +117,22 @@ double CrackForces::volume(std::size_t fluid, const State& state) const {
 double CrackForces::length(std::size_t fluid, const State& state) const {
     double sum = 0;
     for_each_point(fluid, state, [&](const FanPoint& point, double) { sum += point.area / model_.thickness; });
+    return sum;
+}
+
+/// A sharp crack takes G_c times its growth. A point counts by what it has taken of that, also in the process zone,
+/// wet or not.
+double CrackForces::sharp_crack(std::size_t fluid, const State& state) const {
+    Reached entered = fluids_[fluid];
+    std::vector<Index> damaged;
+    if (!model_.crack_fluids[fluid].given.in_process_zone) take_open(state, true, entered, damaged);
+    for (const Index p : damaged) enter(model_.interface_of(p), entered);
+    std::ranges::sort(entered.points);
+    double sum = 0;
+    for (const Index p : entered.points) {
+        const FanPoint& point = model_.fan_points[model_.fan_point_of[p]];
+        sum += point.area / model_.thickness * taken_part(model_, state, point);
+    }
     return sum;
 }
 
@@ -229,6 +246,7 @@ std::vector<FluidMoment> CrackForces::moments(const State& state) {
             moment.volume += point.area * opening;
             moment.aperture = std::max(moment.aperture, opening);
         });
+        moment.sharp_crack = sharp_crack(f, state);
         if (moment.length > 0) moment.pressure /= moment.length;
         if (!fluid.given.is_injected()) continue;
         moment.injected = injected(f, state.time);

@@ -21,11 +21,12 @@ namespace knap {
 
 /// What is known of a fluid at a moment.
 struct FluidMoment {
-    double pressure = 0;  // [Pa] mean over the length that it has reached; of an injected one without the gradient
-    double volume = 0;    // [m3] of the cracks that it has reached
-    double injected = 0;  // [m3] that has entered since the start; 0 where the pressure is given
-    double length = 0;    // [m] of the cracks and joints on which it presses, of one face
-    double aperture = 0;  // [m] largest opening there
+    double pressure = 0;     // [Pa] mean over the length that it has reached; of an injected one without the gradient
+    double volume = 0;       // [m3] of the cracks that it has reached
+    double injected = 0;     // [m3] that has entered since the start; 0 where the pressure is given
+    double length = 0;       // [m] of the cracks and joints on which it presses, of one face
+    double sharp_crack = 0;  // [m] of the cracks that it has entered, to the tips that a sharp crack would have
+    double aperture = 0;     // [m] largest opening there
 };
 
 struct FluidBalance {
@@ -80,10 +81,11 @@ private:
         std::vector<std::uint8_t> is_point;  // [0/1] per point
         std::vector<std::uint8_t> is_open;   // [0/1] per point: broken, with a process zone damaged
     };
-    void take_open(const State& state, bool damaged, Reached& reached);
+    void take_open(const State& state, bool damaged, Reached& reached, std::vector<Index>& taken) const;
     void follow(const State& state);
     void keep_apart() const;
-    void enter(Index interface, Reached& reached);
+    void enter(Index interface, Reached& reached) const;
+    double sharp_crack(std::size_t fluid, const State& state) const;
     bool is_passable(Index interface, const Reached& reached) const;
     /// visit(point, offset [Pa]): every point on which a fluid presses, and what the gradient adds to its pressure.
     template <class Visit>

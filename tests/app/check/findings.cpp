@@ -268,6 +268,64 @@ TEST_CASE("check and mesh and the log of a run say what was placed") {
     CHECK(full.has("a smaller number"));
 }
 
+TEST_CASE("a snap that leaves out much of a map is a warning with its length and an error where nothing is left") {
+    const Folder folder("snap_of_map");
+    std::ofstream(folder.path / "map.csv") << "trace, x [mm], y [mm]\na, 10, 10\na, 16, 10\nb, 30, 20\nb, 36, 20\n"
+                                              "c, 60, 20\nc, 60, 34\n";
+    const auto answer = [&](const std::string& verb, const std::string& snap) {
+        plate(folder, "[[traces]]\nfile = \"map.csv\"\n", "snap = \"" + snap + "\"\n");
+        return command(verb + folder.in_shell("plate.toml"));
+    };
+    for (const std::string verb : {"check ", "mesh "}) {
+        const Answer some = answer(verb, "10 mm");
+        CAPTURE(some.text);
+        CHECK(some.code == 0);
+        CHECK(
+            some.has("warning[lost-cracks]: `domain.snap` = 10 mm leaves out 2 of 3 cracks, and 12 mm of their 26 mm"));
+        CHECK(some.has("half of which are shorter than 6 mm"));
+        const Answer all = answer(verb, "15 mm");
+        CAPTURE(all.text);
+        CHECK(all.code == 2);
+        CHECK(all.has("error[lost-cracks]: `domain.snap` = 15 mm leaves out 3 of 3 cracks, and 26 mm of their 26 mm"));
+        CHECK_FALSE(answer(verb, "1 mm").has("lost-cracks"));
+    }
+}
+
+TEST_CASE("what the mesh finds wrong in a data file has the place of the data") {
+    const Folder folder("place_of_data");
+    std::ofstream(folder.path / "map.csv")
+        << "trace, x [mm], y [mm]\na, 10, 10\na, 60, 10\nb, 10, 10.001\nb, 60, 10.02\n";
+    const Answer map = command(plate(folder, "[[traces]]\nfile = \"map.csv\"\n"));
+    CAPTURE(map.text);
+    CHECK(map.code == 2);
+    CHECK(map.has("map.csv:4:1"));
+    CHECK(map.has("4 | b, 10, 10.001"));
+    std::ofstream(folder.path / "points.csv") << "x [mm], y [mm], xx [MPa], yy [MPa], xy [MPa]\n0, 0, -1, -1, 0\n"
+                                                 "100, 0, -1, -1, 0\n50, 40, -1, -1, 0\n";
+    const Answer points = command(plate(folder, "[[initial]]\nstress = \"points.csv\"\n"));
+    CAPTURE(points.text);
+    CHECK(points.code == 2);
+    CHECK(points.has("error[no-value]: `initial[0].stress`: the points of points.csv do not reach ("));
+    CHECK(points.has("points.csv\n"));
+    CHECK_FALSE(points.has("plate.toml:"));
+}
+
+TEST_CASE("points over exactly the box of an initial stress are enough") {
+    const Folder folder("points_of_box");
+    std::ofstream(folder.path / "points.csv")
+        << "x [mm], y [mm], xx [MPa], yy [MPa], xy [MPa]\n20.1, 10.3, -1, -1, 0\n70.7, 10.3, -1, -1, 0\n"
+           "70.7, 30.1, -1, -1, 0\n20.1, 30.1, -1, -1, 0\n";
+    for (const std::string order : {"1", "2"}) {
+        const Answer answer = command(plate(folder,
+                                            "[[initial]]\nbox = [\"20.1 mm\", \"10.3 mm\", \"70.7 mm\", \"30.1 mm\"]\n"
+                                            "stress = \"points.csv\"\n") +
+                                      " -s mesh.order=" + order);
+        CAPTURE(answer.text);
+        CHECK(answer.code == 0);
+        CHECK(answer.has("initial stress up to 1 MPa"));
+    }
+}
+
 TEST_CASE("mistakes of a map name both parts as the file does and each place once") {
     const Folder folder("names_of_parts");
     std::ofstream(folder.path / "map.toml")

@@ -3,6 +3,7 @@
 #include "mesh/triangulate.hpp"
 #include "model/make_model.hpp"
 #include "stepper/common/crack_forces.hpp"
+#include "stepper/common/surface_energy.hpp"
 #include "support/plates.hpp"
 #include "support/verification.hpp"
 
@@ -133,6 +134,33 @@ TEST_CASE("a fluid that drives a crack keeps its volume and the energy balance o
             CHECK(forces.moments(run.now)[0].length > 2 * length);  // the fluid followed the crack
             CHECK(run.ledger.largest_residual() < (is_implicit ? 1e-9 : 1e-12) * run.ledger.largest_energy());
         }
+}
+
+// G_c times its growth is what a sharp crack takes: all that the interfaces have dissipated and would give back.
+TEST_CASE("a fluid states the length of the sharp crack with the same fracture energy") {
+    for (const bool in_process_zone : {false, true}) {
+        CAPTURE(in_process_zone);
+        ModelInput input = driven();
+        input.crack_pressures[0].in_process_zone = in_process_zone;
+        Run run(std::move(input));
+        CrackForces forces(run.model);
+        const double start = forces.moments(run.now)[0].length, h = 0.5 * run.stepper.stable_step();
+        CHECK(forces.moments(run.now)[0].sharp_crack == doctest::Approx(start));
+        double broken = 0;
+        while (broken < 0.1) {
+            REQUIRE(run.step_if_taken(h));
+            broken = 0;
+            for (const Interface& interface : run.model.interfaces) {
+                const Index first =
+                    run.model.points_per_interface() * static_cast<Index>(&interface - run.model.interfaces.data());
+                broken += (cohesion(run.model, run.now, first) == 0) * interface.length;
+            }
+            broken -= start;
+        }
+        const StepReport taken = surface_energy(run.model, run.now);
+        CHECK(forces.moments(run.now)[0].sharp_crack - start ==
+              doctest::Approx((taken.dissipated + taken.recoverable) / (20 * thickness)).epsilon(1e-9));
+    }
 }
 
 TEST_CASE("a run with an injected fluid has the same bits after a resume") {
