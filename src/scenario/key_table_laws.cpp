@@ -66,6 +66,12 @@ void add_keys_of_laws(KeyTable& t) {
         "again when it freezes again").points().second("");
     t.number("friction_table", "K", "friction coefficient over temperature as pairs [temperature, coefficient], with "
         "[heat], instead of friction").points().second("");
+    t.number("friction_over_pressure", "Pa", "instead of friction: 2 to 13 pairs [pressure, shear] from [0, 0] on, the "
+        "shear that closed faces bear over their pressure, concave and not falling, closed by its last slope; with "
+        "coupling = \"sum\" over the pressure that balances the cohesion, too. knap_friction of the Python "
+        "package makes such tables from Barton and Bandis's joints, test series and strengths").points().second("Pa");
+    t.text("friction_csv", "file with a line of names `pressure [MPa], shear [MPa]` and lines of numbers instead of "
+        "friction_over_pressure, relative to the scenario file; # starts a comment");
     add_contact<CohesiveLaw>(t);
     t.number("kinetic_friction", "", "friction coefficient after the slip_distance; in between it changes linearly "
         "with the way that the sides have slid, from friction (static) on").at_least(0)
