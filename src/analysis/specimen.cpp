@@ -30,7 +30,7 @@ std::size_t driver_of(const Reactions& reactions, const GaugeEnd& end) {
 double strength_by_law(SpecimenOptions::Test test, const CohesiveLaw& law) {
     if (test == SpecimenOptions::Test::bending) return std::numeric_limits<double>::quiet_NaN();
     if (test != SpecimenOptions::Test::compression) return law.sigma_c;
-    return 2 * law.shear_strength() * law.sigma_c / (std::hypot(1, law.friction) - law.friction);
+    return law.compressive_strength().stress;
 }
 
 Gauge::Gauge(const Model& model, const Reactions& reactions, const GaugeEnds& ends, int axis, double size)

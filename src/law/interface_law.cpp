@@ -35,6 +35,26 @@ void Staircase::add(const Kink& kink, double tolerance) {
     ++n_kinks_;
 }
 
+double Staircase::impulse(double p, double free, double mobility) const {
+    const auto at = [&](const StaircasePiece& in, double sign) {
+        return -(in.offset + sign * in.jump) - (in.line_offset + sign * in.line_jump) -
+               (in.contact_offset + sign * in.contact_jump) * p;
+    };
+    if (mobility <= 0) return at(piece(state_of(free, 0)), 0);
+    for (int state = 0; state < n_states(); ++state) {
+        const StaircasePiece at_state = piece(state);
+        const double least = at(at_state, 1), most = at(at_state, -1);
+        if (!at_state.stick) {
+            const double rate = free + mobility * most;
+            if (rate <= at_state.high) return rate >= at_state.low ? most : std::max(most, (at_state.low - free) / mobility);
+        } else {
+            const double needed = (at_state.kink - free) / mobility;
+            if (needed >= least) return std::min(needed, most);
+        }
+    }
+    return 0;
+}
+
 void add_friction_explicit(double friction, double V_T, double tolerance, Staircase& staircase, double kept) {
     // rest comes first: where kinks are merged, exact rest remains
     for (const double rate : {kept * V_T, -V_T})

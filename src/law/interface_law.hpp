@@ -4,10 +4,14 @@
 //     contact       0 <= p  perp  rate_N - bound >= 0
 //     tangential   -P_T in sum (cohesive_i + friction_i p) sgn(rate_T - kink_i)      at most three kinks
 //
+// Friction over pressure (material/friction_over_pressure.hpp) has friction_i (mu p + c) in place of friction_i p, with
+// the line mu, c of its polygon that is lowest at p: the solvers exchange lines as they do states.
+//
 // Four solvers use it: the active set of a fan (link_state.hpp), complementarity rows (staircase_lcp.hpp), the
 // resolvent of the augmented Lagrangian (point_law.hpp) and clusters of contacts between free faces
 // (contact_cluster.hpp). The rate is the end velocity V+ with the explicit bulk, the mean rate w in the theta scheme.
 #include "base/vec.hpp"
+#include "material/friction_over_pressure.hpp"
 
 #include <algorithm>
 #include <array>
@@ -39,13 +43,16 @@ inline bool rests_under(double restitution, double approach, double push) {
     return 2 * restitution * std::max(approach, 0.0) < (1 - restitution) * push;
 }
 
-/// Admissible tangential impulses with a contact impulse p: |P_T + offset + contact_offset p| <= jump + contact_jump p.
+/// Admissible tangential impulses with a contact impulse p:
+///     |P_T + offset + line_offset + contact_offset p| <= jump + line_jump + contact_jump p
+/// with the constant parts of cohesion and of a line of friction.
 struct TangentialRange {
-    double offset = 0, contact_offset = 0;  // [N s], [-]
-    double jump = 0, contact_jump = 0;      // [N s], [-]
+    double offset = 0, contact_offset = 0;   // [N s], [-]
+    double jump = 0, contact_jump = 0;       // [N s], [-]
+    double line_offset = 0, line_jump = 0;   // [N s]
 };
 
-/// Part of a staircase: at a kink, or between two kinks, where jump and contact_jump are zero.
+/// Part of a staircase: at a kink, or between two kinks, where the jumps are zero.
 struct StaircasePiece : TangentialRange {
     bool stick = true;         // at a kink
     double kink = 0;           // [m/s] the rate there
@@ -58,12 +65,18 @@ public:
         double rate, cohesive, friction;  // [m/s]; weights [N s], [-] of the sign function that jumps here
     };
 
+    /// In place of p: mu p + c [N s].
+    FrictionLine line = {1, 0};
+
     /// Kinks are ascending; those within `tolerance` [m/s] of each other are merged.
     void add(const Kink& kink, double tolerance);
 
     std::span<const Kink> kinks() const { return {kinks_.data(), static_cast<std::size_t>(n_kinks_)}; }
     /// States are numbered 0 .. 2 n_kinks: even between kinks, odd at kink state/2.
     int n_states() const { return 2 * n_kinks_ + 1; }
+    /// [N s] P_T with which V_T = free + mobility P_T obeys it under the contact impulse p: it is monotone, so there is
+    /// one.
+    double impulse(double p, double free, double mobility) const;
     StaircasePiece piece(int state) const;
     /// The state of a rate; a kink takes all rates within `tolerance` of it.
     int state_of(double rate, double tolerance) const;
@@ -86,12 +99,14 @@ inline StaircasePiece Staircase::piece(int state) const {
     for (int i = 0; i < n_kinks_; ++i) {
         if (stick && i == here) {
             piece.jump = kinks_[i].cohesive;
-            piece.contact_jump = kinks_[i].friction;
+            piece.contact_jump = kinks_[i].friction * line.slope;
+            piece.line_jump = kinks_[i].friction * line.offset;
             continue;
         }
         const double sign = i < here ? 1 : -1;
         piece.offset += sign * kinks_[i].cohesive;
-        piece.contact_offset += sign * kinks_[i].friction;
+        piece.contact_offset += sign * kinks_[i].friction * line.slope;
+        piece.line_offset += sign * kinks_[i].friction * line.offset;
     }
     return piece;
 }

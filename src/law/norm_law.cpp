@@ -152,8 +152,10 @@ NormLaw::Response NormLaw::respond(const Vec2& Q, double r) const {
     }
     found.sticks = false;
     double pressure = 0, F = 0;  // on the closed sides, and that of their friction
+    double steepness = 1;        // [-] of F over it
     if (found.closed) {
         pressure = r * (bound - A.x()), F = pressed >= 0 ? pressed : std::max(pressure, 0.0);
+        if (over_pressure) steepness = over_pressure.slope(F), F = over_pressure(F);
         W.x() = bound;
         W.y() = slip_after(bound, A.y(), k, F, r);
     }
@@ -187,7 +189,7 @@ NormLaw::Response NormLaw::respond(const Vec2& Q, double r) const {
         found.friction = -F * signs;
         found.friction_sign = signs > 0 ? 1 : -1;
         found.at.impulse.y() += found.friction;
-        if (pressed < 0) found.at.slope(1, 0) = -signs * (1 - found.at.slope(1, 1));
+        if (pressed < 0) found.at.slope(1, 0) = -steepness * signs * (1 - found.at.slope(1, 1));
     }
     return finish(W);
 }

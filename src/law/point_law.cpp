@@ -25,8 +25,9 @@ void update_cohesion(const PointLaw& law, double u_N, double u_T, PointResponse&
 /// The resolvent of the staircase  -q_T in sum W_i sgn(w_T - kink_i): its force and its signs (0 at their kink).
 void find_tangential(const PointLaw& law, const Multipliers& at, double w_T, PointResponse& r) {
     const double p = at.friction_follows ? r.contact : at.pressed;
+    const double rubbed = law.pressed ? law.pressed(p) : p;
     const auto weight = [&](const Staircase::Kink& kink) {
-        return kink.friction * p + kink.cohesive * r.cohesion_theta;
+        return kink.friction * rubbed + kink.cohesive * r.cohesion_theta;
     };
     double force = 0;  // -q_T
     for (const Staircase::Kink& kink : law.tangential.kinks()) force -= weight(kink);
@@ -46,23 +47,28 @@ void find_tangential(const PointLaw& law, const Multipliers& at, double w_T, Poi
         }
         passed = sign > 0;
         if (sign == 0 && W > 0) r.sticks = true, r.kink = kink.rate;
-        if (kink.friction * p > 0) r.friction_sign = sign;
+        if (kink.friction * rubbed > 0) r.friction_sign = sign;
         if (kink.cohesive * r.cohesion_theta > 0) r.cohesion_sign = sign;
     }
     r.tangential = -force;
 
     // the part of friction is known with its sign; where both signs are free cohesion bears as much as it can
-    const double F = law.friction * p, G = law.material->gamma * law.strength * r.cohesion_theta;
+    const double F = law.rubbing(p), G = law.material->gamma * law.strength * r.cohesion_theta;
     if (F == 0) r.friction_part = 0;
     else if (r.friction_sign != 0) r.friction_part = -F * r.friction_sign;
     else if (r.cohesion_sign != 0) r.friction_part = r.tangential + G * r.cohesion_sign;
     else r.friction_part = r.tangential - std::clamp(r.tangential, -G, G);
 }
 
-std::uint32_t piece(const Multipliers& at, const PointResponse& r) {
+/// Of friction over pressure, whose derivative it has.
+std::uint32_t line_of(const PointLaw& law, const PointResponse& r) {
+    return law.pressed ? static_cast<std::uint32_t>(law.pressed.line_at(r.contact)) : 0;
+}
+
+std::uint32_t piece(const PointLaw& law, const Multipliers& at, const PointResponse& r) {
     const auto digit = [](double sign) { return static_cast<std::uint32_t>(sign + 1); };
     std::uint32_t state = r.closed | (r.sticks << 1) | ((r.ramp_part == 0 && !r.on_ramp) << 17);
-    if (r.closed && !r.sticks && at.friction_follows) state |= digit(r.friction_sign) << 2;
+    if (r.closed && !r.sticks && at.friction_follows) state |= digit(r.friction_sign) << 2 | line_of(law, r) << 18;
     state |= (r.lands << 16) | (r.opens_on_ramp << 13);
     if (r.on_ramp) state |= (digit(r.end_sign) << 14) | (1u << 12);
     if (r.on_ramp) state |= digit(r.cohesion_sign) << 6;
@@ -129,7 +135,9 @@ Vec2 rates_of_cohesion(const PointLaw& law, const Multipliers& at, const PointRe
             r.sticks ? 0 : (law.material->gamma * r.cohesion_sign + r.pull * rubs) / at.rho_T};
 }
 
-double rubs(const PointLaw& law, const PointResponse& r) { return r.closed ? law.friction * r.friction_sign : 0; }
+double rubs(const PointLaw& law, const PointResponse& r) {
+    return r.closed ? law.rubbing_slope(r.contact) * r.friction_sign : 0;
+}
 
 /// The resolvent of a ramp: c falls with the rates that it leaves, of which it is an increasing function.
 PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
@@ -145,7 +153,7 @@ PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double
         if (!(next > low && next < high)) next = 0.5 * (low + high);
         c = next;
     }
-    r.state = piece(at, r);
+    r.state = piece(law, at, r);
     return r;
 }
 
@@ -180,7 +188,8 @@ public:
         const double h = point.step->h;
         cohesive = point.strength, gamma = point.material->gamma;
         contact = point.contact;
-        add_friction_theta(point.friction, sliding);
+        add_friction_theta(point.pressed ? 1 : point.friction, sliding);
+        over_pressure = point.pressed;
         shift = Vec2(point.u_N, point.u_T) / h;
         ramp = point.ramp / h, start = std::min(ramp, NormLaw::size(shift));
     }
@@ -209,9 +218,10 @@ private:
 };
 
 /// Stiffness and direction change with the rates: what is within some hundredths has one state.
-std::uint32_t state_of_curved(const PointResponse& r, const Vec2& along) {
+std::uint32_t state_of_curved(const PointLaw& law, const PointResponse& r, const Vec2& along) {
     std::uint32_t state = r.closed | (r.sticks << 1) | (r.softens << 4) | (static_cast<std::uint32_t>(r.piece) << 8);
     if (r.sticks || r.curvature == 0) return state;
+    if (r.closed) state |= line_of(law, r) << 28;
     const auto angle = static_cast<std::uint32_t>(8 * (std::atan2(along.y(), along.x()) + 4)),
                size = static_cast<std::uint32_t>(std::clamp(64 + 4 * std::log2(r.curvature), 0.0, 255.0));
     return state | (angle << 12) | (size << 20);
@@ -240,7 +250,7 @@ PointResponse respond_by_norm(const PointLaw& law, const Multipliers& at, double
     r.pull = full > 0 ? -found.cohesion.x() / full : 0;
     r.contact = found.closed ? std::max(0.0, q.x() + full * r.pull) : 0;
     r.curvature = found.size > 0 ? full / (found.size * weight) : 0;
-    r.state = state_of_curved(r, norm.along(W));
+    r.state = state_of_curved(law, r, norm.along(W));
     return r;
 }
 
@@ -263,7 +273,7 @@ Eigen::Matrix2d tangent_of_norm(const PointLaw& law, const Multipliers& at, cons
     }
     if (r.sticks) D.row(1) << 0, weight;
     else if (r.closed && r.friction_sign != 0 && at.friction_follows && softening != Softening::at_all)
-        D(1, 0) = -law.friction * r.friction_sign * weight * (1 - D(1, 1) / weight);
+        D(1, 0) = -rubs(law, r) * weight * (1 - D(1, 1) / weight);
     return D;
 }
 
@@ -271,7 +281,7 @@ Eigen::Matrix2d tangent_of_norm(const PointLaw& law, const Multipliers& at, cons
 
 void PointLaw::set_staircase() {
     tangential = {};
-    add_friction_theta(friction, tangential);
+    add_friction_theta(pressed ? 1 : friction, tangential);
     tangential.add({.rate = u_T == 0 ? 0 : -u_T / reach(), .cohesive = material->gamma * strength, .friction = 0}, 0);
 }
 
@@ -291,7 +301,7 @@ PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, do
         find_tangential(law, at, w_T, r);
         if (!r.sticks || r.kink != kink) update_cohesion(law, u_N, u_T, r);
     }
-    r.state = piece(at, r);
+    r.state = piece(law, at, r);
     return r;
 }
 
@@ -312,7 +322,7 @@ Eigen::Matrix2d tangent(const PointLaw& law, const Multipliers& at, const PointR
     Eigen::Matrix2d D = Eigen::Matrix2d::Zero();
     if (r.closed) D(0, 0) = at.rho_N;
     if (r.sticks) D(1, 1) = std::isinf(at.rho_T) ? 0 : at.rho_T;
-    else if (with_friction) D(1, 0) = -law.friction * r.friction_sign * at.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
+    else if (with_friction) D(1, 0) = -rubs(law, r) * at.rho_N;  // -q_T = mu p sgn, dp = -rho dw_N
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks)) {
         // q = -C beta_theta (1, gamma sgn), d beta_theta = theta h d beta/ds d s_d/du . dw
         const Vec2 loss = loss_direction(law, r), damage = damage_direction(r);

@@ -50,12 +50,20 @@ struct PointLaw {
     const CohesiveLaw* material;
     double ramp = 0;   // [m] kappa of secant unloading, d of vertical unloading; 0: none
     double floor = 0;  // [m] kappa of vertical unloading
-    double friction;   // [-] Coulomb's mu; 0 where the scheme neglects friction
+    double friction;   // [-] Coulomb's mu; 0 where the scheme neglects friction, of a table any other
+    PressedFriction pressed = {};  // in place of mu p
     ContactBound contact;
     const ThetaStep* step;
     bool keeps_cohesion = false;  // beta stays that of the start, whatever the openings: a first approximation
     Staircase tangential = {};    // with cohesive weights for beta_theta = 1
 
+    /// [N s] Under the contact impulse p, and [-] its slope there.
+    double rubbing(double p) const { return pressed ? pressed(p) : friction * p; }
+    double rubbing_slope(double p) const { return pressed ? pressed.slope(p) : friction; }
+    /// [N s] Between two contact impulses.
+    double rubbing_between(double p, double q) const {
+        return pressed ? std::abs(pressed(p) - pressed(q)) : friction * std::abs(p - q);
+    }
     /// The kinks of the tangential law, when the law over the step is known.
     void set_staircase();
     /// Its beta follows the openings at the end of the step.

@@ -96,7 +96,7 @@ void StrengthPolygon::add_chords(Index link, const Vec2& P, const Vec2& undeterm
                                  std::vector<HalfPlane>& planes) const {
     constexpr int n_chords = 16;  // of the whole domain up to 1 - cos(pi/32) = 0.005
     const Vec2 tangent = turned_left(normal);
-    const double N = P.dot(normal), T = P.dot(tangent), friction = contact_jump;
+    const double N = P.dot(normal), T = P.dot(tangent);
     for (int k = 0; k < n_chords; ++k) {
         // through the points of the ellipse at the angles a -+ d:  cos a (-N/C) + sin a T/jump <= cos d
         const double d = std::numbers::pi / (2 * n_chords), a = (2 * k + 1 - n_chords) * d;
@@ -104,9 +104,11 @@ void StrengthPolygon::add_chords(Index link, const Vec2& P, const Vec2& undeterm
                           undetermined.cwiseProduct(std::cos(a) * normal - std::sin(a) * cohesive / jump * tangent),
                           link, 0});
     }
-    for (const int sign : {1, -1})
-        planes.push_back({jump + friction * N - sign * T, undetermined.cwiseProduct(friction * normal - sign * tangent),
-                          link, sign});
+    visit_lines([&](const FrictionLine& line) {
+        for (const int sign : {1, -1})
+            planes.push_back({jump + line.offset + line.slope * N - sign * T,
+                              undetermined.cwiseProduct(line.slope * normal - sign * tangent), link, sign});
+    });
 }
 
 }  // namespace knap

@@ -23,41 +23,57 @@ struct HalfPlane {
     int shear;  // sign of the tangential impulse that yields, along T; 0: the tension yields
 };
 
-/// Admissible impulses of a point: p = P_N + C >= 0 and the tangential range of p, three half planes. Of the norm: the
-/// half ellipse |P_T| <= jump sqrt(1 - (P_N/C)^2) in tension, |P_T| <= jump + contact_jump P_N in compression.
+/// Admissible impulses of a point: p = P_N + C >= 0 and the tangential range of p, three half planes, or two for each
+/// line of a friction over pressure. Of the norm: the half ellipse |P_T| <= jump sqrt(1 - (P_N/C)^2) in tension, |P_T| <=
+/// jump + contact_jump P_N in compression.
 struct StrengthPolygon : TangentialRange {
     Vec2 normal;      // N; T = turned_left(N)
     double cohesive;  // C, a force or an impulse, as P
     Coupling coupling = Coupling::sum;
+    PressedFriction pressed = {};  // in place of contact_jump
 
-    /// Strength of a point at rest: cohesion in both directions, friction on the contact.
-    static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesive) {
-        return {{.jump = law.gamma * cohesive, .contact_jump = law.friction}, normal, cohesive, law.coupling};
+    /// Strength of a point at rest: cohesion in both directions, friction on the contact, which of a table is that of
+    /// pressures times `unit`.
+    static StrengthPolygon at_rest(const CohesiveLaw& law, const Vec2& normal, double cohesive, double unit) {
+        return {{.jump = law.gamma * cohesive, .contact_jump = law.friction},
+                normal,
+                cohesive,
+                law.coupling,
+                law.pressed_friction(unit)};
     }
 
     /// Negative: P is not admissible.
     double smallest_slack(const Vec2& P) const {
         if (coupling == Coupling::norm) {
             const double N = P.dot(normal), T = std::abs(P.dot(turned_left(normal)));
-            return N >= 0 || cohesive == 0 ? std::min(N + cohesive, jump + contact_jump * N - T)
+            return N >= 0 || cohesive == 0 ? std::min(N + cohesive, jump + rubbing(N) - T)
                                            : cohesive * (1 - std::hypot(N / cohesive, T / jump));
         }
-        const double p = P.dot(normal) + cohesive, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
-        return std::min(p, jump + contact_jump * p - std::abs(q));
+        const double p = P.dot(normal) + cohesive,
+                     q = P.dot(turned_left(normal)) + (offset + line_offset + contact_offset * p);
+        return std::min(p, jump + line_jump + rubbing(p) - std::abs(q));
     }
     /// Half planes of c at P + undetermined c; `undetermined`: 0, 1 or -1 per component.
     void add_half_planes(Index link, const Vec2& P, const Vec2& undetermined, std::vector<HalfPlane>& planes) const {
         if (coupling == Coupling::norm) return add_chords(link, P, undetermined, planes);
-        const double p = P.dot(normal) + cohesive, q = P.dot(turned_left(normal)) + (offset + contact_offset * p);
+        const double p = P.dot(normal) + cohesive,
+                     q = P.dot(turned_left(normal)) + (offset + line_offset + contact_offset * p);
         const Vec2 slope = turned_left(normal) + contact_offset * normal;
         planes.push_back({p, undetermined.cwiseProduct(normal), link, 0});
-        planes.push_back(
-            {jump + contact_jump * p - q, undetermined.cwiseProduct(contact_jump * normal - slope), link, +1});
-        planes.push_back(
-            {jump + contact_jump * p + q, undetermined.cwiseProduct(contact_jump * normal + slope), link, -1});
+        visit_lines([&](const FrictionLine& line) {
+            const double most = jump + line.offset + line.slope * p;
+            planes.push_back({most - q, undetermined.cwiseProduct(line.slope * normal - slope), link, +1});
+            planes.push_back({most + q, undetermined.cwiseProduct(line.slope * normal + slope), link, -1});
+        });
     }
 
 private:
+    double rubbing(double p) const { return pressed ? pressed(p) : contact_jump * p; }
+    template <class Visit>
+    void visit_lines(const Visit& visit) const {
+        if (!pressed) return visit(FrictionLine{contact_jump, line_jump});
+        for (int i = 0; i < pressed.law->n_lines(); ++i) visit(pressed.line(i));
+    }
     /// Of a convex part of the domain: chords of the half ellipse, and Coulomb's lines of compression in tension, too.
     void add_chords(Index link, const Vec2& P, const Vec2& undetermined, std::vector<HalfPlane>& planes) const;
 };

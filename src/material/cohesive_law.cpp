@@ -11,6 +11,7 @@ CohesiveLaw CohesiveLaw::at(double T) const {
     if (const TemperatureTable& phi = of_temperature->strength; !phi.empty())
         law.sigma_c *= phi(T), law.G_c *= phi(T), law.G_II *= phi(T);
     if (!of_temperature->friction.empty()) law.friction = of_temperature->friction(T);
+    if (over_pressure) law.friction = over_pressure->chord(law.sigma_c);
     return law;
 }
 
@@ -19,10 +20,24 @@ double CohesiveLaw::smallest_phi() const {
 }
 
 std::array<double, 2> CohesiveLaw::friction_range() const {
+    if (over_pressure) return {friction, over_pressure->line(0).slope};
     if (slip_distance > 0) return {std::min(friction, kinetic_friction), std::max(friction, kinetic_friction)};
     if (!of_temperature || of_temperature->friction.empty()) return {friction, friction};
     const auto [low, high] = std::ranges::minmax(of_temperature->friction.value);
     return {low, high};
+}
+
+/// Mohr's circle touches |r_T| = c + mu r_N at sigma_1 = K^2 sigma_3 + 2 K c, K = mu + sqrt(1 + mu^2); the lowest line
+/// decides.
+CohesiveLaw::Strength CohesiveLaw::compressive_strength(double confinement) const {
+    Strength least;
+    visit_friction_lines([&](const FrictionLine& line) {
+        const double mu = line.slope, root = std::hypot(1, mu),
+                     cohesion = (gamma + (coupling == Coupling::sum ? mu : 0)) * sigma_c + line.offset;
+        const double stress = (root + mu) * (root + mu) * confinement + 2 * cohesion / (root - mu);
+        if (stress < least.stress) least = {stress, line};
+    });
+    return least;
 }
 
 double CohesiveLaw::equivalent_opening(double u_N, double u_T) const {

@@ -18,7 +18,10 @@
 // Power with a = 1 has s_d = u_N + gamma G_c/G_II |u_T|, and G_I/G_c + G_II/G_II = 1 holds on every way.
 //
 // Friction may fall with the slip: mu = friction + (kinetic_friction - friction) min(1, D/slip_distance), D: the way
-// that the sides have slid so far.
+// that the sides have slid so far. Or the threshold f(p) of a table over the pressure (friction_over_pressure.hpp) takes
+// the place of mu p; with the sum p = r_N + beta sigma_c, as Coulomb's, so that a point at rest bears
+//     |r_T| <= gamma beta sigma_c + f(r_N + beta sigma_c)         norm: gamma beta sigma_c + f(r_N)
+// Damage takes the cohesion, and of f the part that its pressure had; f(r_N) stays.
 //
 // Strength may follow the temperature: phi(T) multiplies sigma_c and w alike, so that delta_c stays and beta means the
 // same opening at every T; beta never grows, so what has opened does not heal when it freezes again.
@@ -27,6 +30,7 @@
 //     d beta/dt = -<beta - B>/tau        beta+ = beta - <beta - B(s+)>/(1 + tau/h)
 // The strength stays, the energy of a break grows with the speed of opening: w + int sigma_c (s(beta) - s) d beta.
 #include "base/vec.hpp"
+#include "material/friction_over_pressure.hpp"
 #include "material/softening_shape.hpp"
 #include "material/thermal.hpp"
 
@@ -57,7 +61,7 @@ struct CohesiveLaw {
     double sigma_c = 0;      // [Pa]   tensile strength; 0 = no cohesion (contact and friction only)
     double G_c = 0;          // [J/m2] fracture energy
     double gamma = 1;        // [-]    mode II over mode I traction
-    double friction = 0;     // [-]    Coulomb coefficient mu
+    double friction = 0;     // [-]    Coulomb coefficient mu; of friction over pressure f(sigma_c)/sigma_c
     double restitution = 0;  // [-]    Newton's e
     std::shared_ptr<const SofteningShape> softening = nullptr;  // null: linear; shared by laws that differ in strength
 
@@ -66,6 +70,7 @@ struct CohesiveLaw {
     double mix_exponent = 1;            // [-] a
     double kinetic_friction = 0;        // [-] mu after the slip distance
     double slip_distance = 0;           // [m] 0: mu is constant
+    std::shared_ptr<const FrictionOverPressure> over_pressure = nullptr;  // null: mu p
 
     Coupling coupling = Coupling::sum;
     Unloading unloading = Unloading::constant;
@@ -78,6 +83,25 @@ struct CohesiveLaw {
     /// [-] Smallest phi, and smallest and largest mu, of all temperatures.
     double smallest_phi() const;
     std::array<double, 2> friction_range() const;
+    /// visit(line) for the lines whose minimum friction is: mu p alone, or those of the table.
+    template <class Visit>
+    void visit_friction_lines(double mu, const Visit& visit) const {
+        if (!over_pressure) return visit(FrictionLine{mu, 0});
+        for (const FrictionLine& line : over_pressure->lines()) visit(line);
+    }
+    template <class Visit>
+    void visit_friction_lines(const Visit& visit) const {
+        visit_friction_lines(friction, visit);
+    }
+    /// Of a point, whose impulses are pressures times `unit` [N s/Pa].
+    PressedFriction pressed_friction(double unit) const { return {over_pressure.get(), unit}; }
+    /// [Pa] sigma_1 at which a facet in the worst direction yields under the confinement sigma_3, compression positive,
+    /// without damage; and the line on which it lies then.
+    struct Strength {
+        double stress = infinity;
+        FrictionLine line;
+    };
+    Strength compressive_strength(double confinement = 0) const;
 
     /// An interface that cannot break; it costs nothing.
     static CohesiveLaw unbreakable() { return {.sigma_c = infinity}; }

@@ -11,6 +11,7 @@ struct ClusterContact {
     InterfaceLaw law;
     double cohesive = 0;            // [N s] C; of an interface point
     bool unbreakable = false;       // an interface point that sticks for ever
+    PressedFriction pressed = {};   // in place of p in the friction of `law`, whose mu is 1
     const RowLaw* other = nullptr;  // a law of its own instead of `law` and `cohesive`
     Vec2 free = Vec2::Zero();       // [m/s] V_free
     Vec2 impulse = Vec2::Zero();    // [N s] P: the start of the iteration, and the result

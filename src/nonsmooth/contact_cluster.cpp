@@ -37,28 +37,8 @@ FanLink link_in_frame(const ClusterContact& contact) {
             .gamma = 0,
             .friction = 0,
             .restitution = 0,
-            .unbreakable = contact.unbreakable};
-}
-
-/// P_T with which V_T = free + mobility P_T obeys the staircase under the contact impulse p: it is monotone, so there
-/// is one.
-double lawful_tangential(const Staircase& staircase, double p, double free, double mobility) {
-    const auto at = [&](const StaircasePiece& piece, double sign) {
-        return -(piece.offset + sign * piece.jump) - (piece.contact_offset + sign * piece.contact_jump) * p;
-    };
-    if (mobility <= 0) return at(staircase.piece(staircase.state_of(free, 0)), 0);
-    for (int state = 0; state < staircase.n_states(); ++state) {
-        const StaircasePiece piece = staircase.piece(state);
-        const double least = at(piece, 1), most = at(piece, -1);
-        if (!piece.stick) {
-            const double rate = free + mobility * most;
-            if (rate <= piece.high) return rate >= piece.low ? most : std::max(most, (piece.low - free) / mobility);
-        } else {
-            const double needed = (piece.kink - free) / mobility;
-            if (needed >= least) return std::min(needed, most);
-        }
-    }
-    return 0;
+            .unbreakable = contact.unbreakable,
+            .pressed = contact.pressed};
 }
 
 /// The impulse whose rates W P are `rate`, by the components that have a mobility.
@@ -105,7 +85,11 @@ Vec2 ContactCluster::lawful_impulse(Index i) const {
     else if (c.law.contact.may_touch) p = std::max(0.0, p_now - (c.velocity.x() - c.law.contact.rate) / own(0, 0));
     if (p == 0 && c.cohesive == 0) return Vec2::Zero();
     const double P_N = p - c.cohesive, slip = c.velocity.y() + own(1, 0) * (P_N - c.impulse.x());
-    return {P_N, lawful_tangential(c.law.staircase(p > 0), p, slip - own(1, 1) * c.impulse.y(), own(1, 1))};
+    const double free = slip - own(1, 1) * c.impulse.y();
+    if (!c.pressed || p == 0) return {P_N, c.law.staircase(p > 0).impulse(p, free, own(1, 1))};
+    Staircase at_pressure = c.law.closed;
+    at_pressure.line = c.pressed.line(c.pressed.line_at(p));
+    return {P_N, at_pressure.impulse(p, free, own(1, 1))};
 }
 
 /// [m/s] The change of its own rates by an impulse.
@@ -335,10 +319,10 @@ bool ContactCluster::settle_states(double speed, double tolerance) {
                 change_of(states_[i], link_in_frame(contacts[i]), contacts[i].velocity, contacts[i].impulse, scales);
             if (change.violation == 0) continue;
             if (change.violation > worst.violation) worst = change, at = i;
-            if (attempt < bold_attempts) states_[i].set(change.closed, change.tangential_state);
+            if (attempt < bold_attempts) follow(change, link_in_frame(contacts[i]), states_[i]);
         }
         if (worst.violation == 0 && others_hold) return true;
-        if (attempt >= bold_attempts && worst.violation > 0) states_[at].set(worst.closed, worst.tangential_state);
+        if (attempt >= bold_attempts && worst.violation > 0) follow(worst, link_in_frame(contacts[at]), states_[at]);
     }
     return false;
 }
@@ -347,7 +331,7 @@ bool ContactCluster::settle_states(double speed, double tolerance) {
 std::size_t ContactCluster::attempts_since_same() {
     const std::size_t n = states_.size(), now = tried_.size();
     for (const LinkState& state : states_)
-        tried_.push_back(static_cast<std::uint8_t>(2 * state.tangential_state + state.closed));
+        tried_.push_back(static_cast<std::uint8_t>(16 * state.line + 2 * state.tangential_state + state.closed));
     for (std::size_t end = now; end > 0; end -= n)
         if (std::equal(tried_.end() - n, tried_.end(), tried_.begin() + (end - n))) return (now - end) / n + 1;
     return 0;
@@ -485,7 +469,7 @@ bool ContactCluster::solve_dense() {
 }
 
 /// Impulses and velocities in given states: V_N = b where closed, else P_N = -C; V_T = kink where it sticks, else
-/// P_T = -offset - contact_offset p; of laws of their own the tangents. Of least norm where contacts are redundant.
+/// P_T = -offset - line_offset - contact_offset p; of laws of their own the tangents. Of least norm where contacts are redundant.
 bool ContactCluster::solve_states() {
     const std::vector<LinkState>& states = states_;
     unknown_.clear();
@@ -502,7 +486,8 @@ bool ContactCluster::solve_states() {
         else if (!closed) c.impulse.x() = -c.cohesive;
         const double p = closed ? c.impulse.x() + c.cohesive : 0;
         if (finds_T) c.impulse.y() = 0;
-        else if (!sticks) c.impulse.y() = -tangential.offset - tangential.contact_offset * p;
+        else if (!sticks)
+            c.impulse.y() = -tangential.offset - tangential.line_offset - tangential.contact_offset * p;
     }
     find_velocities();
     const std::size_t n = unknown_.size();

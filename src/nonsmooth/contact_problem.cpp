@@ -76,7 +76,7 @@ Index ContactProblem::add_fan(const SolvedFan& solved, Index n_corners, bool stu
             const Vec2 before = fan.velocity_before(link.after) - fan.velocity_before(link.before);
             if (link.coupling == Coupling::sum) point.law = link_law(link, before, fan.drift_time, rest);
             else curved_.push_back({cluster_.contacts.size(), norm_law(link, before, fan.drift_time, rest)});
-            point.cohesive = link.cohesive;
+            point.cohesive = link.cohesive, point.pressed = link.pressed;
         }
         point.impulse = {link.normal.dot(result.links[i].impulse), link.tangent().dot(result.links[i].impulse)};
         const auto row = static_cast<Index>(cluster_.contacts.size());

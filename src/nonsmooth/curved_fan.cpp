@@ -16,6 +16,7 @@ constexpr double round_weights[n_rounds] = {1, 1, 30, 1000, 1, 30, 1000};
 constexpr double multiplier_weights[] = {10,  10,  10,  30,  30,
                                          100, 100, 1e3, 1e4, 1e5};  // [-] of the method of multipliers
 constexpr Eigen::Index max_unknowns = 32;
+constexpr int most_lags = 56, lags_between = 4;  // of friction, before Newton's steps
 
 }  // namespace
 
@@ -197,6 +198,13 @@ void CurvedFan::approach() {
     find_velocities();
 }
 
+/// A solution with friction that is bounded by the pressures found last.
+void CurvedFan::lag_friction() {
+    for (Row& row : rows_) row.law.pressed = std::max(0.0, row.impulse.x());
+    approach();
+    for (Row& row : rows_) row.law.pressed = -1;
+}
+
 /// Newton's steps to rounding; the best impulses of them stay.
 bool CurvedFan::settle(double weight, int& iterations) {
     double best = infinity;
@@ -242,7 +250,14 @@ CurvedFan::Found CurvedFan::solve(const FanProblem& problem, const FanScales& sc
     start();
     Found found{.bonded = true};
     // heavier weights go more by the rates where they find the states of the links
-    for (int round = 0; !settle(round_weights[round], found.iterations) && round + 1 < n_rounds; ++round) approach();
+    bool settled = false;
+    for (int round = 0; !(settled = settle(round_weights[round], found.iterations)) && round + 1 < n_rounds; ++round)
+        approach();
+    for (int round = 0; !settled && round < most_lags; ++round) {
+        lag_friction();
+        if (round % lags_between == lags_between - 1)
+            settled = settle(round_weights[round / lags_between % n_rounds], found.iterations);
+    }
     join_what_sticks();
     result.velocity = motion_.velocity;
     result.links.resize(rows_.size());

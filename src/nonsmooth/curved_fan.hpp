@@ -6,7 +6,8 @@
 //
 // The impulses are eliminated link by link. eps keeps the matrix definite where links that stick are redundant, as all
 // round a vertex: it leaves a part eps of their errors from step to step, and what is undetermined in their impulses
-// stays near that of the last step. Where these steps do not settle, the method of multipliers comes nearer. At last
+// stays near that of the last step. Where these steps do not settle, the method of multipliers comes nearer, and where
+// friction keeps it from that, friction bounded by the pressure found last (Tresca), which has a potential. At last
 // bodies that links hold together get one velocity, to the bit.
 #include "nonsmooth/fan_clusters.hpp"
 #include "nonsmooth/link_state.hpp"
@@ -41,6 +42,7 @@ private:
     bool settle(double weight, int& iterations);
     bool step(double weight);
     void approach();
+    void lag_friction();
     double find_gaps(double weight);
     void find_lack(double weight);
     void add_force(std::size_t i, const Vec2& impulse);

@@ -11,11 +11,6 @@ constexpr int patient_corrections = 8;        // from here on only the worst vio
 constexpr int max_tried = 200000;             // combinations of states, where Lemke's method ends without a solution
 constexpr double max_lemke_violation = 1e-8;  // of a solution of Lemke's method
 
-void apply(const StateChange& change, LinkState& state) {
-    state.set(change.closed, change.tangential_state);
-    state.bearing = change.bearing;
-}
-
 }  // namespace
 
 FanSolution FanSolver::solve(const FanProblem& problem, FanResult& result, double rest) {
@@ -113,10 +108,10 @@ int FanSolver::correct_states(bool only_worst) {
         now_.violation = std::max({now_.violation, change.violation, change.irreparable});
         if (change.violation == 0) continue;
         ++n_changes;
-        if (!only_worst) apply(change, state);
+        if (!only_worst) follow(change, link, state);
         else if (change.violation > worst.violation) worst = change, worst_link = i;
     }
-    if (only_worst && n_changes > 0) apply(worst, now_.states[worst_link]);
+    if (only_worst && n_changes > 0) follow(worst, problem_->links[worst_link], now_.states[worst_link]);
     return n_changes;
 }
 

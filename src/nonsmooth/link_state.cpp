@@ -51,7 +51,7 @@ InterfaceLaw link_law(const FanLink& link, const Vec2& velocity_before, double h
                                     .friction = 0};
     InterfaceLaw law{.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h, link.given)};
     law.open.add(zero_slip, tolerance);
-    add_friction_explicit(link.friction, V_T, tolerance, law.closed);
+    add_friction_explicit(link.pressed ? 1 : link.friction, V_T, tolerance, law.closed);
     law.closed.add(zero_slip, tolerance);
     return law;
 }
@@ -62,7 +62,8 @@ NormLaw norm_law(const FanLink& link, const Vec2& velocity_before, double h, dou
     NormLaw law;
     law.cohesive = link.cohesive, law.gamma = link.gamma;
     law.contact = contact_bound_explicit(link.u_N, V_N, link.restitution, h, tolerance * h, link.given);
-    add_friction_explicit(link.friction, V_T, tolerance, law.sliding);
+    add_friction_explicit(link.pressed ? 1 : link.friction, V_T, tolerance, law.sliding);
+    law.over_pressure = link.pressed;
     law.shift = Vec2(link.u_N, link.u_T) / until;
     for (double& rate : law.shift)
         if (std::abs(rate) <= tolerance) rate = 0;  // an opening that is the rounding of this step
@@ -75,6 +76,11 @@ void LinkState::set(bool to_closed, int to_tangential_state) {
     closed = to_closed;
     tangential_state = to_tangential_state;
     tangential = law.staircase(closed).piece(tangential_state);
+}
+
+void LinkState::set_line(const FanLink& link, int to_line) {
+    line = to_line;
+    law.closed.line = link.pressed.line(line);
 }
 
 void LinkState::find_part(const FanLink& link, const Vec2& velocity, double on_ramp) {
@@ -97,6 +103,7 @@ void LinkState::guess(const FanProblem& problem, const FanLink& link, const FanS
     if (const double V_N = link.normal.dot(expected); V_N > 0 && V_N <= scales.separation)
         expected -= V_N * link.normal;
     law = link_law(link, expected, problem.drift_time, scales.rest);
+    if (link.pressed) set_line(link, link.pressed.line_at(link.last_impulse.x() + link.cohesive));
     int n_imposed = 0;
     for (int k = 0; k < 2; ++k) {
         const auto prescribed = [&](Index body) { return problem.inverse_mass(body)[k] == 0; };
@@ -120,13 +127,14 @@ void LinkState::fit(const FanLink& link, const Vec2& velocity, const Vec2& impul
     const double p = link.normal.dot(impulse) + cohesive_impulse(link), v_T = link.tangent().dot(velocity),
                  P_T = link.tangent().dot(impulse);
     const bool presses = p > scales.impulse_tolerance;
+    if (link.pressed) set_line(link, link.pressed.line_at(p));
     int nearest = 0;
     double smallest = infinity;
     for (int i = 0; i < law.staircase(presses).n_states(); ++i) {
         const StaircasePiece at = law.staircase(presses).piece(i);
         const double off = at.stick ? std::abs(v_T - at.kink) : std::max({at.low - v_T, v_T - at.high, 0.0});
-        const double force = P_T + part * at.offset + at.contact_offset * (presses ? p : 0),
-                     jump = part * at.jump + at.contact_jump * (presses ? p : 0);
+        const double force = P_T + part * at.offset + at.line_offset + at.contact_offset * (presses ? p : 0),
+                     jump = part * at.jump + at.line_jump + at.contact_jump * (presses ? p : 0);
         double distance = std::max(off / scales.speed, std::max(std::abs(force) - jump, 0.0) / scales.impulse);
         if (!at.stick) distance = std::max(distance, found_at);
         if (distance < smallest) smallest = distance, nearest = i;
@@ -140,17 +148,23 @@ Vec2 LinkState::target(const FanLink& link) const {
 }
 
 Vec2 LinkState::known_impulse(const FanLink& link) const {
-    if (bearing != Bearing::full) return Vec2::Zero();
-    return link.vector(-link.cohesive, -tangential.offset);
+    if (bearing == Bearing::full) return link.vector(-link.cohesive, -(tangential.offset + tangential.line_offset));
+    return tangential.line_offset == 0 ? Vec2(Vec2::Zero()) : link.vector(0, -tangential.line_offset);
 }
 
 double LinkState::friction_part(double p, double P_T) const {
-    const double friction = -tangential.contact_offset * p;  // of the signs that are known
-    if (!tangential.stick || tangential.contact_jump == 0) return friction;
+    const double friction = -tangential.contact_offset * p - tangential.line_offset;  // of the signs that are known
+    if (!tangential.stick || (tangential.contact_jump == 0 && tangential.line_jump == 0)) return friction;
     // at rest both may jump: cohesion bears as much as it can, friction the rest
     const TangentialRange range = this->range();
-    const double lambda = P_T + range.offset + range.contact_offset * p;
+    const double lambda = P_T + range.offset + range.line_offset + range.contact_offset * p;
     return friction + lambda - std::clamp(lambda, -range.jump, range.jump);
+}
+
+void follow(const StateChange& change, const FanLink& link, LinkState& state) {
+    if (link.pressed) state.set_line(link, change.line);
+    state.set(change.closed, change.tangential_state);
+    state.bearing = change.bearing;
 }
 
 StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse,
@@ -159,7 +173,7 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
     const StaircasePiece& tangential = state.tangential;
     const double v_N = link.normal.dot(velocity), v_T = link.tangent().dot(velocity);
     const double p = state.closed ? link.normal.dot(impulse) + state.cohesive_impulse(link) : 0;
-    StateChange change{.closed = state.closed, .tangential_state = state.tangential_state, .bearing = state.bearing};
+    StateChange change{.closed = state.closed, .tangential_state = state.tangential_state, .bearing = state.bearing, .line = state.line};
     const auto violates = [&](double amount, double tolerance, double unit) {
         if (amount <= tolerance) return false;
         change.violation = std::max(change.violation, amount / unit);
@@ -172,8 +186,8 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
 
     if (tangential.stick) {
         const TangentialRange range = state.range();
-        const double q = link.tangent().dot(impulse) + range.offset + range.contact_offset * p;
-        const double bound = range.jump + range.contact_jump * std::max(p, 0.0);
+        const double q = link.tangent().dot(impulse) + range.offset + range.line_offset + range.contact_offset * p;
+        const double bound = range.jump + range.line_jump + range.contact_jump * std::max(p, 0.0);
         if (too_strong(std::abs(q) - bound)) change.tangential_state += q > 0 ? -1 : 1;
         // its cluster may already fix its slip elsewhere than at the kink
         if (!state.closed && too_fast(std::abs(v_T - tangential.kink), 10))
@@ -198,6 +212,10 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
         change.tangential_state = state.state_of(false, v_T, scales.speed_tolerance);
     } else if (state.closed) {
         change.irreparable = (contact.rate - v_N) / scales.speed;
+    }
+    if (link.pressed && state.closed) {
+        const FrictionLine line = link.pressed.line(state.line);
+        if (too_strong(line.offset + line.slope * p - link.pressed(p))) change.line = link.pressed.line_at(p);
     }
     if (link.ramp > 0 && !state.sticks()) {
         const double at = link.ramp_part(velocity);

@@ -36,6 +36,7 @@ struct LinkState {
     int tangential_state = 0;
     Bearing bearing = Bearing::full;
     double part = 1;  // [-] of the cohesion that is borne; of the last solution
+    int line = 0;     // of a friction over pressure
     bool closed = false;
     bool imposed = false;  // both sides fully prescribed: nothing to decide
     bool slip_follows_normal =
@@ -47,11 +48,14 @@ struct LinkState {
     bool partial() const { return closed != tangential.stick && !imposed; }
 
     void set(bool to_closed, int to_tangential_state);
+    /// Before `set`.
+    void set_line(const FanLink& link, int to_line);
     /// [N s]
     double cohesive_impulse(const FanLink& link) const { return part * link.cohesive; }
     /// The tangential law with the cohesion that is borne.
     TangentialRange range() const {
-        return {part * tangential.offset, tangential.contact_offset, part * tangential.jump, tangential.contact_jump};
+        return {part * tangential.offset, tangential.contact_offset, part * tangential.jump,
+                tangential.contact_jump,  tangential.line_offset,    tangential.line_jump};
     }
     /// An impulse along the ramp is unknown; of a link that sticks it follows from the velocity.
     bool is_on_ramp(const FanLink& link) const {
@@ -82,7 +86,10 @@ struct StateChange {
     bool closed = false;
     int tangential_state = 0;
     Bearing bearing = Bearing::full;
+    int line = 0;
 };
+
+void follow(const StateChange& change, const FanLink& link, LinkState& state);
 
 /// The state that the law requires at this relative velocity [m/s] and impulse [N s]; not for unbreakable links.
 StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& velocity, const Vec2& impulse,

@@ -5,6 +5,9 @@
 //     0 <= p  perp  V_N - b >= 0,               0 <= a  perp  V_T - k + y >= 0,
 //     0 <= c  perp  -(V_T - k) + y >= 0,        0 <= y  perp  w - a - c >= 0
 //
+// Friction over pressure, w1 f(p): with the bends p_i of its polygon, where its slope falls by d_i,
+//     w = w0 + w1 (mu_1 p - sum d_i z_i),      0 <= z_i  perp  z_i - p + p_i >= 0
+//
 // Secant unloading: l is what of the cohesion C is not borne, w = w0 (1 - l/C) of its sign, whose y is |V_T - k|:
 //     0 <= l  perp  V_N + start + gamma y + ramp (l/C - 1) + m >= 0,           0 <= m  perp  C - l >= 0
 #include "lcp/solvers.hpp"
@@ -55,12 +58,14 @@ private:
         int along;                  // 0: contact, 1: friction
         double sign;                // of the impulse; 0: the slack y
         double rate;                // [m/s] b of a contact, k of a sign
-        double cohesive, friction;  // [N s], [-] w0, w1 of a sign
+        double cohesive, friction;  // [N s], [-] w0, w1 of a sign; p_i of a bend
         std::size_t first;          // of the three rows of a sign
         double cohesion;            // [N s] C of the rows l, m of a ramp; else 0
         double ramp;                // [m/s] of the row l
         double unit;                // [sqrt kg] scales impulses up and velocities down: W has a unit diagonal
+        double bend = 0;            // [-] d_i/mu_1 of the row z_i; else 0
     };
+    double coefficient_of_bend(const Row& row, const Row& column) const;
     template <class Response>
     double coefficient(const Row& row, const Row& column, const Response& response) const;
 
@@ -77,14 +82,25 @@ inline void StaircaseLcp::add(std::size_t link, const InterfaceLaw& law, double 
     for (const Staircase::Kink& kink : law.staircase(law.contact.may_touch).kinks()) {
         const std::size_t first = rows_.size();
         for (const double sign : {1., -1., 0.})
-            rows_.push_back({link, 1, sign, kink.rate, kink.cohesive, kink.friction, first, 0, 0, unit});
+            rows_.push_back({link, 1, sign, kink.rate, kink.cohesive,
+                             kink.friction * law.staircase(law.contact.may_touch).line.slope, first, 0, 0, unit});
     }
 }
 
 inline void StaircaseLcp::add(std::size_t number, const FanLink& link, const InterfaceLaw& law, double mobility) {
-    add(number, law, mobility);
-    if (!(link.ramp > 0 && link.cohesive > 0)) return;
     const double unit = mobility > 0 ? std::sqrt(2 / mobility) : 1;
+    if (link.pressed && law.contact.may_touch) {
+        InterfaceLaw of_first = law;
+        of_first.closed.line = link.pressed.line(0);
+        add(number, of_first, mobility);
+        const FrictionOverPressure& polygon = *link.pressed.law;
+        for (int i = 1; i < polygon.n_lines(); ++i)
+            rows_.push_back({number, 1, 0, 0, link.pressed.unit * polygon.start(i), 0, rows_.size(), 0, 0, unit,
+                             (polygon.line(i - 1).slope - polygon.line(i).slope) / polygon.line(0).slope});
+    } else {
+        add(number, law, mobility);
+    }
+    if (!(link.ramp > 0 && link.cohesive > 0)) return;
     const std::size_t first = rows_.size();
     for (const double sign : {1., 0.})
         rows_.push_back(
@@ -113,8 +129,16 @@ bool StaircaseLcp::solve(double speed, const Response& response, const Free& fre
     return true;
 }
 
+inline double StaircaseLcp::coefficient_of_bend(const Row& row, const Row& column) const {
+    if (row.link != column.link) return 0;
+    if (row.bend > 0 && column.bend > 0) return row.first == column.first ? 1 : 0;
+    if (row.bend > 0) return column.along == 0 && column.cohesion == 0 ? -1 : 0;
+    return row.sign == 0 && row.cohesion == 0 ? -row.friction * column.bend : 0;
+}
+
 template <class Response>
 double StaircaseLcp::coefficient(const Row& row, const Row& column, const Response& response) const {
+    if (row.bend > 0 || column.bend > 0) return coefficient_of_bend(row, column);
     if (row.link == column.link && (row.cohesion > 0 || column.cohesion > 0)) {
         const auto is_cap = [](const Row& r) { return r.cohesion > 0 && r.sign == 0; };
         const auto is_lack = [](const Row& r) { return r.cohesion > 0 && r.sign != 0; };

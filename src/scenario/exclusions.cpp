@@ -43,6 +43,8 @@ std::span<const Exclusion> exclusions() {
          "the opening, and its projection knows such a set at zero opening alone"},
         {"slip_distance", "[contact]",
          "the slip that weakens it is that of the two sides of one interface, and free faces meet others anywhere"},
+        {"friction_over_pressure", "[contact]",
+         "a vertex that meets an edge bears an impulse on no area of its own, and a table of pressures asks for one"},
         {"coupling = \"norm\"", "strength = \"as measured\"",
          "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"coupling = \"norm\"", "toughness = \"as measured\"",

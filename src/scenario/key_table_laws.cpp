@@ -66,6 +66,12 @@ void add_keys_of_laws(KeyTable& t) {
         "again when it freezes again").points().second("");
     t.number("friction_table", "K", "friction coefficient over temperature as pairs [temperature, coefficient], with "
         "[heat], instead of friction").points().second("");
+    t.number("friction_over_pressure", "Pa", "instead of friction: 2 to 13 pairs [pressure, shear] from [0, 0] on, the "
+        "shear that closed faces bear over their pressure, concave and not falling, closed by its last slope; with "
+        "coupling = \"sum\" over the pressure that balances the cohesion, too. knap_friction of the Python "
+        "package makes such tables from Barton and Bandis's joints, test series and strengths").points().second("Pa");
+    t.text("friction_csv", "file with a line of names `pressure [MPa], shear [MPa]` and lines of numbers instead of "
+        "friction_over_pressure, relative to the scenario file; # starts a comment");
     t.number("strength_over_bedding", "deg", "factor on sigma_c and G_c over the angle of the facet to the layers of "
         "its material (bedding), as pairs [angle, factor], with angles from 0 to 90 and factors up to 1: linear "
         "between them and constant outside. Between two layered triangles the weaker side counts")

@@ -35,11 +35,38 @@ std::shared_ptr<const SofteningShape> read_softening(const Table& table) {
 /// [-] A law without any strength has no opening at which it is gone; a millionth breaks under a millionth of the load.
 constexpr double no_strength = 1e-6;
 
+/// friction_over_pressure, by its own key or a file; null without it.
+std::shared_ptr<const FrictionOverPressure> read_over_pressure(const Table& table) {
+    const auto form =
+        table.one_of({"friction", "friction_table", "friction_over_pressure", "friction_csv"}, false).value_or("");
+    if (form == "friction_table" || form == "friction_over_pressure" || form == "friction_csv")
+        table.leave_out("friction");
+    std::vector<Vec2> points;
+    if (form == "friction_csv")
+        points = read_pairs(table, {.line = "pressure, shear",
+                                    .first = "pressures",
+                                    .note = "a line of names with units, as `pressure [MPa], shear [MPa]`, then numbers",
+                                    .key = "friction_over_pressure",
+                                    .unit = "Pa",
+                                    .source = "friction_csv"});
+    else if (form == "friction_over_pressure")
+        points = table.get<std::vector<Vec2>>("friction_over_pressure").value_or(points);
+    if (points.empty()) return nullptr;  // reported
+    if (const std::string fault = fault_of_friction(points); !fault.empty()) {
+        table.error("out-of-range", "friction_over_pressure",
+                    fault + (form == "friction_csv" ? ", as read from the file of `friction_csv`" : ""),
+                    "pairs [pressure, shear] from [0, 0] on, whose slope does not grow and is not negative, as "
+                    "[[0, 0], [\"1 MPa\", \"1.5 MPa\"], [\"10 MPa\", \"8 MPa\"]]; shear that needs no pressure is that of "
+                    "the cohesion, gamma sigma_c");
+        return nullptr;
+    }
+    return std::make_shared<FrictionOverPressure>(points);
+}
+
 /// strength_table and friction_table; null without them.
 std::shared_ptr<const StrengthOfTemperature> read_of_temperature(const Table& table, bool has_cohesion) {
     StrengthOfTemperature read{.strength = read_over_temperature(table, "strength_table"),
                                .friction = read_over_temperature(table, "friction_table")};
-    if (table.one_of({"friction", "friction_table"}, false) == "friction_table") table.leave_out("friction");
     for (const char* key : {"strength_table", "friction_table"})
         if (table.given(key) && !table.reading().table("heat").given())
             table.error("no-heat", key, "has no effect without temperatures", "[heat]");
@@ -63,7 +90,12 @@ CohesiveLaw read_law(const Table& table) {
             table.error("exclusive-keys", "softening", "belongs to a law that never breaks");
         if (table.given("coupling") && table.text("coupling") == "norm")
             table.error("exclusive-keys", "coupling", "belongs to a law that never breaks");
+        if (table.given("unloading") && table.text("unloading") != "constant")
+            table.error("exclusive-keys", "unloading", "belongs to a law that never breaks");
+        for (const char* key : {"G_II", "kinetic_friction", "slip_distance", "friction_over_pressure", "friction_csv"})
+            if (table.given(key)) table.error("exclusive-keys", key, "belongs to a law that never breaks");
         law.sigma_c = CohesiveLaw::unbreakable().sigma_c;
+        law.over_pressure = read_over_pressure(table);
         law.of_temperature = read_of_temperature(table, false);
         return law;
     }
@@ -76,6 +108,7 @@ CohesiveLaw read_law(const Table& table) {
     const auto energy = table.one_of({"G_c", "delta_c"}, has_cohesion && given);
     if (energy && !has_cohesion)
         table.error("exclusive-keys", *energy, "belongs to a law with cohesion, and this one has no strength");
+    if ((law.over_pressure = read_over_pressure(table))) law.friction = law.over_pressure->chord(law.sigma_c);
     law.of_temperature = read_of_temperature(table, has_cohesion);
     law.softening = read_softening(table);
     if (law.softening && !has_cohesion)
@@ -110,6 +143,9 @@ CohesiveLaw read_law(const Table& table) {
     if (law.slip_distance > 0 && table.given("friction_table"))
         table.error("exclusive-keys", "slip_distance",
                     "changes the friction over the slip, and friction_table over the temperature", "one of them");
+    if (law.slip_distance > 0 && law.over_pressure)
+        table.error("exclusive-keys", "slip_distance",
+                    "changes the friction over the slip, and friction_over_pressure over the pressure", "one of them");
     for (const char* key : {"relaxation_time", "incubation_time"})
         if (table.number(key).value_or(0) > 0 && !has_cohesion)
             table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has no strength");
@@ -332,6 +368,11 @@ void check_laws(Reading& reading) {
         for (const Table& table : reading.list("interface"))
             if (table.given("slip_distance"))
                 table.exclude("slip_distance", "slip_distance", "[contact]", "friction alone, or no [contact]");
+    std::size_t n = 0;
+    for (const Table& table : reading.list("interface"))
+        if (reading.scenario.laws[n++].law.over_pressure && reading.table("contact").given())
+            table.exclude("friction_over_pressure", "friction_over_pressure", "[contact]",
+                          "friction, the chord at the pressure in question, or no [contact]");
     if (!reading.scenario.time.scheme.takes_explicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)

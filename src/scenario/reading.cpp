@@ -60,7 +60,7 @@ ColumnTitle column_title(std::string_view cell) {
 
 std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     constexpr int max_reports = 5;
-    const auto bytes = table.bytes_of("csv");
+    const auto bytes = table.bytes_of(file.source);
     if (!bytes) return {};
     const std::size_t between = file.line.find(", ");
     const std::array<std::string, 2> expected{file.line.substr(0, between), file.line.substr(between + 2)};
@@ -93,7 +93,7 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     int n_reports = 0;
     for_each_line(*bytes, [&](int number, std::string_view line) {
         const auto report = [&](const std::string& problem) {
-            if (++n_reports <= max_reports) table.error_in_file("bad-csv", "csv", *bytes, number, problem, file.note);
+            if (++n_reports <= max_reports) table.error_in_file("bad-csv", file.source, *bytes, number, problem, file.note);
         };
         const std::string content(line);
         if (has_decimal_comma(line)) return report(decimal_comma), false;
@@ -123,12 +123,12 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
         else pairs.emplace_back(*first, *second);
         return true;
     });
-    if (pairs.empty() && n_reports == 0) table.error("bad-csv", "csv", "has no line `" + file.line + "`");
+    if (pairs.empty() && n_reports == 0) table.error("bad-csv", file.source, "has no line `" + file.line + "`");
     if (n_reports > 0) return {};
     std::vector<Node> points;
     for (const Vec2& pair : pairs)
         points.push_back(Node::of_list({Node::of_number(pair.x()), Node::of_number(pair.y())}));
-    if (!points.empty()) table.replace("csv", file.key, Node::of_list(std::move(points)));
+    if (!points.empty()) table.replace(file.source, file.key, Node::of_list(std::move(points)));
     return pairs;
 }
 

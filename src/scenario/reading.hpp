@@ -166,12 +166,13 @@ struct PairsFile {
     std::string line;   // "time, factor"
     std::string first;  // the first numbers, which must ascend: "times"
     std::string note = "each line: " + line;
-    std::string key = "table";   // that takes the place of `csv`
+    std::string key = "table";   // that takes the place of `source`
     std::string_view unit = {};  // of both numbers, in the line of names, as in `x [mm], y [mm]`, or behind them; these
                                  // first numbers may also descend. Empty: plain numbers
     std::string_view first_unit = {};  // of the first of two plain numbers, where the line of names gives one
+    const char* source = "csv";
 };
-/// The pairs in the file that the key `csv` of a table names; lines of names at the start and # comments are skipped.
+/// The pairs in the file that the key `source` of a table names; lines of names at the start and # comments are skipped.
 /// They replace the key by another one, so that the resolved scenario needs no other file. Empty after an error.
 std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file);
 

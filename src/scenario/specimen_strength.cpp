@@ -31,12 +31,14 @@ TestedLaw tested_law(const Scenario& scenario, const LawWithin& within) {
     const double modulus = scenario.materials[within.material].elastic.plane_modulus(scenario.plane),
                  size = scenario.strength.size;
     const double edge = law.steep_zone(modulus) / within.meshed.edges;
+    FrictionLine line{law.friction, 0};  // in tension that of the pressure which balances the cohesion
+    if (scenario.strength.test == SpecimenOptions::Test::compression) line = law.compressive_strength().line;
     return {.test = test_word(scenario.strength.test),
             .softening = within.meshed.softening,
             .unloading = within.meshed.unloading,
             .order = within.meshed.order,
-            .gamma = law.gamma,
-            .friction = law.friction,
+            .gamma = law.gamma + line.offset / law.sigma_c,
+            .friction = line.slope,
             .zones = size / law.process_zone(modulus),
             .edges = size / edge};
 }

@@ -109,7 +109,7 @@ TEST_CASE("on a ramp the norm law does the work of the change of its energy alon
 TEST_CASE("the strength of an intact point of the norm is a half ellipse and Coulomb's lines") {
     const CohesiveLaw law{.sigma_c = 2, .G_c = 1, .gamma = 1.5, .friction = 0.7, .coupling = Coupling::norm};
     const Vec2 N = Vec2(1, 2).normalized(), T = turned_left(N);
-    const StrengthPolygon domain = StrengthPolygon::at_rest(law, N, 2);
+    const StrengthPolygon domain = StrengthPolygon::at_rest(law, N, 2, 1);
     const auto slack = [&](double along_N, double along_T) { return domain.smallest_slack(along_N * N + along_T * T); };
     for (const double angle : {0.0, 0.4, 1.0, 1.5}) {
         const double n = -2 * std::cos(angle), t = 3 * std::sin(angle);

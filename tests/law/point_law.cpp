@@ -15,6 +15,8 @@ namespace {
 
 const CohesiveLaw material{.sigma_c = 2, .G_c = 1, .gamma = 0.7, .friction = 0.4};  // delta_c = 1
 
+const FrictionOverPressure bent({{0, 0}, {2, 1.6}, {5, 2.8}, {9, 3.2}});
+
 struct Point {
     ThetaStep step;
     PointLaw law;
@@ -27,7 +29,7 @@ struct Point {
 };
 
 /// A damaged point anywhere near the corner of its law; `step` of the result belongs to it, so it must not be moved.
-void make_random(Random& random, Point& point) {
+void make_random(Random& random, Point& point, bool over_pressure = false) {
     point.step = {.h = 0.3, .theta = random.uniform(0.5, 1), .implicit_beta = true};
     const double cohesion = random.uniform(0.2, 1), s = (1 - cohesion) * material.delta_c();
     const double u_T = random.uniform(-1, 1) * s / material.gamma;
@@ -39,6 +41,7 @@ void make_random(Random& random, Point& point) {
                  .friction = random.uniform(0, 1) < 0.3 ? 0 : material.friction,
                  .contact = {.may_touch = random.uniform(0, 1) < 0.9, .rate = random.uniform(-1, 0)},
                  .step = &point.step};
+    if (over_pressure) point.law.pressed = {&bent, 0.1};
     point.law.set_staircase();
     point.at = {.contact = random.uniform(0, 1),
                 .tangential = random.uniform(-1, 1),
@@ -67,13 +70,13 @@ void make_random_on_ramp(Random& random, Point& point) {
 
 }  // namespace
 
-TEST_CASE("the tangent of a point is the derivative of its law") {
+TEST_CASE("the tangent of a point is the derivative of its law and that of friction over pressure") {
     Random random(5, "point law");
     const double e = 1e-6;  // of rates of order one: the law is linear in each of its pieces
     int n_coupled = 0, n_left_out = 0, n_stick = 0, n_open = 0;
-    for (int count = 0; count < 4000; ++count) {
+    for (int count = 0; count < 6000; ++count) {
         Point point;
-        make_random(random, point);
+        make_random(random, point, count >= 4000);
         const PointResponse here = point.response(point.rate);
         Eigen::Matrix2d differences;
         bool one_piece = true;
@@ -86,7 +89,7 @@ TEST_CASE("the tangent of a point is the derivative of its law") {
         // the augmented rate decides the sign of the force, the rate itself the way: at a solution both agree
         const double u_T = point.law.u_T + point.step.h * point.rate.y();
         const double pressed = point.at.friction_follows ? here.contact : point.at.pressed,
-                     bound = point.law.friction * pressed * here.friction_sign +
+                     bound = point.law.rubbing(pressed) * here.friction_sign +
                              material.gamma * point.law.strength * here.cohesion_theta * here.cohesion_sign;
         // a point that would stick with the cohesion of one place and slides with that of another is between two pieces
         const bool slides = here.cohesion_sign * u_T >= 0 && std::abs(here.tangential + bound) <= 1e-12;

@@ -43,20 +43,26 @@ Found against_fan_solver(const FanProblem& fan, bool stuck_stays) {
 }  // namespace
 
 TEST_CASE("points of random fans move as their own solver says") {
+    enum class Friction { none, coulomb, over_pressure };
     for (const bool prescribed : {false, true})
-        for (const bool friction : {false, true})
+        for (const Friction kind : {Friction::none, Friction::coulomb, Friction::over_pressure})
             for (const bool stuck_stays : {false, true}) {
                 const int n = 1500;
                 int n_other = 0;
                 double worst = 0;
+                const bool friction = kind != Friction::none, over_pressure = kind == Friction::over_pressure;
                 for (int seed = 0; seed < n; ++seed) {
-                    RandomFan random(seed, {.friction = friction, .prescribed = prescribed, .units = false});
+                    RandomFan random(seed, {.friction = friction,
+                                            .prescribed = prescribed,
+                                            .units = false,
+                                            .over_pressure = over_pressure});
                     const Found found = against_fan_solver(random.problem(), stuck_stays);
                     if (found.residual > 1e-10) ++n_other;
                     else if (!friction) worst = std::max(worst, found.error);
                     else n_other += found.error > 1e-7;
                 }
-                MESSAGE("friction ", friction, ", prescribed ", prescribed, ", stuck stays ", stuck_stays, ": ",
+                MESSAGE("friction ", friction, ", over pressure ", over_pressure, ", prescribed ", prescribed,
+                        ", stuck stays ", stuck_stays, ": ",
                         n_other, " of ", n, " not solved or otherwise, largest difference ", worst);
                 CHECK(worst < 1e-9);
                 CHECK(n_other <= (friction ? 0.03 * n : 0));  // with friction there may be several solutions

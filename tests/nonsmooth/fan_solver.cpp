@@ -141,6 +141,39 @@ TEST_CASE("random fans meet every law and no impact or friction gives energy") {
         }
 }
 
+TEST_CASE("random fans with friction over pressure meet every law and no friction gives energy") {
+    FanSolver solver;
+    FanResult result;
+    for (const bool prescribed : {false, true})
+        for (const bool secant : {false, true}) {
+            const int n = 6000;
+            int n_fallback = 0, n_unsolved = 0, n_beyond = 0;
+            double worst = 0;
+            std::uint64_t worst_seed = 0;
+            for (int seed = 0; seed < n; ++seed) {
+                RandomFan random(seed, {.prescribed = prescribed, .secant = secant, .over_pressure = true});
+                const FanProblem fan = random.problem();
+                const FanSolution solution = solver.solve(fan, result);
+                if (solution.residual >= 1) {
+                    ++n_unsolved;
+                    continue;
+                }
+                n_fallback += solution.status != FanSolution::Status::exact;
+                const double violation = FanJudge(fan, result).verdict().worst();
+                if (violation > worst) worst = violation, worst_seed = seed;
+                for (std::size_t i = 0; i < fan.links.size(); ++i)
+                    n_beyond += fan.links[i].pressed && fan.links[i].pressed.line_at(result.links[i].contact) > 0;
+            }
+            MESSAGE("prescribed ", prescribed, ", secant ", secant, ": ", n_fallback, " of ", n, " needed pivots, ",
+                    n_unsolved, " not solved, worst violation ", worst, " at seed ", worst_seed, ", ", n_beyond,
+                    " links beyond the first line");
+            CHECK_MESSAGE(worst <= 1e-10, "seed ", worst_seed, ", prescribed ", prescribed, ", secant ", secant);
+            CHECK(n_fallback < 0.2 * n);
+            CHECK(n_unsolved <= (prescribed ? 0.005 * n : 2));
+            CHECK(n_beyond > 1000);
+        }
+}
+
 TEST_CASE("random fans with secant and with vertical unloading meet every law") {
     FanSolver solver;
     FanResult result;

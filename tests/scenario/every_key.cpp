@@ -541,6 +541,9 @@ const std::string slate = samples::changed(
     samples::changed("nu = 0.2\n",
                      "nu = 0.2\nbedding = { E = \"20 GPa\", nu = 0.15, G = \"9 GPa\", angle = \"30 deg\" }\n"));
 
+const std::string pressed =
+    samples::changed("G_c = 3\n", "G_c = 3\nfriction_over_pressure = [[0, 0], [\"2 MPa\", \"3 MPa\"]]\n");
+
 const std::string rock = samples::changed("G_c = 3\n", R"(G_c = 3
 softening = "power"
 exponent = 3
@@ -1126,6 +1129,7 @@ const Case cases[] = {
     {rock, "interface.default.softening", "\"power\""},
     {rock, "interface.default.exponent", "3"},
     {norm, "interface.default.coupling", "\"norm\""},
+    {pressed, "interface.default.friction_over_pressure", "[[0, 0], [2e+06, 3e+06]]"},
     {rock, "interface.default.unloading", "\"secant\""},
     {rock, "interface.default.G_II", "6"},
     {rock, "interface.default.mode_mix", "\"benzeggagh-kenane\""},
@@ -1215,6 +1219,7 @@ TEST_CASE("keys: each is in the test above and is found by its pattern") {
                                  "obstacle[].csv",
                                  "pressure[].csv",
                                  "interface.*.csv",
+                                 "interface.*.friction_csv",
                                  "heat.csv",
                                  "heat.table",
                                  "heat.exchange[].csv",

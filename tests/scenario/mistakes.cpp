@@ -110,7 +110,7 @@ const Case cases[] = {
      "exclusive-keys", 19, 1, 3, "here watch = \"place\", its default"},
     {"friction and a table of it",
      changed("G_c = 3", "G_c = 3\nfriction = 0.5\nfriction_table = [[0, 1], [1, 1]]", with(heat)), "exclusive-keys", 15,
-     1, 14, "exactly one of: friction, friction_table"},
+     1, 14, "exactly one of: friction, friction_table, friction_over_pressure, friction_csv"},
     {"a thermal strain with one point", changed("nu = 0.2\n", "nu = 0.2\nexpansion_table = [[0, 1]]\n", with(heat)),
      "out-of-range", 11, 19, 8, "expansion_table = [[0, 0], [570, 0.008]"},
     {"a pressure with one point", with(heat + "[[pressure]]\npressure_table = [[0, 1]]\n"), "out-of-range", 19, 18, 8,
@@ -358,6 +358,27 @@ const Case cases[] = {
      "strongest facet"},
     {"a slip distance to nowhere", changed("G_c = 3", "G_c = 3\nslip_distance = 1e-3"), "missing-key", 14, 17, 4,
      "`kinetic_friction`"},
+    {"friction over pressure that is not concave",
+     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5], [2e6, 2e6]]"), "out-of-range", 14, 26,
+     32, "is not concave: its slope grows (pair 3)"},
+    {"friction over pressure that falls",
+     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5], [2e6, 2e5]]"), "out-of-range", 14, 26,
+     32, "falls with the pressure (pair 3)"},
+    {"friction over pressure from a pressure on",
+     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[1, 0], [1e6, 5e5]]"), "out-of-range", 14, 26, 20,
+     "does not start with threshold 0 at pressure 0"},
+    {"friction over pressure beside friction",
+     changed("G_c = 3", "G_c = 3\nfriction = 0.5\nfriction_over_pressure = [[0, 0], [1e6, 5e5]]"), "exclusive-keys", 15,
+     1, 22, "of which only one is allowed"},
+    {"friction over pressure in metres",
+     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [\"1 MPa\", \"5 m\"]]"), "wrong-unit", 14, 45, 5,
+     "Pa"},
+    {"friction over pressure that also follows the slip",
+     changed("G_c = 3",
+             "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5]]\nkinetic_friction = 0.1\nslip_distance = 1e-3"),
+     "exclusive-keys", 16, 1, 13, "over the pressure"},
+    {"slip energy of what never breaks", changed("sigma_c = 3.08e6\nG_c = 3", "breakable = false\nG_II = 9"),
+     "exclusive-keys", 13, 1, 4, "never breaks"},
     {"slip energy of an implicit norm",
      changed("G_c = 3", "G_c = 3\nG_II = 9\ncoupling = \"norm\"",
              with("bulk = \"implicit\"\ncohesion = \"implicit\"\n")),
@@ -514,7 +535,7 @@ TEST_CASE("mistakes: as the user sees them") {
           "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, coupling, "
           "unloading, "
           "relaxation_time, incubation_time, gamma, G_II, mode_mix, mix_exponent, "
-          "strength_table, friction_table, strength_over_bedding, "
+          "strength_table, friction_table, friction_over_pressure, friction_csv, strength_over_bedding, "
           "energy_over_bedding, friction, restitution, kinetic_friction, slip_distance, scatter\n");
 }
 

@@ -34,8 +34,8 @@ TEST_CASE("pairs: two capabilities are refused where the table of exclusions say
             CHECK((has_reason || error.diagnostics.front().code == "no-calibration"));
         }
     }
-    MESSAGE("refused: " << n_refused << " of " << capability_pairs().size() + 3);
-    CHECK(n_refused <= 51);
+    MESSAGE("refused: " << n_refused << " of " << capability_pairs().size() + 4);
+    CHECK(n_refused <= 53);
 }
 
 }  // namespace pairs_test

@@ -16,7 +16,7 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 46> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 47> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
                                                           {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
@@ -55,6 +55,7 @@ inline constexpr std::array<Capability, 46> capabilities{{{"rotation = \"large\"
                                                           {"unloading = \"vertical\"", ""},
                                                           {"G_II", ""},
                                                           {"slip_distance", ""},
+                                                          {"friction_over_pressure", ""},
                                                           {"coupling = \"norm\"", ""},
                                                           {"softening = \"petersson\"", ""},
                                                           {"plateau = 1", ""},
@@ -71,7 +72,8 @@ inline bool are_alternatives(const CapabilityPair& pair) {
         return capabilities[pair.first].name == a && capabilities[pair.second].name == b;
     };
     return is("bulk = \"implicit\"", "bulk = \"auto\"") || is("softening = \"petersson\"", "plateau = 1") ||
-           is("unloading = \"secant\"", "unloading = \"vertical\"");
+           is("unloading = \"secant\"", "unloading = \"vertical\"") ||
+           is("slip_distance", "friction_over_pressure");  // of friction
 }
 
 /// Those of which a scenario may be asked.
@@ -144,7 +146,10 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(has("bulk_viscosity"), "bulk_viscosity = [0.06, 1.2]\n");
     add(has("[heat]"), "expansion = 1e-5\n");
     add(has("heat.conduction"), "conductivity = 2\nheat_capacity = 800\n");
-    text += "[interface.default]\nsigma_c = 3e6\nfriction = 0.3\nG_c = ";
+    text += "[interface.default]\nsigma_c = 3e6\n";
+    add(has("friction_over_pressure"), "friction_over_pressure = [[0, 0], [4e6, 1.2e6], [20e6, 3e6]]\n");
+    add(!has("friction_over_pressure"), "friction = 0.3\n");
+    text += "G_c = ";
     text += has("strength = \"as measured\"") ? energy + "\n" : "30\n";
     add(has("strength_table"), "strength_table = [[0, 1], [100, 0.5]]\n");
     add(has("strength_over_bedding"), "strength_over_bedding = [[0, 0.5], [30, 1]]\n");

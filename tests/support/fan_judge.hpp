@@ -131,10 +131,20 @@ private:
         return std::max({normal, tangential_distance(link, found, std::max(p, 0.0)), ramp_distance(link, found)});
     }
 
+    /// mu p, or the lowest line of a friction over pressure.
+    static double rubbing(const FanLink& link, double p) {
+        if (!link.pressed) return link.friction * p;
+        double lowest = INFINITY;
+        for (const FrictionLine& line : link.pressed.law->lines())
+            lowest = std::min(lowest, line.slope * p + line.offset * link.pressed.unit);
+        return lowest;
+    }
+
     /// Distance of (V_T, -P_T) from  gamma C sgn(u_T + h V_T) + mu p 1/2 [ sgn(V_T) + sgn(V_T + V_T-) ]
     double tangential_distance(const FanLink& link, const LinkResult& found, double p) const {
         const double V = tangential_part(link, after(link)), V_before = tangential_part(link, before(link));
-        const double weight[3] = {link.gamma * cohesion(link, found), 0.5 * link.friction * p, 0.5 * link.friction * p};
+        const double friction = rubbing(link, p),
+                     weight[3] = {link.gamma * cohesion(link, found), 0.5 * friction, 0.5 * friction};
         const double kink[3] = {link.ramp > 0 ? -link.ramp_start.y() : -link.u_T / problem_.drift_time, 0, -V_before};
         const double held = -found.impulse.dot(turned_left(link.normal));
         const auto off_graph = [&](double at) {  // distance of `held` from the values of the law at velocity `at`

@@ -296,7 +296,7 @@ private:
         found.normal = std::max(found.normal, off);
 
         // -P_T in G sgn(u_T+) + mu p sgn(w_T): distance of (w_T, P_T) from the graph
-        const double G = passage.tangential_strength, F = law.friction * std::max(p, 0.0), held = -P.y(),
+        const double G = passage.tangential_strength, F = friction_of(point, std::max(p, 0.0)), held = -P.y(),
                      crossing = -passage.u_T / passage.reach;
         const auto off_graph = [&](double at) {
             const double low = (at > crossing ? G : -G) + (at > 0 ? F : -F),
@@ -311,6 +311,16 @@ private:
         found.impact_work = std::max(found.impact_work, p * w_N / (impulse_ * speed_));
         if (passage.cohesion == 0)
             found.friction_work = std::max(found.friction_work, P.y() * w_T / (impulse_ * speed_));
+    }
+
+    /// [N s] mu p, or the lowest line of a friction over pressure.
+    double friction_of(const FanPoint& point, double p) const {
+        const CohesiveLaw& law = model_.laws[point.law];
+        if (!law.over_pressure) return law.friction * p;
+        double lowest = infinity;
+        for (const FrictionLine& line : law.over_pressure->lines())
+            lowest = std::min(lowest, line.slope * p + line.offset * h_ * point.area);
+        return lowest;
     }
 
     const Model& model_;

@@ -17,6 +17,7 @@ struct RandomBodyOptions {
     Index order = 1;    // of the triangles
     std::shared_ptr<const SofteningShape> softening = nullptr;
     double delay = 0;      // relaxation time of the laws over the step
+    bool over_pressure = false;  // friction has a polygon over the pressure
     bool secant = false;   // unloading, with explicit beta
     double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
@@ -129,6 +130,12 @@ private:
         ModelInput& input = made.input;
         input.materials.assign(2, {.density = 1, .E = one_of({1.0, 10.0, 100.0}), .nu = random_.uniform(0, 0.4)});
         input.plane = chance(0.5) ? PlaneModel::strain : PlaneModel::stress;
+        if (options_.over_pressure) {
+            const double mu = law.friction + 0.2, bend = one_of({0.1, 0.3, 1.0});
+            law.over_pressure = std::make_shared<FrictionOverPressure>(
+                std::vector<Vec2>{{0, 0}, {bend, mu * bend}, {3 * bend, 2 * mu * bend}, {9 * bend, 3 * mu * bend}});
+            law.friction = law.over_pressure->chord(law.sigma_c);
+        }
         input.laws = {law, CohesiveLaw::unbreakable()};
         input.law_of_pair = {{0, 0}, {0, 1}};  // the second region does not break inside
     }

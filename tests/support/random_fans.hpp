@@ -2,6 +2,7 @@
 // Random fans: closed, open, on the support; with equal and with very unequal masses; at rest, moving together, impacting; with ties; in
 // any units. Every one has a solution: what is joined for ever moves together before the step, and what is driven can be followed.
 #include "base/random.hpp"
+#include "material/friction_over_pressure.hpp"
 #include "nonsmooth/fan_problem.hpp"
 
 #include <algorithm>
@@ -15,12 +16,14 @@ struct RandomFanOptions {
     bool units = true;       // random units of length, mass, time
     bool secant = false;     // most links with cohesion have secant unloading
     bool vertical = false;   // or vertical unloading, at or below their largest opening
+    bool over_pressure = false;  // links with friction mu have it at pressure 0, and less and less beyond
     int max_bodies = 12;
 };
 
 class RandomFan {
 public:
     RandomFan(std::uint64_t seed, const RandomFanOptions& options = {}) : random_(seed, "fan"), options_(options) {}
+    RandomFan(const RandomFan&) = delete;  // its problem refers to its tables
 
     FanProblem problem() {
         const int n = 1 + static_cast<int>(random_.uniform(0, options_.max_bodies));
@@ -34,6 +37,7 @@ public:
         join_unbreakable(fan);
         if (options_.prescribed) prescribe(fan);
         make_openings(fan);
+        if (options_.over_pressure) bend_friction(fan);
         return fan;
     }
 
@@ -167,6 +171,26 @@ private:
         }
     }
 
+    /// At impulses of the size of the momenta, some between bends and many at one.
+    void bend_friction(FanProblem& fan) {
+        tables_.reserve(fan.links.size());
+        for (FanLink& link : fan.links) {
+            if (!(link.friction > 0)) continue;
+            std::vector<Vec2> points{Vec2::Zero()};
+            double slope = link.friction;
+            for (int i = 0; i < one_of({1, 2, 4}); ++i) {
+                const double piece = std::pow(10, random_.uniform(-2, 1));
+                points.push_back(points.back() + Vec2(piece, slope * piece));
+                slope *= one_of({0.0, 0.3, 0.9});
+            }
+            points.push_back(points.back() + Vec2(1, slope));
+            tables_.emplace_back(points);
+            link.pressed = {&tables_.back(), mass_ * speed_};
+            link.friction = NAN;  // nothing reads it
+        }
+    }
+
+    std::vector<FrictionOverPressure> tables_;
     Random random_;
     RandomFanOptions options_;
     double speed_ = 1, mass_ = 1, force_ = 0;

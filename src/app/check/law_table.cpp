@@ -23,6 +23,19 @@ std::string text_of(const TemperatureTable& table, double unit = 1, const char* 
                      table.temperature.back());
 }
 
+/// Coulomb's phi and c of every line of friction over pressure, with the cohesion of the point.
+std::string over_pressure_text(const CohesiveLaw& law) {
+    const FrictionOverPressure& f = *law.over_pressure;
+    std::vector<std::string> parts;
+    for (int i = 0; i < f.n_lines(); ++i) {
+        const auto& [slope, offset] = f.line(i);
+        const double cohesion = law.shear_strength(slope) * law.sigma_c + offset;
+        parts.push_back(formatted("%.1f degrees and %s", std::atan(slope) / degree, readable(cohesion, "Pa", 4).c_str()) +
+                        (i + 1 < f.n_lines() ? " up to " + readable(f.start(i + 1), "Pa", 4) : " beyond"));
+    }
+    return "friction_over_pressure: phi and c " + joined(parts);
+}
+
 /// What a law does beyond linear softening with constant traction on unloading, in the words of the keys.
 std::string beyond_linear(const NamedLaw& named) {
     const CohesiveLaw& law = named.law;
@@ -35,6 +48,7 @@ std::string beyond_linear(const NamedLaw& named) {
     if (law.slip_distance > 0)
         add(formatted("friction %.4g after a slip of %s", law.kinetic_friction,
                       readable(law.slip_distance, "m", 4).c_str()));
+    if (law.over_pressure) add(over_pressure_text(law));
     if (law.relaxation_time > 0) add(formatted("relaxation_time %s", readable(law.relaxation_time, "s", 4).c_str()));
     if (law.incubation_time > 0) add(formatted("incubation_time %s", readable(law.incubation_time, "s", 4).c_str()));
     if (law.restitution > 0) add(formatted("restitution %.4g", law.restitution));
@@ -82,7 +96,8 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
     const std::string name = "  " + named.name;  // below the head
     if (!law.breakable()) return {name, places, "never breaks", "", "", "", "", "", beyond_linear(named)};
     const bool from_table = law.of_temperature && !law.of_temperature->friction.empty();
-    const std::string friction = from_table ? "table" : formatted("%.4g", law.friction);
+    const std::string friction =
+        from_table ? "table" : law.over_pressure ? "over pressure" : formatted("%.4g", law.friction);
     if (law.sigma_c <= 0) return {name, places, "no cohesion", "", "", "", friction, "", beyond_linear(named)};
     const auto measured = [](double value) {
         return value > 0 ? formatted(" (%.4g as measured)", value) : std::string();

@@ -116,6 +116,9 @@ Ensemble plan_safety(const std::string& scenario, const Texts& overrides) {
         if (law.of_temperature && !law.of_temperature->friction.empty())
             refuse("`study.safety.laws`: the law `" + name + "` has a friction_table, which cannot be divided",
                    "friction at the temperature in question");
+        if (law.over_pressure)
+            refuse("`study.safety.laws`: the law `" + name + "` has a friction_over_pressure, which is not divided",
+                   "friction, tan phi at the pressure in question");
     }
     for (std::size_t s = 0; s < read.scenario.supports.size(); ++s) {
         const Support& support = read.scenario.supports[s];

@@ -23,17 +23,24 @@ double length(const Mesh& mesh, const std::array<Index, 2>& ends) {
 
 /// The factor on the domain of a point (law/norm_law.hpp) at which the traction lies on its border.
 double by_norm(double t_N, double t_T, const CohesiveLaw& law) {
-    return (t_N > 0 ? std::hypot(t_N, t_T / law.gamma) : std::max(0.0, t_T + law.friction * t_N) / law.gamma) /
-           law.sigma_c;
+    if (t_N > 0) return std::hypot(t_N, t_T / law.gamma) / law.sigma_c;
+    double largest = 0;
+    law.visit_friction_lines([&](const FrictionLine& line) {
+        largest = std::max(largest, (t_T + line.slope * t_N) / (law.gamma + line.offset / law.sigma_c));
+    });
+    return largest / law.sigma_c;
 }
 
 /// Its largest value at t_N = m + r cos, t_T = r sin: at an end, where the domain changes, or at a derivative of zero.
 double largest_on_circle(double m, double r, const CohesiveLaw& law) {
     double largest = 0;
     const double g2 = law.gamma * law.gamma;
-    for (const double cosine : {1.0, -m / r, m / r * g2 / (1 - g2), law.friction / std::hypot(1, law.friction)})
+    const auto look = [&](double cosine) {
         if (std::abs(cosine) <= 1)
             largest = std::max(largest, by_norm(m + r * cosine, r * std::sqrt(1 - cosine * cosine), law));
+    };
+    for (const double cosine : {1.0, -m / r, m / r * g2 / (1 - g2)}) look(cosine);
+    law.visit_friction_lines([&](const FrictionLine& line) { look(line.slope / std::hypot(1, line.slope)); });
     return largest;
 }
 
@@ -112,18 +119,26 @@ double load_factor(const Eigen::Vector3d& stress, const CohesiveLaw& law) {
     // t_N = m + r cos 2a and |t_T| = r |sin 2a|, largest at once
     const double m = 0.5 * (stress[0] + stress[1]), r = std::hypot(0.5 * (stress[0] - stress[1]), stress[2]);
     if (law.coupling == Coupling::norm) return largest_on_circle(m, r, law);
-    const double sheared = r * std::hypot(1, law.friction) + law.friction * m;
-    return std::max(m + r, sheared / (law.gamma + law.friction)) / law.sigma_c;
+    double largest = m + r;
+    law.visit_friction_lines([&](const FrictionLine& line) {
+        const double sheared = r * std::hypot(1, line.slope) + line.slope * m;
+        largest = std::max(largest, sheared / (law.gamma + line.slope + line.offset / law.sigma_c));
+    });
+    return largest / law.sigma_c;
 }
 
 double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const CohesiveLaw& law) {
     if (!can_break(law)) return 0;
     const auto& [x, y] = std::pair(normal.x(), normal.y());
     const Vec2 traction(stress[0] * x + stress[2] * y, stress[2] * x + stress[1] * y);
-    const double t_N = traction.dot(normal), t_T = std::abs(cross(normal, traction)),
-                 sheared = t_T + law.friction * t_N;
+    const double t_N = traction.dot(normal), t_T = std::abs(cross(normal, traction));
     if (law.coupling == Coupling::norm) return by_norm(t_N, t_T, law);
-    return std::max(t_N, sheared / (law.gamma + law.friction)) / law.sigma_c;
+    double largest = t_N;
+    law.visit_friction_lines([&](const FrictionLine& line) {
+        largest = std::max(largest,
+                           (t_T + line.slope * t_N) / (law.gamma + line.slope + line.offset / law.sigma_c));
+    });
+    return largest / law.sigma_c;
 }
 
 double guaranteed_step(double size, const std::vector<Elastic>& materials, PlaneModel plane) {

@@ -11,9 +11,15 @@ namespace {
 /// [N] At all temperatures. As a function of mu the shear part has no minimum inside an interval.
 double sure_strength(const CohesiveLaw& law, double area) {
     if (!law.breakable()) return infinity;
+    if (law.sigma_c == 0) return 0;
     if (law.coupling == Coupling::norm) return area * law.sigma_c * law.smallest_phi() * std::min(1.0, law.gamma);
     double shear = 1;
-    for (const double mu : law.friction_range()) shear = std::min(shear, (law.gamma + mu) / std::sqrt(1 + mu * mu));
+    const double weakest = law.sigma_c * law.smallest_phi();
+    for (const double mu : law.friction_range())
+        law.visit_friction_lines(mu, [&](const FrictionLine& line) {
+            shear = std::min(shear, (law.gamma + line.slope + line.offset / weakest) /
+                                        std::sqrt(1 + line.slope * line.slope));
+        });
     return area * law.sigma_c * law.smallest_phi() * shear;
 }
 

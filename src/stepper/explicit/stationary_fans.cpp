@@ -121,7 +121,8 @@ bool is_stationary(const Model& model, Index rank, const ExplicitStep& step, Sta
         } else {
             impulse[j] += self_stress;
             const CohesiveLaw& law = law_of(model, step.begin, points[j]);
-            if (StrengthPolygon::at_rest(law, work.normal[j], work.strength[j]).smallest_slack(impulse[j]) < 0)
+            if (StrengthPolygon::at_rest(law, work.normal[j], work.strength[j], step.kick_time * points[j].area)
+                    .smallest_slack(impulse[j]) < 0)
                 return false;
         }
     }

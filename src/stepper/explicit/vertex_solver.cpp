@@ -177,7 +177,8 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                                  .gamma = law.gamma,
                                  .friction = law.friction_after(slid(f, i, begin)),
                                  .restitution = retired ? 0 : law.restitution_at(beta),
-                                 .unbreakable = sticks});
+                                 .unbreakable = sticks,
+                                 .pressed = law.pressed_friction(step.kick_time * point.area)});
         FanLink& link = problem.links.back();
         if (law.coupling != Coupling::sum && !sticks) {
             link.coupling = law.coupling;
@@ -205,7 +206,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                 problem.has_ramps = true;
             }
         }
-        if (link.coupling != Coupling::sum && begin.split_rank[f] >= 0)
+        if ((link.coupling != Coupling::sum || link.pressed) && begin.split_rank[f] >= 0)
             link.last_impulse =
                 step.kick_time * point.area * begin.points[begin.first_point[begin.split_rank[f]] + i].traction;
         if (link.restitution == 0 || begin.split_rank[f] < 0) continue;

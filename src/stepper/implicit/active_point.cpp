@@ -46,6 +46,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                 .ramp = drops ? width_at_kappa * law.delta_c() : ramp,
                 .floor = drops ? kappa : 0,
                 .friction = law.friction_after(known ? known->slid : 0),
+                .pressed = law.pressed_friction(step.kick() * at.area),
                 .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
                                                touching_gap(model, *step.begin, at) +
                                                    (model.large_rotation ? closed_beside_slip * std::abs(u.y()) : 0)),

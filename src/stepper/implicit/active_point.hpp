@@ -54,7 +54,9 @@ struct ActivePoint {
         if (response.sticks && !std::isinf(multipliers.rho_T))
             return {contact, multipliers.tangential - multipliers.rho_T * (at_rate.y() - response.kink)};
         const double rubs =
-            multipliers.friction_follows ? law.friction * response.friction_sign * (contact - response.contact) : 0;
+            multipliers.friction_follows
+                ? law.rubbing_slope(response.contact) * response.friction_sign * (contact - response.contact)
+                : 0;
         return {contact, response.tangential - rubs};
     }
     /// Its sides move as one.
@@ -74,7 +76,7 @@ inline double largest_friction_lag(const std::vector<ActivePoint>& points) {
     double largest = 0;
     for (const ActivePoint& point : points)
         if (const Multipliers& at = point.multipliers; !at.friction_follows)
-            largest = std::max(largest, point.law.friction * std::abs(point.response.contact - at.pressed));
+            largest = std::max(largest, point.law.rubbing_between(point.response.contact, at.pressed));
     return largest;
 }
 

@@ -39,8 +39,10 @@ void InteriorPoint::begin() {
         ActivePoint& point = points[j];
         point.rate = point.rate_at(newton_.x.rate);
         // what is driven along its tangent takes its friction from the rate: it is left to the active set
-        const double mu = std::isinf(point.multipliers.rho_T) ? 0 : point.law.friction,
-                     p = std::max(0.0, point.multipliers.contact),
+        // (of a friction over pressure its chord there is near enough)
+        const double p = std::max(0.0, point.multipliers.contact),
+                     slope = point.law.pressed && p > 0 ? point.law.rubbing(p) / p : point.law.rubbing_slope(p),
+                     mu = std::isinf(point.multipliers.rho_T) ? 0 : slope,
                      t = std::clamp(point.multipliers.tangential, -mu * p, mu * p);
         Contact& c = contacts_[j];
         c.friction = mu;

@@ -62,7 +62,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
                 to_bound = std::min(to_bound, multipliers.contact / -d.x());
             if (!point.response.sticks || d.y() == 0) continue;
             const double bound =
-                law.friction * multipliers.contact + law.material->gamma * law.strength * point.response.cohesion_theta;
+                law.rubbing(multipliers.contact) + law.material->gamma * law.strength * point.response.cohesion_theta;
             const double left = bound - std::copysign(multipliers.tangential, multipliers.tangential * d.y());
             to_bound = std::min(to_bound, std::max(0.0, left) / std::abs(d.y()));
         }
@@ -82,7 +82,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             Multipliers& at = points[j].multipliers;
             at.contact = std::max(0.0, at.contact + multiple * move[j].x());
             at.tangential += multiple * move[j].y();
-            const double bound = points[j].law.friction * at.contact;
+            const double bound = points[j].law.rubbing(at.contact);
             if (projects) at.tangential = std::clamp(at.tangential, -bound, bound);
         }
     }

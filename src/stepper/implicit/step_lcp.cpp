@@ -44,8 +44,9 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     const LcpMatrix symmetric_W = 0.5 * (W + Matrix(W.transpose())),
                     of_impulse = step_.theta * rows_of_rate * symmetric_W;
     problem_.M = matrix(n, n, coupling_) + LcpMatrix(of_impulse * impulse_of_z_);
-    problem_.M.makeCompressed();
     problem_.q = constant_ + rows_of_rate * free_jump + of_impulse * known_impulse_;
+    scale_bends();
+    problem_.M.makeCompressed();
 }
 
 bool StepLcp::fits(const Model& model, const SchemeOptions& options) {
@@ -130,6 +131,8 @@ void StepLcp::lay_out() {
         const PointLaw& law = points_[p].law;
         if (unbreakable(model_, model_.fan_points[points_[p].sides.fan_point])) continue;
         if (law.contact.may_touch) contacts_.push_back(p);
+        for (int line = 1; law.contact.may_touch && law.pressed && line < law.pressed.law->n_lines(); ++line)
+            bends_.push_back({static_cast<int>(contacts_.size()) - 1, line});
         if (law.cohesion == 0) continue;
         cohesive_.push_back(p);
         if (step_.implicit_beta) add_layers(law);
@@ -150,6 +153,7 @@ void StepLcp::lay_out() {
     opening_ = group(landing_.size());
     pull_ = group(step_.implicit_beta ? 0 : landing_.size());
     ramp_ = group(ramps_.size());
+    bend_ = group(bends_.size());
 }
 
 /// [s] From the start of the step to where the cohesion looks at the opening.
@@ -282,9 +286,29 @@ void StepLcp::add_contacts() {
         constant_[normal_ + k] = -points_[p].law.contact.rate;
         impulse_of_unknown_.emplace_back(2 * p, normal_ + k, 1);
         if (!friction_) continue;
-        coupling_.emplace_back(slip_rate_ + k, normal_ + k, points_[p].law.friction);
+        coupling_.emplace_back(slip_rate_ + k, normal_ + k, points_[p].law.rubbing_slope(0));
         add_sign(slip_ + 2 * k, slip_rate_ + k, p, 1, 0);
     }
+    for (int b = 0; b < static_cast<int>(bends_.size()); ++b) {
+        const auto& [k, line] = bends_[b];
+        const PressedFriction& pressed = points_[contacts_[k]].law.pressed;
+        coupling_.emplace_back(bend_ + b, bend_ + b, 1);
+        coupling_.emplace_back(bend_ + b, normal_ + k, -1);
+        constant_[bend_ + b] = pressed.unit / step_.theta * pressed.law->start(line);
+        coupling_.emplace_back(slip_rate_ + k, bend_ + b, pressed.line(line).slope - pressed.line(line - 1).slope);
+    }
+}
+
+/// Each by the mobility of its contact: then it is a velocity as the row of p_N, and of its size.
+void StepLcp::scale_bends() {
+    if (bends_.empty()) return;
+    Eigen::VectorXd scale = Eigen::VectorXd::Ones(size_);
+    for (int b = 0; b < static_cast<int>(bends_.size()); ++b) {
+        const int normal = normal_ + bends_[b].contact;
+        if (const double mobility = problem_.M.coeff(normal, normal); mobility > 0) scale[bend_ + b] = mobility;
+    }
+    problem_.M = LcpMatrix(scale.asDiagonal() * problem_.M);
+    problem_.q = scale.cwiseProduct(problem_.q);
 }
 
 void StepLcp::add_tangential_cohesion() {

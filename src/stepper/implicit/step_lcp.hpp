@@ -31,6 +31,11 @@
 // implicit beta the force of the ramp is the product of two unknowns, beta+ and 1 - D: such a step is no linear
 // complementarity problem.
 //
+// Friction over pressure: zeta's row has mu_1 p_N - sum d_i z_i in place of mu p_N, with the bends p_i of its polygon,
+// where its slope falls by d_i, and the mobility m of the point:
+//
+//     z_i                   m (z_i - p_N + p_i)
+//
 // Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
 // units of length, mass and time.
 //
@@ -93,6 +98,7 @@ private:
     void add_ramps();
     void add_cohesion();
     void add_contacts();
+    void scale_bends();
     void add_tangential_cohesion();
     void add_sign(int first, int bound, Index point, double factor, double constant);
     std::vector<Vec2> rate(const Eigen::VectorXd& impulse) const;
@@ -118,8 +124,12 @@ private:
     };
     std::vector<Layer> layers_;  // with implicit beta
     std::vector<int> ramps_;     // into cohesive_: points with secant unloading
+    struct Bend {
+        int contact, line;  // into contacts_; that begins at it
+    };
+    std::vector<Bend> bends_;  // of friction over pressure
     bool friction_ = false, tangential_ = false;
-    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, pull_, ramp_, size_ = 0;
+    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, pull_, ramp_, bend_, size_ = 0;
 
     Triplets rows_of_rate_, impulse_of_unknown_, coupling_;
     Eigen::VectorXd constant_;
