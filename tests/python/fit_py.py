@@ -175,6 +175,9 @@ class Quick(unittest.TestCase):
                 with self.assertRaisesRegex(files.Mistakes, "\n1 error, nothing was run") as caught:
                     files.read(file)
                 self.assertIn(words, str(caught.exception))
+        file.write_text(bar.replace('scatter = "1 %"', "scatter = 0.1"))  # plain numbers have the unit of their measurement
+        m, = files.read(file, check_scenarios=False).measured
+        self.assertEqual((m.values[0], m.scatter, m.unit), (12, 0.1, "mJ"))
         number = next(k for k, line in enumerate(bar.splitlines(), 1) if line.startswith("key = "))
         file.write_text(bar.replace("left-right.G_c", "left-right.G_d"))  # what the program says of a key stands at its line
         with self.assertRaisesRegex(files.Mistakes, f"one.toml:{number}\n"):
