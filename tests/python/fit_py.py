@@ -685,7 +685,7 @@ class Quick(unittest.TestCase):
         self.assertIn("a is as measured: the program divides it by a surplus of specimens whose own scatter, 5 %", " ".join(report.said(fit, [], [])))
         problem = Problem("check", [Parameter("s", ["interface.default.sigma_c"], (4.0, 6.0), "MPa", False)],
                           [Test("t", "uniaxial_compression", {"strength": "as measured"}, 1, 1)], {})
-        runs = Runs(problem, directory / "surplus_check")
+        runs = Runs(problem, directory / "surplus_check", force=True)
         self.assertEqual(runs.surplus_scatter(), 0)
         runs.numbers = lambda test, name: np.ones(1)  # of a run with measured_sigma_c
         said = subprocess.run([knap.program(), "check", "uniaxial_compression", "-s", "strength=as measured"], capture_output=True, text=True).stdout
