@@ -175,6 +175,9 @@ class Quick(unittest.TestCase):
                 with self.assertRaisesRegex(files.Mistakes, "\n1 error, nothing was run") as caught:
                     files.read(file)
                 self.assertIn(words, str(caught.exception))
+        file.write_text(bar.replace('scatter = "1 %"', "scatter = 0.1"))  # plain numbers have the unit of their measurement
+        m, = files.read(file, check_scenarios=False).measured
+        self.assertEqual((m.values[0], m.scatter, m.unit), (12, 0.1, "mJ"))
         number = next(k for k, line in enumerate(bar.splitlines(), 1) if line.startswith("key = "))
         file.write_text(bar.replace("left-right.G_c", "left-right.G_d"))  # what the program says of a key stands at its line
         with self.assertRaisesRegex(files.Mistakes, f"one.toml:{number}\n"):
@@ -682,7 +685,7 @@ class Quick(unittest.TestCase):
         self.assertIn("a is as measured: the program divides it by a surplus of specimens whose own scatter, 5 %", " ".join(report.said(fit, [], [])))
         problem = Problem("check", [Parameter("s", ["interface.default.sigma_c"], (4.0, 6.0), "MPa", False)],
                           [Test("t", "uniaxial_compression", {"strength": "as measured"}, 1, 1)], {})
-        runs = Runs(problem, directory / "surplus_check")
+        runs = Runs(problem, directory / "surplus_check", force=True)
         self.assertEqual(runs.surplus_scatter(), 0)
         runs.numbers = lambda test, name: np.ones(1)  # of a run with measured_sigma_c
         said = subprocess.run([knap.program(), "check", "uniaxial_compression", "-s", "strength=as measured"], capture_output=True, text=True).stdout

@@ -1,6 +1,5 @@
 """The posterior of the parameters, further runs where they teach most, and what the data determine."""
 import itertools
-import math
 
 import numpy as np
 
@@ -314,14 +313,10 @@ class Fit:
         texts, sizes = [], range(2, len(names) + 1)
         for place in (list(some) for size in sizes for some in itertools.combinations(range(len(names)), size)):
             vector = np.linalg.eigh(covariance[np.ix_(place, place)])[1][:, 0]
-            whole = itertools.product((1, 2, 3), *[(1, 2, 3, -1, -2, -3)] * (len(place) - 1)) if len(place) < 4 else []
-            simple = [powers for powers in whole if is_log and math.gcd(*powers) == 1]
-            simple.sort(key=lambda powers: sum(map(abs, powers)))
-            exact, *powers = np.zeros((1 + len(simple), len(names)))
+            exact = np.zeros(len(names))
             exact[place] = vector / deviation[place] / (vector[0] / deviation[place[0]] or 1)
-            for row, given in zip(powers, simple):
-                row[place] = given
-            chosen = next((row for row in powers if width(row) < 1.5 * width(exact)), exact)
+            whole = [np.round(n * exact) for n in (1, 2, 3)] if is_log else []
+            chosen = next((row for row in whole if row[place].all() and width(row) < 1.5 * width(exact)), exact)
             is_new = np.linalg.matrix_rank([*named, chosen]) > len(named)
             if np.abs(vector).min() > 0.1 and width(chosen) < 0.4 and is_new:
                 named.append(chosen)
