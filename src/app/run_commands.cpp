@@ -195,7 +195,8 @@ ExitCode show_runs(const std::vector<std::filesystem::path>& runs, RunFormat for
         std::printf("%s\n", (found.size() == 1 && found == runs ? all[0] : all)
                                 .dump(2, ' ', false, Json::error_handler_t::replace)
                                 .c_str());
-    else std::printf("%s", tables.c_str());
+    if (format != RunFormat::text) return exit_done;
+    std::printf("%s", tables.c_str());
     for (const Json& record : all) print_text(record, found != runs);
     return exit_done;
 }
