@@ -26,8 +26,7 @@ std::string law_text(const CalibratedLaw& of, double sigma_c, double G_c) {
     for (const Node& key : of.read.values.find("interface." + of.law.name)->children) {
         const bool other = key.name == "sigma_c" || key.name == "G_c" || key.name == "delta_c" ||
                            key.name == "strength_table" || key.name == "friction_table" || key.name == "csv" ||
-                           key.name == "friction_csv" ||
-                           key.name == "scatter";
+                           key.name == "friction_csv" || key.name == "scatter";
         if (key.valid && key.is_given() && !other && !key.key->is_table())
             keys.push_back(key.name + " = " + toml_text(key));
     }

@@ -347,25 +347,26 @@ const Case cases[] = {
     {"a slip distance to nowhere", changed("G_c = 3", "G_c = 3\nslip_distance = 1e-3"), "missing-key", 14, 17, 4,
      "`kinetic_friction`"},
     {"friction over pressure that is not concave",
-     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5], [2e6, 2e6]]"), "out-of-range", 14, 26, 32,
-     "is not concave: its slope grows (pair 3)"},
+     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5], [2e6, 2e6]]"), "out-of-range", 14, 26,
+     32, "is not concave: its slope grows (pair 3)"},
     {"friction over pressure that falls",
-     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5], [2e6, 2e5]]"), "out-of-range", 14, 26, 32,
-     "falls with the pressure (pair 3)"},
+     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5], [2e6, 2e5]]"), "out-of-range", 14, 26,
+     32, "falls with the pressure (pair 3)"},
     {"friction over pressure from a pressure on",
      changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[1, 0], [1e6, 5e5]]"), "out-of-range", 14, 26, 20,
      "does not start with threshold 0 at pressure 0"},
     {"friction over pressure beside friction",
-     changed("G_c = 3", "G_c = 3\nfriction = 0.5\nfriction_over_pressure = [[0, 0], [1e6, 5e5]]"), "exclusive-keys", 15, 1,
-     22, "of which only one is allowed"},
+     changed("G_c = 3", "G_c = 3\nfriction = 0.5\nfriction_over_pressure = [[0, 0], [1e6, 5e5]]"), "exclusive-keys", 15,
+     1, 22, "of which only one is allowed"},
     {"friction over pressure in metres",
-     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [\"1 MPa\", \"5 m\"]]"), "wrong-unit", 14, 45, 5, "Pa"},
+     changed("G_c = 3", "G_c = 3\nfriction_over_pressure = [[0, 0], [\"1 MPa\", \"5 m\"]]"), "wrong-unit", 14, 45, 5,
+     "Pa"},
     {"friction over pressure that also follows the slip",
      changed("G_c = 3",
              "G_c = 3\nfriction_over_pressure = [[0, 0], [1e6, 5e5]]\nkinetic_friction = 0.1\nslip_distance = 1e-3"),
      "exclusive-keys", 16, 1, 13, "over the pressure"},
-    {"slip energy of what never breaks",
-     changed("sigma_c = 3.08e6\nG_c = 3", "breakable = false\nG_II = 9"), "exclusive-keys", 13, 1, 4, "never breaks"},
+    {"slip energy of what never breaks", changed("sigma_c = 3.08e6\nG_c = 3", "breakable = false\nG_II = 9"),
+     "exclusive-keys", 13, 1, 4, "never breaks"},
     {"slip energy of an implicit norm",
      changed("G_c = 3", "G_c = 3\nG_II = 9\ncoupling = \"norm\"",
              with("bulk = \"implicit\"\ncohesion = \"implicit\"\n")),
@@ -522,7 +523,8 @@ TEST_CASE("mistakes: as the user sees them") {
           "   = keys here: breakable, sigma_c, G_c, delta_c, softening, plateau, exponent, table, csv, coupling, "
           "unloading, "
           "relaxation_time, incubation_time, gamma, G_II, mode_mix, mix_exponent, "
-          "strength_table, friction_table, friction_over_pressure, friction_csv, friction, restitution, kinetic_friction, slip_distance, scatter\n");
+          "strength_table, friction_table, friction_over_pressure, friction_csv, friction, restitution, "
+          "kinetic_friction, slip_distance, scatter\n");
 }
 
 TEST_CASE("mistakes: very many in one line and very long ones are short messages") {
