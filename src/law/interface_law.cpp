@@ -46,7 +46,8 @@ double Staircase::impulse(double p, double free, double mobility) const {
         const double least = at(at_state, 1), most = at(at_state, -1);
         if (!at_state.stick) {
             const double rate = free + mobility * most;
-            if (rate <= at_state.high) return rate >= at_state.low ? most : std::max(most, (at_state.low - free) / mobility);
+            if (rate <= at_state.high)
+                return rate >= at_state.low ? most : std::max(most, (at_state.low - free) / mobility);
         } else {
             const double needed = (at_state.kink - free) / mobility;
             if (needed >= least) return std::min(needed, most);

@@ -47,9 +47,9 @@ inline bool rests_under(double restitution, double approach, double push) {
 ///     |P_T + offset + line_offset + contact_offset p| <= jump + line_jump + contact_jump p
 /// with the constant parts of cohesion and of a line of friction.
 struct TangentialRange {
-    double offset = 0, contact_offset = 0;   // [N s], [-]
-    double jump = 0, contact_jump = 0;       // [N s], [-]
-    double line_offset = 0, line_jump = 0;   // [N s]
+    double offset = 0, contact_offset = 0;  // [N s], [-]
+    double jump = 0, contact_jump = 0;      // [N s], [-]
+    double line_offset = 0, line_jump = 0;  // [N s]
 };
 
 /// Part of a staircase: at a kink, or between two kinks, where the jumps are zero.

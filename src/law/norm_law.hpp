@@ -25,14 +25,14 @@ namespace knap {
 
 class NormLaw : public RowLaw {
 public:
-    double cohesive = 0;         // [N s] C
-    double gamma = 1;            // [-] > 0
-    ContactBound contact;        // of V_N
-    Staircase sliding;           // friction over V_T, of a compression of 1
-    Vec2 shift = Vec2::Zero();   // [m/s]
-    double ramp = 0, start = 0;  // [m/s] kappa and s- in units of W; no ramp: 0
+    double cohesive = 0;                 // [N s] C
+    double gamma = 1;                    // [-] > 0
+    ContactBound contact;                // of V_N
+    Staircase sliding;                   // friction over V_T, of a compression of 1
+    Vec2 shift = Vec2::Zero();           // [m/s]
+    double ramp = 0, start = 0;          // [m/s] kappa and s- in units of W; no ramp: 0
     PressedFriction over_pressure = {};  // in place of mu p, with sliding over V_T of mu = 1
-    double pressed = -1;         // [N s] the compression that friction sees; negative: that of the impulse
+    double pressed = -1;                 // [N s] the compression that friction sees; negative: that of the impulse
 
     Projection project(const Vec2& Q, double r) const override { return respond(Q, r).at; }
 

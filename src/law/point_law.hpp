@@ -48,9 +48,9 @@ struct PointLaw {
     double strength;  // [N s] C = theta h S sigma_c; 0: no cohesion left
     double cohesion;  // [-] beta at its start
     const CohesiveLaw* material;
-    double ramp = 0;   // [m] kappa of secant unloading, d of vertical unloading; 0: none
-    double floor = 0;  // [m] kappa of vertical unloading
-    double friction;   // [-] Coulomb's mu; 0 where the scheme neglects friction, of a table any other
+    double ramp = 0;               // [m] kappa of secant unloading, d of vertical unloading; 0: none
+    double floor = 0;              // [m] kappa of vertical unloading
+    double friction;               // [-] Coulomb's mu; 0 where the scheme neglects friction, of a table any other
     PressedFriction pressed = {};  // in place of mu p
     ContactBound contact;
     const ThetaStep* step;

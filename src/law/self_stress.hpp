@@ -24,8 +24,8 @@ struct HalfPlane {
 };
 
 /// Admissible impulses of a point: p = P_N + C >= 0 and the tangential range of p, three half planes, or two for each
-/// line of a friction over pressure. Of the norm: the half ellipse |P_T| <= jump sqrt(1 - (P_N/C)^2) in tension, |P_T| <=
-/// jump + contact_jump P_N in compression.
+/// line of a friction over pressure. Of the norm: the half ellipse |P_T| <= jump sqrt(1 - (P_N/C)^2) in tension,
+/// |P_T| <= jump + contact_jump P_N in compression.
 struct StrengthPolygon : TangentialRange {
     Vec2 normal;      // N; T = turned_left(N)
     double cohesive;  // C, a force or an impulse, as P

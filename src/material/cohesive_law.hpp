@@ -18,8 +18,8 @@
 // Power with a = 1 has s_d = u_N + gamma G_c/G_II |u_T|, and G_I/G_c + G_II/G_II = 1 holds on every way.
 //
 // Friction may fall with the slip: mu = friction + (kinetic_friction - friction) min(1, D/slip_distance), D: the way
-// that the sides have slid so far. Or the threshold f(p) of a table over the pressure (friction_over_pressure.hpp) takes
-// the place of mu p; with the sum p = r_N + beta sigma_c, as Coulomb's, so that a point at rest bears
+// that the sides have slid so far. Or the threshold f(p) of a table over the pressure (friction_over_pressure.hpp)
+// takes the place of mu p; with the sum p = r_N + beta sigma_c, as Coulomb's, so that a point at rest bears
 //     |r_T| <= gamma beta sigma_c + f(r_N + beta sigma_c)         norm: gamma beta sigma_c + f(r_N)
 // Damage takes the cohesion, and of f the part that its pressure had; f(r_N) stays.
 //

@@ -469,7 +469,7 @@ bool ContactCluster::solve_dense() {
 }
 
 /// Impulses and velocities in given states: V_N = b where closed, else P_N = -C; V_T = kink where it sticks, else
-/// P_T = -offset - line_offset - contact_offset p; of laws of their own the tangents. Of least norm where contacts are redundant.
+/// P_T = -offset - line_offset - contact_offset p; of other laws the tangents. Of least norm where some are redundant.
 bool ContactCluster::solve_states() {
     const std::vector<LinkState>& states = states_;
     unknown_.clear();
@@ -486,8 +486,7 @@ bool ContactCluster::solve_states() {
         else if (!closed) c.impulse.x() = -c.cohesive;
         const double p = closed ? c.impulse.x() + c.cohesive : 0;
         if (finds_T) c.impulse.y() = 0;
-        else if (!sticks)
-            c.impulse.y() = -tangential.offset - tangential.line_offset - tangential.contact_offset * p;
+        else if (!sticks) c.impulse.y() = -tangential.offset - tangential.line_offset - tangential.contact_offset * p;
     }
     find_velocities();
     const std::size_t n = unknown_.size();

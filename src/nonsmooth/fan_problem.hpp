@@ -66,8 +66,9 @@ struct FanLink {
     double kappa = 0;       // [m] of secant unloading
     Vec2 middle = Vec2::Zero();  // [m] likewise: (u_N, u_T) in the middle of the last step
     Coupling coupling = Coupling::sum;
-    Vec2 last_impulse = Vec2::Zero();  // [N s] (N, T) in the step before, of a curved link or with friction over pressure
-    PressedFriction pressed = {};      // in place of friction p
+    Vec2 last_impulse =
+        Vec2::Zero();              // [N s] (N, T) in the step before, of a curved link or with friction over pressure
+    PressedFriction pressed = {};  // in place of friction p
 
     Vec2 tangent() const { return turned_left(normal); }
     void set_ramp(double h) { ramp = 4 / h * kappa; }

@@ -173,7 +173,10 @@ StateChange change_of(const LinkState& state, const FanLink& link, const Vec2& v
     const StaircasePiece& tangential = state.tangential;
     const double v_N = link.normal.dot(velocity), v_T = link.tangent().dot(velocity);
     const double p = state.closed ? link.normal.dot(impulse) + state.cohesive_impulse(link) : 0;
-    StateChange change{.closed = state.closed, .tangential_state = state.tangential_state, .bearing = state.bearing, .line = state.line};
+    StateChange change{.closed = state.closed,
+                       .tangential_state = state.tangential_state,
+                       .bearing = state.bearing,
+                       .line = state.line};
     const auto violates = [&](double amount, double tolerance, double unit) {
         if (amount <= tolerance) return false;
         change.violation = std::max(change.violation, amount / unit);

@@ -43,6 +43,12 @@ std::span<const Exclusion> exclusions() {
          "the opening, and its projection knows such a set at zero opening alone"},
         {"slip_distance", "[contact]",
          "the slip that weakens it is that of the two sides of one interface, and free faces meet others anywhere"},
+        {"slip_distance", "friction_table",
+         "each of them is the friction, over the slip and over the temperature, and together they would be a table of "
+         "both"},
+        {"slip_distance", "friction_over_pressure",
+         "each of them is the friction, over the slip and over the pressure, and together they would be a table of "
+         "both"},
         {"friction_over_pressure", "[contact]",
          "a vertex that meets an edge bears an impulse on no area of its own, and a table of pressures asks for one"},
         {"coupling = \"norm\"", "strength = \"as measured\"",

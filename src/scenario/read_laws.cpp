@@ -43,21 +43,23 @@ std::shared_ptr<const FrictionOverPressure> read_over_pressure(const Table& tabl
         table.leave_out("friction");
     std::vector<Vec2> points;
     if (form == "friction_csv")
-        points = read_pairs(table, {.line = "pressure, shear",
-                                    .first = "pressures",
-                                    .note = "a line of names with units, as `pressure [MPa], shear [MPa]`, then numbers",
-                                    .key = "friction_over_pressure",
-                                    .unit = "Pa",
-                                    .source = "friction_csv"});
+        points =
+            read_pairs(table, {.line = "pressure, shear",
+                               .first = "pressures",
+                               .note = "a line of names with units, as `pressure [MPa], shear [MPa]`, then numbers",
+                               .key = "friction_over_pressure",
+                               .unit = "Pa",
+                               .source = "friction_csv"});
     else if (form == "friction_over_pressure")
         points = table.get<std::vector<Vec2>>("friction_over_pressure").value_or(points);
     if (points.empty()) return nullptr;  // reported
     if (const std::string fault = fault_of_friction(points); !fault.empty()) {
-        table.error("out-of-range", "friction_over_pressure",
-                    fault + (form == "friction_csv" ? ", as read from the file of `friction_csv`" : ""),
-                    "pairs [pressure, shear] from [0, 0] on, whose slope does not grow and is not negative, as "
-                    "[[0, 0], [\"1 MPa\", \"1.5 MPa\"], [\"10 MPa\", \"8 MPa\"]]; shear that needs no pressure is that of "
-                    "the cohesion, gamma sigma_c");
+        table.error(
+            "out-of-range", "friction_over_pressure",
+            fault + (form == "friction_csv" ? ", as read from the file of `friction_csv`" : ""),
+            "pairs [pressure, shear] from [0, 0] on, whose slope does not grow and is not negative, as "
+            "[[0, 0], [\"1 MPa\", \"1.5 MPa\"], [\"10 MPa\", \"8 MPa\"]]; shear that needs no pressure is that of "
+            "the cohesion, gamma sigma_c");
         return nullptr;
     }
     return std::make_shared<FrictionOverPressure>(points);
@@ -141,11 +143,9 @@ CohesiveLaw read_law(const Table& table) {
     else if (law.has_mode_mix() && law.gamma == 0)
         table.error("out-of-range", "G_II", "is the work of slip, and with gamma = 0 slip does none", "gamma above 0");
     if (law.slip_distance > 0 && table.given("friction_table"))
-        table.error("exclusive-keys", "slip_distance",
-                    "changes the friction over the slip, and friction_table over the temperature", "one of them");
+        table.exclude("slip_distance", "slip_distance", "friction_table", "one of them");
     if (law.slip_distance > 0 && law.over_pressure)
-        table.error("exclusive-keys", "slip_distance",
-                    "changes the friction over the slip, and friction_over_pressure over the pressure", "one of them");
+        table.exclude("slip_distance", "slip_distance", "friction_over_pressure", "one of them");
     for (const char* key : {"relaxation_time", "incubation_time"})
         if (table.number(key).value_or(0) > 0 && !has_cohesion)
             table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has no strength");

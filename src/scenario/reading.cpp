@@ -93,7 +93,8 @@ std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file) {
     int n_reports = 0;
     for_each_line(*bytes, [&](int number, std::string_view line) {
         const auto report = [&](const std::string& problem) {
-            if (++n_reports <= max_reports) table.error_in_file("bad-csv", file.source, *bytes, number, problem, file.note);
+            if (++n_reports <= max_reports)
+                table.error_in_file("bad-csv", file.source, *bytes, number, problem, file.note);
         };
         const std::string content(line);
         if (has_decimal_comma(line)) return report(decimal_comma), false;

@@ -172,7 +172,7 @@ struct PairsFile {
     std::string_view first_unit = {};  // of the first of two plain numbers, where the line of names gives one
     const char* source = "csv";
 };
-/// The pairs in the file that the key `source` of a table names; lines of names at the start and # comments are skipped.
+/// The pairs in the file that the key `source` of a table names; lines of names at the start, # comments are skipped.
 /// They replace the key by another one, so that the resolved scenario needs no other file. Empty after an error.
 std::vector<Vec2> read_pairs(const Table& table, const PairsFile& file);
 

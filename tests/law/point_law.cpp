@@ -41,7 +41,7 @@ void make_random(Random& random, Point& point, bool over_pressure = false) {
                  .friction = random.uniform(0, 1) < 0.3 ? 0 : material.friction,
                  .contact = {.may_touch = random.uniform(0, 1) < 0.9, .rate = random.uniform(-1, 0)},
                  .step = &point.step};
-    if (over_pressure) point.law.pressed = {&bent, 0.1};
+    if (over_pressure) point.law.pressed = {&bent, 0.1}, point.law.friction = 0.8;
     point.law.set_staircase();
     point.at = {.contact = random.uniform(0, 1),
                 .tangential = random.uniform(-1, 1),

@@ -40,7 +40,8 @@ TEST_CASE("points that are no friction over pressure are refused with their faul
 
 TEST_CASE("the strength of a facet in the worst direction is that of the steepest search over directions") {
     CohesiveLaw law{.sigma_c = 8, .G_c = 1, .gamma = 0.4};
-    law.over_pressure = std::make_shared<FrictionOverPressure>(std::vector<Vec2>{{0, 0}, {20, 34}, {80, 90}, {200, 150}});
+    law.over_pressure =
+        std::make_shared<FrictionOverPressure>(std::vector<Vec2>{{0, 0}, {20, 34}, {80, 90}, {200, 150}});
     for (const Coupling coupling : {Coupling::sum, Coupling::norm})
         for (const double confinement : {0.0, 5.0, 40.0, 300.0}) {
             law.coupling = coupling;
@@ -48,7 +49,8 @@ TEST_CASE("the strength of a facet in the worst direction is that of the steepes
             const auto slack = [&](double sigma_1) {  // of all facets
                 double least = INFINITY;
                 for (int i = 1; i < 9000; ++i) {
-                    const double a = i * 1e-2 * degree, r_N = confinement + (sigma_1 - confinement) * std::pow(std::sin(a), 2),
+                    const double a = i * 1e-2 * degree,
+                                 r_N = confinement + (sigma_1 - confinement) * std::pow(std::sin(a), 2),
                                  r_T = (sigma_1 - confinement) * std::sin(a) * std::cos(a),
                                  p = r_N + (coupling == Coupling::sum ? law.sigma_c : 0);
                     least = std::min(least, law.gamma * law.sigma_c + (*law.over_pressure)(p)-r_T);

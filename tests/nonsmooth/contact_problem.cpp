@@ -62,8 +62,8 @@ TEST_CASE("points of random fans move as their own solver says") {
                     else n_other += found.error > 1e-7;
                 }
                 MESSAGE("friction ", friction, ", over pressure ", over_pressure, ", prescribed ", prescribed,
-                        ", stuck stays ", stuck_stays, ": ",
-                        n_other, " of ", n, " not solved or otherwise, largest difference ", worst);
+                        ", stuck stays ", stuck_stays, ": ", n_other, " of ", n,
+                        " not solved or otherwise, largest difference ", worst);
                 CHECK(worst < 1e-9);
                 CHECK(n_other <= (friction ? 0.03 * n : 0));  // with friction there may be several solutions
             }

@@ -76,7 +76,8 @@ TEST_CASE("random fans with the norm law and friction over pressure meet every l
         const FanSolution solution = solver.solve(fan, found);
         n_unsolved += std::max(solution.residual, error_of(fan, found)) > 1e-10;
         for (std::size_t i = 0; i < fan.links.size(); ++i)
-            n_beyond += fan.links[i].pressed && fan.links[i].pressed.line_at(found.links[i].impulse.dot(fan.links[i].normal)) > 0;
+            n_beyond += fan.links[i].pressed &&
+                        fan.links[i].pressed.line_at(found.links[i].impulse.dot(fan.links[i].normal)) > 0;
     }
     MESSAGE(n_unsolved, " of 3000 not solved, ", n_beyond, " links beyond the first line");
     CHECK(n_unsolved <= 20);

@@ -26,11 +26,12 @@ TEST_CASE("friction over pressure from a csv file is part of the resolved scenar
     CHECK(found.values.find("interface.default.friction_csv") == nullptr);
     const ReadResult again = samples::read(resolved_toml(found));
     CHECK((*again.scenario.laws[0].law.over_pressure)(2e6) == (*law.over_pressure)(2e6));
-    for (const auto& [content, code] : {std::pair{"pressure [MPa], shear [kPa]\n0, 0\n1, 1500\n4, 9000\n", "out-of-range"},
-                                        {"pressure [MPa], shear [m]\n0, 0\n1, 1500\n", "bad-csv"},
-                                        {"shear [MPa], pressure [MPa]\n0, 0\n1, 1500\n", "bad-csv"},
-                                        {"pressure, shear\n0, 0\n1, 1500\n", "bad-csv"},
-                                        {"pressure [MPa], shear [kPa]\n0, 0\n1, one\n", "bad-csv"}}) {
+    for (const auto& [content, code] :
+         {std::pair{"pressure [MPa], shear [kPa]\n0, 0\n1, 1500\n4, 9000\n", "out-of-range"},
+          {"pressure [MPa], shear [m]\n0, 0\n1, 1500\n", "bad-csv"},
+          {"shear [MPa], pressure [MPa]\n0, 0\n1, 1500\n", "bad-csv"},
+          {"pressure, shear\n0, 0\n1, 1500\n", "bad-csv"},
+          {"pressure [MPa], shear [kPa]\n0, 0\n1, one\n", "bad-csv"}}) {
         write(content);
         CAPTURE(content);
         try {

@@ -52,7 +52,8 @@ ModelInput inclined_joint(const CohesiveLaw& law, double angle, double sigma_1, 
     for (BoundaryEdge& edge : mesh.boundary_edges) edge.boundary = 0;
     ModelInput input = body_with(mesh, {.density = 1, .E = 1000, .nu = 0.2}, law);
     const auto constant = [](double value) { return PlaceField::Formula{Expression(formatted("%.17g", value)), 1}; };
-    const PlaceField stress{.path = "initial[0].stress", .formulas = {constant(-sigma_3), constant(-sigma_1), constant(0)}};
+    const PlaceField stress{.path = "initial[0].stress",
+                            .formulas = {constant(-sigma_3), constant(-sigma_1), constant(0)}};
     input.initial_stresses = {{.on = {}, .field = stress}};
     input.loads = {{.kind = Load::Kind::stress,
                     .on = {.boundary = "side", .box = {}},
@@ -62,7 +63,8 @@ ModelInput inclined_joint(const CohesiveLaw& law, double angle, double sigma_1, 
 
 /// sigma_1 at which the joint slides: the lowest of its lines.
 double strength_of_joint(const CohesiveLaw& law, double angle, double sigma_3) {
-    const double s = std::sin(angle), c = std::cos(angle), C = law.sigma_c, extra = law.coupling == Coupling::sum ? C : 0;
+    const double s = std::sin(angle), c = std::cos(angle), C = law.sigma_c,
+                 extra = law.coupling == Coupling::sum ? C : 0;
     double lowest = INFINITY;
     for (const FrictionLine& line : law.over_pressure->lines())
         if (const double holds = s * (c - line.slope * s); holds > 0)
@@ -90,7 +92,7 @@ TEST_CASE("direct shear: friction over pressure bears its polygon on and between
         }
 }
 
-TEST_CASE("direct shear: what cohesion holds adds its part, and friction over pressure stays when it is gone") {
+TEST_CASE("direct shear: what cohesion holds adds its part and friction over pressure stays when it is gone") {
     for (const SchemeOptions& path : all_paths())
         for (const Coupling coupling : {Coupling::sum, Coupling::norm})
             for (const double p : {0.5, 1.0, 2.0, 4.0, 9.0}) {

@@ -16,10 +16,10 @@ struct RandomBodyOptions {
     int max_cells = 3;  // each way, of two triangles
     Index order = 1;    // of the triangles
     std::shared_ptr<const SofteningShape> softening = nullptr;
-    double delay = 0;      // relaxation time of the laws over the step
+    double delay = 0;            // relaxation time of the laws over the step
     bool over_pressure = false;  // friction has a polygon over the pressure
-    bool secant = false;   // unloading, with explicit beta
-    double longest = 1.2;  // step, as a part of what Assumption 1 asks of the smallest triangle alone
+    bool secant = false;         // unloading, with explicit beta
+    double longest = 1.2;        // step, as a part of what Assumption 1 asks of the smallest triangle alone
 };
 
 struct RandomBody {

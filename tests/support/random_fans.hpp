@@ -12,10 +12,10 @@ namespace knap::tests {
 
 struct RandomFanOptions {
     bool friction = true;
-    bool prescribed = true;  // some bodies driven
-    bool units = true;       // random units of length, mass, time
-    bool secant = false;     // most links with cohesion have secant unloading
-    bool vertical = false;   // or vertical unloading, at or below their largest opening
+    bool prescribed = true;      // some bodies driven
+    bool units = true;           // random units of length, mass, time
+    bool secant = false;         // most links with cohesion have secant unloading
+    bool vertical = false;       // or vertical unloading, at or below their largest opening
     bool over_pressure = false;  // links with friction mu have it at pressure 0, and less and less beyond
     int max_bodies = 12;
 };

@@ -30,8 +30,9 @@ std::string over_pressure_text(const CohesiveLaw& law) {
     for (int i = 0; i < f.n_lines(); ++i) {
         const auto& [slope, offset] = f.line(i);
         const double cohesion = law.shear_strength(slope) * law.sigma_c + offset;
-        parts.push_back(formatted("%.1f degrees and %s", std::atan(slope) / degree, readable(cohesion, "Pa", 4).c_str()) +
-                        (i + 1 < f.n_lines() ? " up to " + readable(f.start(i + 1), "Pa", 4) : " beyond"));
+        parts.push_back(
+            formatted("%.1f degrees and %s", std::atan(slope) / degree, readable(cohesion, "Pa", 4).c_str()) +
+            (i + 1 < f.n_lines() ? " up to " + readable(f.start(i + 1), "Pa", 4) : " beyond"));
     }
     return "friction_over_pressure: phi and c " + joined(parts);
 }
@@ -96,8 +97,9 @@ Row row_of(const NamedLaw& named, const std::string& places, const Values& value
     const std::string name = "  " + named.name;  // below the head
     if (!law.breakable()) return {name, places, "never breaks", "", "", "", "", "", beyond_linear(named)};
     const bool from_table = law.of_temperature && !law.of_temperature->friction.empty();
-    const std::string friction =
-        from_table ? "table" : law.over_pressure ? "over pressure" : formatted("%.4g", law.friction);
+    const std::string friction = from_table          ? "table"
+                                 : law.over_pressure ? "over pressure"
+                                                     : formatted("%.4g", law.friction);
     if (law.sigma_c <= 0) return {name, places, "no cohesion", "", "", "", friction, "", beyond_linear(named)};
     const auto measured = [](double value) {
         return value > 0 ? formatted(" (%.4g as measured)", value) : std::string();

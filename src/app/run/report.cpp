@@ -72,10 +72,9 @@ std::string computed(const Scenario& scenario, const RunRecord& record) {
                                                  with_prefix(law.delta_c(), "m") + ", shear over tensile strength " +
                                                  value_text(law.gamma, "", 4)
                                            : "does not break";
-        rows.push_back({"interface " + named.name, text + ", friction " +
-                                                       (law.over_pressure ? "over pressure"
-                                                                          : value_text(law.friction, "", 4)) +
-                                                       ", restitution " + value_text(law.restitution, "", 4)});
+        rows.push_back({"interface " + named.name,
+                        text + ", friction " + (law.over_pressure ? "over pressure" : value_text(law.friction, "", 4)) +
+                            ", restitution " + value_text(law.restitution, "", 4)});
     }
     rows.push_back({"mesh", formatted("%d triangles of order %d, %d interfaces, mean edge ", record.triangles,
                                       scenario.order, record.interfaces) +

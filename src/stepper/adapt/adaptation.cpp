@@ -135,8 +135,7 @@ double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const Cohe
     if (law.coupling == Coupling::norm) return by_norm(t_N, t_T, law);
     double largest = t_N;
     law.visit_friction_lines([&](const FrictionLine& line) {
-        largest = std::max(largest,
-                           (t_T + line.slope * t_N) / (law.gamma + line.slope + line.offset / law.sigma_c));
+        largest = std::max(largest, (t_T + line.slope * t_N) / (law.gamma + line.slope + line.offset / law.sigma_c));
     });
     return largest / law.sigma_c;
 }

@@ -9,7 +9,8 @@ bool BondCheck::is_bonded(Index f, const State& begin, std::span<const Vec2> req
     const auto breakable = [&](Index j) { return law_of(*model_, begin, points[j]).breakable(); };
     const auto strength = [&](Index j) {
         const CohesiveLaw& law = law_of(*model_, begin, points[j]);
-        return StrengthPolygon::at_rest(law, points[j].normal, law.sigma_c * points[j].area * time, points[j].area * time);
+        const double cohesive = law.sigma_c * points[j].area * time;
+        return StrengthPolygon::at_rest(law, points[j].normal, cohesive, points[j].area * time);
     };
     impulse_.resize(fan.n_points);
     const auto walk = [&](const Vec2& first) {
@@ -49,9 +50,8 @@ double BondCheck::utilisation(Index f, const State& begin, std::span<const Vec2>
         const double strength = law.sigma_c * points[j].area * time;
         law.visit_friction_lines([&](const FrictionLine& line) {
             const auto first = static_cast<std::ptrdiff_t>(planes_.size());
-            const StrengthPolygon admissible{{.jump = line.offset * points[j].area * time, .contact_jump = line.slope},
-                                             points[j].normal,
-                                             0};
+            const StrengthPolygon admissible{
+                {.jump = line.offset * points[j].area * time, .contact_jump = line.slope}, points[j].normal, 0};
             admissible.add_half_planes(j, P, fan.closed ? Vec2::Ones() : Vec2::Zero(), planes_);
             for (HalfPlane& plane : std::span(planes_).subspan(first)) {
                 const double unit = plane.shear == 0 ? strength : (law.gamma + line.slope) * strength;

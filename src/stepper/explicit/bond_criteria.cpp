@@ -17,8 +17,8 @@ double sure_strength(const CohesiveLaw& law, double area) {
     const double weakest = law.sigma_c * law.smallest_phi();
     for (const double mu : law.friction_range())
         law.visit_friction_lines(mu, [&](const FrictionLine& line) {
-            shear = std::min(shear, (law.gamma + line.slope + line.offset / weakest) /
-                                        std::sqrt(1 + line.slope * line.slope));
+            shear = std::min(shear,
+                             (law.gamma + line.slope + line.offset / weakest) / std::sqrt(1 + line.slope * line.slope));
         });
     return area * law.sigma_c * law.smallest_phi() * shear;
 }

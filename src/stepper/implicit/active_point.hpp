@@ -53,10 +53,9 @@ struct ActivePoint {
             response.closed ? multipliers.contact - multipliers.rho_N * (at_rate.x() - law.contact.rate) : 0;
         if (response.sticks && !std::isinf(multipliers.rho_T))
             return {contact, multipliers.tangential - multipliers.rho_T * (at_rate.y() - response.kink)};
-        const double rubs =
-            multipliers.friction_follows
-                ? law.rubbing_slope(response.contact) * response.friction_sign * (contact - response.contact)
-                : 0;
+        const double rubs = multipliers.friction_follows ? law.rubbing_slope(response.contact) *
+                                                               response.friction_sign * (contact - response.contact)
+                                                         : 0;
         return {contact, response.tangential - rubs};
     }
     /// Its sides move as one.
@@ -86,6 +85,10 @@ inline std::size_t end_of_fan(const std::vector<ActivePoint>& points, std::size_
     while (end < points.size() && points[end].fan == points[first].fan) ++end;
     return end;
 }
+
+/// Points between the same two parts may share their contact impulse in any way, and with friction over pressure the
+/// sum of their frictions depends on it: they share it by their areas, and so does what is added to it.
+void share_by_area(std::vector<ActivePoint>& points);
 
 /// Of a fan, with its law over the step; all but its mass. `turn`: of large rotations.
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,

@@ -384,6 +384,7 @@ void ImplicitScheme::guess_multipliers() {
         strength = std::max(strength, point.law.strength);
         pressing = std::max(pressing, point.multipliers.contact);
     }
+    share_by_area(x_.points);
     momentum_scale_ = std::max(momentum, strength);
     scale_ = std::max({strength, 1e-3 * momentum, std::min(pressing, max_pressing * momentum_scale_)});
 }
