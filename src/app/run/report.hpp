@@ -24,8 +24,8 @@ public:
         : scenario_(scenario), directory_(std::move(directory)) {}
 
     bool is_due() const { return clock_.wall() >= next_; }
-    /// `state`: a line about the progress; `part` of the simulated time that is over. The picture is an earlier one where
-    /// a new one would take more than a small share of the processor time.
+    /// `state`: a line about the progress; `part` of the simulated time that is over. The picture is an earlier one
+    /// where a new one would take more than a small share of the processor time.
     void write(const std::string& state, double part, const Model& model, const State& now, const RunRecord& record,
                const Recorder& recorder);
 
