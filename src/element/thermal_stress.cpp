@@ -12,9 +12,10 @@ ThermalStress::ThermalStress(const Mesh& mesh, const std::vector<Elastic>& mater
                              double thickness, bool large_rotation)
     : mesh_(mesh), order_(mesh.order), large_rotation_(large_rotation) {
     for (const Elastic& material : materials) {
-        const Eigen::Matrix2d A = material.expansion_in_plane(plane),
-                              P = material.stress_of_expansion(plane) /
-                                  (2 * (material.first_lame(plane) + material.shear_modulus()));
+        const Eigen::Matrix2d A = material.expansion_in_plane(plane);
+        Eigen::Matrix2d P = Eigen::Matrix2d::Identity();
+        if (material.bedding)
+            P = material.stress_of_expansion(plane) / (2 * (material.first_lame(plane) + material.shear_modulus()));
         directions_.push_back({A, P, A.cwiseProduct(P).sum()});
     }
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
