@@ -55,9 +55,10 @@ void print_mesh(const MeshReport& mesh) {
 void print_materials(const Scenario& scenario) {
     std::printf("wave speeds\n");
     for (const NamedMaterial& m : scenario.materials)
-        std::printf("  %-12s c_d %.1f, c_s %.1f, c_R %.1f m/s\n", m.name.c_str(),
+        std::printf("  %-12s c_d %.1f, c_s %.1f, c_R %.1f m/s%s\n", m.name.c_str(),
                     m.elastic.dilatational_speed(scenario.plane), m.elastic.shear_speed(scenario.plane),
-                    m.elastic.rayleigh_speed(scenario.plane));
+                    m.elastic.rayleigh_speed(scenario.plane),
+                    m.elastic.bedding ? " (layers: the fastest, the slowest, along them)" : "");
 }
 
 /// [s] Step of an implicit cohesion up to which Assumption 1 certainly holds on a mesh of breakable edges of length

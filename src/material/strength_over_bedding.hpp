@@ -1,5 +1,6 @@
 #pragma once
 // Strength and fracture energy of facets in layered rock, over their angle to the layers.
+#include "base/vec.hpp"
 #include "material/thermal.hpp"
 
 #include <numbers>
@@ -22,6 +23,13 @@ struct StrengthOverBedding {
     AngleTable strength, energy;
 
     bool any() const { return !strength.empty() || !energy.empty(); }
+    /// [-] The shortest process zone of all facets, E' G_c/sigma_c^2, over that with the factors 1.
+    double shortest_zone() const {
+        double shortest = any() ? infinity : 1;
+        for (int i = 0; i <= 90 && any(); ++i)
+            shortest = std::min(shortest, energy(i * degree) / (strength(i * degree) * strength(i * degree)));
+        return shortest;
+    }
 };
 
 /// [rad] Between two lines, from 0 to pi/2.

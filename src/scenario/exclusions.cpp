@@ -49,8 +49,10 @@ std::span<const Exclusion> exclusions() {
         {"slip_distance", "friction_over_pressure",
          "each of them is the friction, over the slip and over the pressure, and together they would be a table of "
          "both"},
-        {"friction_over_pressure", "[contact]",
-         "a vertex that meets an edge bears an impulse on no area of its own, and a table of pressures asks for one"},
+        {"friction_over_pressure", "rotation = \"large\"",
+         "normals of one face turn apart, and the points of a vertex then share their pressure in no way that is "
+         "known, "
+         "on which the sum of concave thresholds depends (with [contact] a vertex even bears its impulse on no area)"},
         {"coupling = \"norm\"", "strength = \"as measured\"",
          "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"coupling = \"norm\"", "toughness = \"as measured\"",

@@ -191,7 +191,7 @@ StrengthOverBedding read_over_bedding(const Table& table) {
     StrengthOverBedding over{.strength = read_over_angle(table, "strength_over_bedding"),
                              .energy = read_over_angle(table, "energy_over_bedding")};
     const char* key = over.strength.empty() ? "energy_over_bedding" : "strength_over_bedding";
-    if (over.any() && !table.given("sigma_c"))
+    if (over.any() && !(table.number("sigma_c").value_or(0) > 0))
         table.error("exclusive-keys", key, "belongs to a law with cohesion, and this one has none");
     if (over.any() && std::ranges::none_of(table.scenario().materials, [](const NamedMaterial& material) {
             return material.elastic.bedding.has_value();
@@ -370,9 +370,9 @@ void check_laws(Reading& reading) {
                 table.exclude("slip_distance", "slip_distance", "[contact]", "friction alone, or no [contact]");
     std::size_t n = 0;
     for (const Table& table : reading.list("interface"))
-        if (reading.scenario.laws[n++].law.over_pressure && reading.table("contact").given())
-            table.exclude("friction_over_pressure", "friction_over_pressure", "[contact]",
-                          "friction, the chord at the pressure in question, or no [contact]");
+        if (reading.scenario.laws[n++].law.over_pressure && reading.scenario.large_rotation)
+            table.exclude("friction_over_pressure", "friction_over_pressure", "rotation = \"large\"",
+                          "friction, the chord at the pressure in question, or small rotations without [contact]");
     if (!reading.scenario.time.scheme.takes_explicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)

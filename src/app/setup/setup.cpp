@@ -198,8 +198,10 @@ std::vector<Resolution> judge_resolution(const Scenario& scenario, const Mesh& m
     const auto judge_law = [&](const std::string& where, const NamedLaw& law, double modulus, double wave_speed,
                                bool anywhere) {
         if (!law.law.breakable() || law.law.sigma_c <= 0) return;
-        found.push_back({where, law.name, law.law.cohesive_length(modulus), law.law.process_zone(modulus),
-                         law.law.steep_zone(modulus) / edge, wave_speed, law.law.steepness(), anywhere});
+        const double shortest = law.over_bedding.shortest_zone();
+        found.push_back({where, law.name, shortest * law.law.cohesive_length(modulus),
+                         shortest * law.law.process_zone(modulus), shortest * law.law.steep_zone(modulus) / edge,
+                         wave_speed, law.law.steepness(), anywhere});
     };
     const auto modulus = [&](const NamedMaterial& material) { return material.elastic.plane_modulus(scenario.plane); };
     const auto speed = [&](const NamedMaterial& material) {
