@@ -1,6 +1,7 @@
 """Tests of knap-fit, knap-sensitivity and the package: ctest runs them with KNAP and a directory; exit code 77: skipped.
 
     fit_py.py DIRECTORY [--slow]     with --slow those that take minutes, alone"""
+import ast
 import contextlib
 import importlib.util
 import io
@@ -10,6 +11,7 @@ import pathlib
 import re
 import shutil
 import signal
+import string
 import subprocess
 import sys
 import time
@@ -300,6 +302,39 @@ class Quick(unittest.TestCase):
         self.assertEqual((done.returncode, done.stdout), (2, ""), done.stderr)
         self.assertRegex(done.stderr, r"has its curve from -?\d\S* to 0\.[0-9]+ mm, what was measured goes from 0.1 to 1 mm\n  --> \S*longer.toml:\d+\n   = allowed: a later time.end")
         self.assertEqual(len(list((out / "runs").iterdir())), 1)
+
+    def test_every_sentence_has_the_values_that_it_shows(self):
+        """A sentence that fails would end a fit after all its runs."""
+        class Anything:
+            def __getattr__(self, name):
+                return self
+
+            def __getitem__(self, i):
+                return self
+
+            def __format__(self, form):
+                return format(1.0, form)
+        roots = {name: {re.split(r"[.\[]", field)[0] for _, field, _, _ in string.Formatter().parse(text) if field} for name, text in report._notes.items()}
+        for name, needed in roots.items():
+            self.assertNotIn("{", report.say(name, **dict.fromkeys(needed, Anything())))
+        trees = [ast.parse(file.read_text(encoding="utf-8")) for file in (tools / "knap_fit").glob("*.py")]
+        calls = [node for tree in trees for node in ast.walk(tree) if isinstance(node, ast.Call) and "say" in (getattr(node.func, "id", ""), getattr(node.func, "attr", ""))]
+        said = set()
+        for call in calls:
+            names = {node.value for node in ast.walk(call.args[0]) if isinstance(node, ast.Constant) and node.value in roots} or {"ratio", "as_measured"}
+            said |= names
+            for name in names:
+                self.assertLessEqual(roots[name], {word.arg for word in call.keywords}, name)
+        self.assertEqual(said, set(roots))  # none that nobody says
+
+    @needs_libraries
+    def test_report_says_how_much_specimens_bear_over_their_law(self):
+        fit = inferred(study("ratio", {"x": 2}, lambda a, b, s: Answer(x=a, strength_ratio=1.5, measured_sigma_c=3.0, interface_sigma_c=2.0)))
+        fit.runs.surplus_scatter = lambda: np.zeros(2)
+        report.write(fit)
+        page = (directory / "ratio" / "report.html").read_text()
+        self.assertIn("t: the specimens bear 1.5 times the strength of their law (strength_ratio).", page)
+        self.assertIn("t: sigma_c is as measured; the interfaces have it over 1.5.", page)
 
     @needs_libraries
     def test_an_interrupted_chain_prints_no_traceback(self):

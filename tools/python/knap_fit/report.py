@@ -17,8 +17,8 @@ _libraries = ("numpy", "scipy", "sklearn", "emcee", "matplotlib")
 _notes = tomllib.loads((pathlib.Path(__file__).parent / "notes.toml").read_text(encoding="utf-8"))
 
 
-def say(name, **values):
-    """A sentence of notes.toml."""
+def say(name, /, **values):
+    """A sentence of notes.toml; one of its values may be a name, too."""
     return _notes[name].format(**values)
 
 
