@@ -303,6 +303,46 @@ class Quick(unittest.TestCase):
         self.assertRegex(done.stderr, r"has its curve from -?\d\S* to 0\.[0-9]+ mm, what was measured goes from 0.1 to 1 mm\n  --> \S*longer.toml:\d+\n   = allowed: a later time.end")
         self.assertEqual(len(list((out / "runs").iterdir())), 1)
 
+    @needs_libraries
+    def test_few_specimens_have_students_t(self):
+        """Dissipated = 4 mJ for each J/m2, so that G_c has the interval of a mean of n with n - 1 degrees of freedom."""
+        from scipy import stats
+        text = bar.replace('method = "least squares"\n', "").replace('scatter = "1 %"\n', "").replace('scale = "log"\n', "")
+        for values, interval in (([10, 10.4, 9.9], 0.9), ([10, 11], 0.5)):
+            given = ", ".join(f'"{value} mJ"' for value in values)
+            fit = of_file("students", text.replace('"12 mJ"', given).replace("= 20", f"= 8\ninterval = {interval}")).run()
+            mean, deviation = np.mean(values) / 4, np.std(values, ddof=1) / 4 / len(values) ** 0.5
+            of = stats.t(len(values) - 1, mean, deviation)
+            exact = of.ppf(of.cdf(1.5) + np.array([1 - interval, 1 + interval]) / 2 * (of.cdf(4) - of.cdf(1.5)))  # between the bounds
+            np.testing.assert_allclose(np.ravel(fit.posterior.interval()), exact, atol=0.08 * np.ptp(exact))
+            self.assertEqual(fit.determined(), ["yes" if len(values) == 3 else "partly"])
+            (_, low, _, high), = fit.predictions()
+            self.assertGreater(high[0] - low[0], 4 * np.ptp(exact))
+            if len(values) == 3:
+                np.testing.assert_allclose(exact, [2.413, 2.637], atol=2e-3)
+                z = next(fit.likelihood.terms(np.array([[0.5]]), np.zeros(1)))[0][0, 0]
+                self.assertAlmostEqual(stats.norm.sf(-z) / of.sf(2.75), 1, delta=0.03)
+
+    @needs_libraries
+    def test_an_emulator_that_knows_less_than_the_data_says_so(self):
+        fit = study("rough", {"x": 2}, lambda a, b, s: Answer(x=a + 0.3 * np.sin(40 * a)), scatter=0.01, budget=9, shrink=0, seed=2)
+        report.write(fit.run())
+        (m, ratio), = fit.unconverged()
+        self.assertGreater(ratio, 1)
+        self.assertNotIn("yes", fit.determined())
+        self.assertIn("t: x: THE RUNS TELL LESS THAN THE DATA", (directory / "rough" / "report.html").read_text())
+        fit = inferred(study("smooth", {"x": 2, "y": 3}, lambda a, b, s: Answer(x=a, y=b)))
+        self.assertEqual((fit.unconverged(), fit.determined()), ([], ["yes", "yes"]))
+
+    def test_one_number_may_be_fitted_and_predicted(self):
+        file = directory / "twice.toml"
+        again = bar[bar.index("[[test"):]
+        file.write_text(bar + again + 'use = "predict"\n')
+        self.assertEqual([m.title for m in files.read(file).measured], ["bar: dissipated", "bar: dissipated (left out)"])
+        file.write_text(bar + again)
+        with self.assertRaisesRegex(files.Mistakes, "is the second one of dissipated(.|\n)*another `use`\n1 error"):
+            files.read(file)
+
     def test_every_sentence_has_the_values_that_it_shows(self):
         """A sentence that fails would end a fit after all its runs."""
         class Anything:
