@@ -424,13 +424,17 @@ def _combined(members, is_log):
 
 
 def least_squares(problem, runs, log=lambda text: None):
-    """(place, residuals in standard deviations): bounded least squares from the starts by scipy, a step of 0.05 of the
-    bounds for slopes, so that rough answers do not mislead them."""
-    best = (np.inf, "")
+    """(place, residuals in standard deviations): bounded least squares from the starts by scipy. Slopes are differences
+    over a tenth of the bounds, so that the roughness of one mesh does not turn their sign; where the search ends far
+    from the data it goes on from the best of all runs, over a fifth, to the other side. A run without a value is a
+    refused step."""
+    start = np.clip([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters], 0.01, 0.99)
+    best = (np.inf, "", start)
 
     def residuals(u):
         nonlocal best
-        if problem.rounded(u) not in runs.values and runs.n_runs + runs.per_point > problem.options["budget"]:
+        is_new = problem.rounded(u) not in runs.values
+        if is_new and runs.n_runs + runs.per_point > problem.options["budget"]:
             raise Stop(f"the budget of {problem.options['budget']} runs is used up; the best so far: {best[1]} "
                        f"(root of the sum of squares {best[0]:.3g} deviations)")
         where = ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
@@ -438,18 +442,36 @@ def least_squares(problem, runs, log=lambda text: None):
         for m in problem.fitted:
             values = runs.of(m)[k]
             if not np.isfinite(values).all(axis=1).any():
-                raise Stop(f"{m.title}: no value at {where}: {runs.cause(m.test, k)}")
+                if np.isinf(best[0]):
+                    raise Stop(f"{m.title}: no value at {where}: {runs.cause(m.test, k)}")
+                log(f"{where}: {m.title} has no value: {runs.cause(m.test, k)}")
+                return np.full(sum(one.size for one in problem.fitted), np.nan)
             found.append((np.nanmean(values, axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
-        log(f"{where}: " + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}"
-                                     for m in problem.fitted if m.x is None))
+        if is_new or np.isinf(best[0]):
+            log(f"{where}: " + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}"
+                                         for m in problem.fitted if m.x is None))
         found = np.concatenate(found)
-        best = min(best, (float(np.sqrt(found @ found)), where))
+        best = min(best, (float(np.sqrt(found @ found)), where, u), key=lambda one: one[0])
         return found
 
-    start = np.clip([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters], 0.01, 0.99)
+    def slopes(u):
+        columns, here = [], residuals(u)
+        for i, x in enumerate(u):
+            sides = [h for h in (step, -step, step / 4, -step / 4) if 0 <= x + h <= 1]
+            found = ((residuals(u + h * (np.arange(len(u)) == i)) - here) / h for h in sides)
+            columns.append(next((column for column in found if np.isfinite(column).all()), np.zeros(len(here))))
+        return np.array(columns).T
+
     if not runs.values:
         runs.add([start])
         problem.check_first(runs)
-    optimize = need("least squares", "scipy.optimize")
-    found = optimize.least_squares(residuals, start, bounds=(0, 1), diff_step=0.05, xtol=2e-3, ftol=1e-4)
+    optimize, found = need("least squares", "scipy.optimize"), None
+    for step in (0.1, -0.2):
+        try:
+            found = optimize.least_squares(residuals, best[2], slopes, bounds=(0, 1), xtol=2e-3, ftol=1e-4)
+        except Stop:
+            if found is None:
+                raise
+        if 2 * found.cost <= 4 * len(problem.fitted):
+            break
     return found.x, found.fun
