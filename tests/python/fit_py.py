@@ -764,8 +764,20 @@ class Quick(unittest.TestCase):
             fit.run()
         self.assertEqual(fit.runs.n_runs, 12)
         fit = study("failing", {"x": 2}, model, trajectories=2)
-        with self.assertRaisesRegex(Stop, "no run has a value; the first run without one: gate law_lag violated\n = allowed: bounds"):
+        with self.assertRaisesRegex(Stop, r"too few values: 0 of 16 points have one \(bounds, trajectories\); the first run without one: gate law_lag violated\n = allowed: bounds"):
             sensitivity.write(fit.problem, fit.runs)
+
+    @needs_libraries
+    def test_sensitivity_of_few_values_says_so(self):
+        """A number that most runs do not have has no effects and no indices; that of all runs keeps its own."""
+        def model(a, b, seed):
+            return Answer(x=a + b, **({"y": a} if b < 1.5 else {}))
+        fit = study("few_values", {"x": 2, "y": 2}, model, trajectories=4)
+        sensitivity.write(fit.problem, fit.runs)
+        table = knap.read_csv(directory / "few_values" / "sensitivity.csv")
+        self.assertEqual([text for text, name in zip(table["mean effect"], table["number"]) if name == "y"],
+                         ["too few values: 3 of 19 points have one (bounds, trajectories)"] * 2)
+        self.assertNotIn("nan", (directory / "few_values" / "sensitivity.csv").read_text())
 
     @needs_libraries
     def test_scatter_of_a_surplus_is_part_of_the_interval(self):
