@@ -98,7 +98,6 @@ class Emulator:
         return [s**2 * (process.predict(u, return_cov=True)[1] - process.kernel_.k2.noise_level * np.eye(len(u)))
                 for s, process in zip(self.scale, self.processes)]
 
-
     def draws(self, u, n=100):
         """Of a number: n functions as probable as the runs leave them, a column of values at the places u for each."""
         factor = np.linalg.cholesky(self.covariances(u)[0] + 1e-6 * self.scale[0] ** 2 * np.eye(len(u)))

@@ -35,6 +35,13 @@ def data_covariance(measured, emulator):
     return (spread + measured.noise**2 * np.eye(len(spread))) / measured.n + np.eye(len(spread)) * floor
 
 
+def freedom(measured, variance):
+    """Degrees of freedom of Student's t of a number whose error has this variance in all: those of the scatter of its
+    specimens s, times (variance/(s^2/n))^2, by Welch and Satterthwaite (Biometrics Bull. 2 (1946) 110)."""
+    part = np.maximum(variance * measured.n / max(measured.scatter**2, 1e-300), 1)
+    return np.minimum(measured.freedom * np.minimum(part, 1e3) ** 2, 1e6)  # from there on it is normal
+
+
 def with_error(measured, emulator, tau):
     """The same with the error of the model, tau of the level."""
     return data_covariance(measured, emulator) + np.multiply.outer(tau**2, emulator.level**2 * correlation(measured.x))
@@ -87,11 +94,16 @@ class Likelihood:
 
     def terms(self, u, tau):
         """Of each measurement: residuals in standard deviations, and the logarithm of their probability; a row for each
-        u."""
+        u. A number whose scatter its specimens tell has Student's t, and the normal residual of the same tail."""
+        stats = need("the posterior", "scipy.stats")
         for measured, emulator in self.parts:
             mean, variance = emulator(u)
             factor = np.linalg.cholesky(with_error(measured, emulator, tau) + emulator.spread(variance))
             z = np.linalg.solve(factor, (measured.values - mean)[:, :, None])[:, :, 0]
+            if np.isfinite(measured.freedom):
+                t = stats.t(freedom(measured, factor[:, :, 0] ** 2))
+                yield np.sign(z) * stats.norm.isf(t.sf(np.abs(z))), (t.logpdf(z) - np.log(factor[:, :, 0]))[:, 0]
+                continue
             yield z, -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
 
 
@@ -188,7 +200,7 @@ class Fit:
         if not self.history and file.exists():
             rows = np.array(list(knap.read_csv(file).values())).T
             self.history = [(int(row[0]), row[1], row[2:]) for row in rows if row[0] < self.runs.n_runs]
-        self.history.append((self.runs.n_runs, self.variances(self.posterior.at[:200]).mean(), self.posterior.widths()))
+        self.history.append((self.runs.n_runs, self.variances(self.posterior.at[:200]), self.posterior.widths()))
         titles = [f"{p.name}: width over that of the bounds" for p in self.problem.parameters]
         knap.write_csv(file, ["runs", "variance of emulators over that of the data", *titles],
                        [[n, share, *widths] for n, share, widths in self.history], digits=17)
@@ -226,13 +238,15 @@ class Fit:
             drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
         self.posterior = Posterior(self.problem, *drawn, self.surpluses)
 
-    def variances(self, u):
-        """Of the emulators over those of the data, mean over the measurements: what further runs can take away."""
-        found, tau = 0, self.posterior.best_tau
-        for m, emulator in self.likelihood.parts:
+    def variances(self, u, *some):
+        """Of the emulators over those of the data, mean over the places u and the measurements, or `some` of them: what
+        further runs can take away."""
+        found, tau = [], self.posterior.best_tau
+        for m in some or self.problem.fitted:
+            emulator = self.emulators[m.title]
             variance = np.diagonal(emulator.spread(emulator(u)[1]), axis1=1, axis2=2)
-            found = found + (variance / np.diag(with_error(m, emulator, tau))).mean(axis=1)
-        return found / len(self.likelihood.parts)
+            found.append(variance / np.diag(with_error(m, emulator, tau)))
+        return float(np.mean([part.mean() for part in found]))
 
     def next_points(self, n):
         """Of draws of the posterior, and of a few places anywhere, those whose runs would take most off the variance
@@ -265,6 +279,11 @@ class Fit:
         """Whether the model misses more of the data than its largest error term takes up."""
         return bool(self.contradicted and (not self.posterior.tau.any() or np.percentile(self.posterior.tau, 95) > 0.9))
 
+    def unconverged(self):
+        """(measurement, variance of its emulator over that of the data at the most likely place) where the runs tell
+        less than the data."""
+        return [(m, ratio) for m in self.problem.fitted if (ratio := self.variances(self.posterior.best[None], m)) > 1]
+
     def unknown_scatter(self):
         """Measurements of which nothing tells the scatter: one specimen, or runs of too few seeds."""
         return [m for m in self.problem.fitted
@@ -282,12 +301,13 @@ class Fit:
     def determined(self):
         """Of each parameter: "yes" below 0.4 of the standard deviation that it had before, "partly" below 0.75, "no".
         Parameters most of whose variance lies in directions that the data do not tell, of a model that cannot meet the
-        data, or from data of unknown scatter are at most "partly" determined, and "no" where no error term takes up the
-        misfit."""
+        data, from data of unknown scatter, or by an emulator that knows less than the data are at most "partly"
+        determined, and "no" where no error term takes up the misfit."""
         part, untold = self.narrowed_to()
         if self.beyond_error:
             return ["no"] * len(part)
-        is_told = (part < 0.4) & (untold < 0.5) & (not self.contradicted and not self.unknown_scatter())
+        is_hidden = self.contradicted or self.unknown_scatter() or self.unconverged()
+        is_told = (part < 0.4) & (untold < 0.5) & (not is_hidden)
         return np.where(is_told, "yes", np.where(part < 0.75, "partly", "no")).tolist()
 
     def combinations(self):
@@ -374,7 +394,11 @@ class Fit:
             emulator = self.emulators[m.title]
             mean, variance = emulator(self.posterior.at[:500])
             factor = np.linalg.cholesky(with_error(m, emulator, tau) + emulator.spread(variance))
-            y = mean + (factor @ rng.standard_normal((*mean.shape, 1)))[:, :, 0]
+            y = (factor @ rng.standard_normal((*mean.shape, 1)))[:, :, 0]
+            if np.isfinite(m.freedom):  # Student's t
+                of = freedom(m, factor[:, :, 0] ** 2)
+                y = y * np.sqrt(of / rng.chisquare(of))
+            y += mean
             found.append((m, *np.percentile(y, [self.posterior.tails[0], 50, self.posterior.tails[1]], axis=0)))
         return found
 
@@ -400,13 +424,17 @@ def _combined(members, is_log):
 
 
 def least_squares(problem, runs, log=lambda text: None):
-    """(place, residuals in standard deviations): bounded least squares from the starts by scipy, a step of 0.05 of the
-    bounds for slopes, so that rough answers do not mislead them."""
-    best = (np.inf, "")
+    """(place, residuals in standard deviations): bounded least squares from the starts by scipy. Slopes are differences
+    over a tenth of the bounds, so that the roughness of one mesh does not turn their sign; where the search ends far
+    from the data it goes on from the best of all runs, over a fifth, to the other side. A run without a value is a
+    refused step."""
+    start = np.clip([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters], 0.01, 0.99)
+    best = (np.inf, "", start)
 
     def residuals(u):
         nonlocal best
-        if problem.rounded(u) not in runs.values and runs.n_runs + runs.per_point > problem.options["budget"]:
+        is_new = problem.rounded(u) not in runs.values
+        if is_new and runs.n_runs + runs.per_point > problem.options["budget"]:
             raise Stop(f"the budget of {problem.options['budget']} runs is used up; the best so far: {best[1]} "
                        f"(root of the sum of squares {best[0]:.3g} deviations)")
         where = ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
@@ -414,18 +442,36 @@ def least_squares(problem, runs, log=lambda text: None):
         for m in problem.fitted:
             values = runs.of(m)[k]
             if not np.isfinite(values).all(axis=1).any():
-                raise Stop(f"{m.title}: no value at {where}: {runs.cause(m.test, k)}")
+                if np.isinf(best[0]):
+                    raise Stop(f"{m.title}: no value at {where}: {runs.cause(m.test, k)}")
+                log(f"{where}: {m.title} has no value: {runs.cause(m.test, k)}")
+                return np.full(sum(one.size for one in problem.fitted), np.nan)
             found.append((np.nanmean(values, axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
-        log(f"{where}: " + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}"
-                                     for m in problem.fitted if m.x is None))
+        if is_new or np.isinf(best[0]):
+            log(f"{where}: " + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}"
+                                         for m in problem.fitted if m.x is None))
         found = np.concatenate(found)
-        best = min(best, (float(np.sqrt(found @ found)), where))
+        best = min(best, (float(np.sqrt(found @ found)), where, u), key=lambda one: one[0])
         return found
 
-    start = np.clip([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters], 0.01, 0.99)
+    def slopes(u):
+        columns, here = [], residuals(u)
+        for i, x in enumerate(u):
+            sides = [h for h in (step, -step, step / 4, -step / 4) if 0 <= x + h <= 1]
+            found = ((residuals(u + h * (np.arange(len(u)) == i)) - here) / h for h in sides)
+            columns.append(next((column for column in found if np.isfinite(column).all()), np.zeros(len(here))))
+        return np.array(columns).T
+
     if not runs.values:
         runs.add([start])
         problem.check_first(runs)
-    optimize = need("least squares", "scipy.optimize")
-    found = optimize.least_squares(residuals, start, bounds=(0, 1), diff_step=0.05, xtol=2e-3, ftol=1e-4)
+    optimize, found = need("least squares", "scipy.optimize"), None
+    for step in (0.1, -0.2):
+        try:
+            found = optimize.least_squares(residuals, best[2], slopes, bounds=(0, 1), xtol=2e-3, ftol=1e-4)
+        except Stop:
+            if found is None:
+                raise
+        if 2 * found.cost <= 4 * len(problem.fitted):
+            break
     return found.x, found.fun

@@ -74,6 +74,7 @@ class Measured:
         self.x, self.columns, self.factors, self.scales = x, columns, factors, (1, 1)
         self.unit, self.x_unit = unit, x_unit
         self.noise = 0.0  # standard deviation of each point by itself
+        self.freedom = np.inf  # degrees of freedom of the scatter, which few specimens tell
         self.part = 0.0  # scatter of a candidate over its value, which is not known yet
         self.where = test and test.name  # file and line
 
@@ -390,8 +391,8 @@ class _Reader:
             found.values = np.array(points)[:, -1]
         if table["values"] and not is_curve:
             found.n = len(table["values"][0])
-            if found.n > 2:  # of the specimens themselves
-                found.scatter = float(table["values"][0].std(ddof=1))
+            if found.n > 1 and not table["scatter"]:  # of the specimens themselves
+                found.scatter, found.freedom = float(table["values"][0].std(ddof=1)), found.n - 1
         found.n = table["n"] or found.n
         for key in (key for key in ("scatter", "noise") if table[key]):
             value, unit = table[key]
@@ -490,7 +491,7 @@ def _check_scenario(reader, problem, test):
     """What the program says of a scenario with its parameters at both bounds, and of every number and column that it
     would not have. Columns are those of a run of one step."""
     curves, numbers = ([m for m in test.measured if (m.x is None) == is_number] for is_number in (False, True))
-    expect = ", ".join(f'{m.name} = {{ below = "1 {m.unit}" }}' for m in numbers)
+    expect = ", ".join({m.name: f'{m.name} = {{ below = "1 {m.unit}" }}' for m in numbers}.values())
 
     def ask(u, *words, **values):
         values |= {**problem.set_of(test, [u] * len(problem.parameters)), "figure": "", "study": "", "sweep": ""}

@@ -17,8 +17,8 @@ _libraries = ("numpy", "scipy", "sklearn", "emcee", "matplotlib")
 _notes = tomllib.loads((pathlib.Path(__file__).parent / "notes.toml").read_text(encoding="utf-8"))
 
 
-def say(name, **values):
-    """A sentence of notes.toml."""
+def say(name, /, **values):
+    """A sentence of notes.toml; one of its values may be a name, too."""
     return _notes[name].format(**values)
 
 
@@ -103,6 +103,7 @@ def said(fit, further, predictions):
         notes += [say("few_seeds", m=m)] * bool(emulators[m.title].freedom < 2)
         more = ", `seeds = 2`, or more runs" * (m.n > 1)
         notes += [say("one_specimen", m=m, more=more)] * (m in fit.unknown_scatter())
+    notes += [say("unconverged", m=m, ratio=ratio) for m, ratio in fit.unconverged()]
     notes += [say("surplus", p=p, part=100 * part) for p, part in zip(parameters, fit.surpluses) if part > 0]
     if posterior.tau.any():
         notes.append(say("error", tau=np.percentile(posterior.tau, [5, 50, 95]) * 100))

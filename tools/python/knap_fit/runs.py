@@ -97,7 +97,8 @@ class Runs:
             file = pathlib.Path(test.scenario)
             text = hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else test.scenario
             described.append([test.name, text, test.set, test.seeds, test.first_seed])
-        data = [[m.title, m.n, m.scatter, m.values.tolist()] for m in self.problem.measured if m.values is not None]
+        data = [[m.title, m.n, m.scatter, m.noise, m.freedom, m.values.tolist()] for m in self.problem.measured
+                if m.values is not None]
         data += [self.problem.options[key] for key in ("interval", "model_error", "seed")]
         now, k = [described, data], len(self.problem.parameters)
         mark, points = self.directory / "problem.json", self.directory / "points.csv"

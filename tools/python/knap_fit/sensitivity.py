@@ -55,27 +55,28 @@ def write(problem, runs):
     rows = []
     for test, name in sorted(names, key=lambda pair: (pair[0].name, pair[1])):
         y = runs.numbers(test, name)
-        if np.isfinite(y).sum() < k + 2 or not np.nanstd(y) > 1e-12 * np.nanmax(np.abs(y)):
-            text = "" if np.isfinite(y).any() else "no value"
+        n, effects = np.isfinite(y).sum(), morris(y[place], points)
+        is_short = n < 3 * (k + 1) or not np.isfinite(effects).all()
+        if is_short or not np.nanstd(y) > 1e-12 * np.nanmax(np.abs(y)):
+            text = f"too few values: {n} of {len(y)} points have one (bounds, trajectories)" * is_short
             rows += [[test.name, name, p.name, text, text, *[""] * 7] for p in problem.parameters]
             continue
         emulator = Emulator(runs.points, y[:, None, None], float(np.nanmax(np.abs(y))))
         first, total = sobol_indices(lambda u: emulator(u)[0][:, 0], k, 2048)
         errors = np.std(sobol_indices(emulator.draws, k, 256), axis=2)  # what the runs leave open
         seeds, unit = (emulator.noise[0] / np.nanvar(y)), knap.unit_of_output("summary", name) or ""
-        effects = morris(y[place], points)
         for p, (mu, sigma), *indices in zip(problem.parameters, effects, first, errors[0], total, errors[1]):
             relative = mu / max(np.nanmean(np.abs(y)), 1e-300)
             numbers = [float(value) for value in (relative, *indices, seeds)]
             rows.append([test.name, name, p.name, float(mu), float(sigma), unit, *numbers])
-    if all(row[3] == "no value" for row in rows):
-        raise Stop(f"no run has a value; {runs.remedy(problem.tests[0])}")
+    if all(str(row[3]).startswith("too few") for row in rows):
+        raise Stop(f"{rows[0][3]}; {runs.remedy(problem.tests[0])}")
     head = ["test", "number", "parameter", "mean effect", "deviation of effects", "unit", "effect over the mean",
             "Sobol first order", "deviation of first order", "Sobol total", "deviation of total", "part of the seeds"]
     latex = knap.latex(head, rows, "Sensitivity of " + problem.name, digits=3)
     (out / "sensitivity.tex").write_text(latex, encoding="utf-8")
     for row in rows:
-        text = "it is the same in all runs or has no value"
+        text = row[3] or "it is the same in all runs"
         if isinstance(row[6], float):
             text = f"{row[6]:.2g} of its mean over the bounds, {max(row[9], 0):.2f} +- {row[10]:.2f} of its variance"
         print(f"{row[0]}: {row[1]} on {row[2]}: {text}")
