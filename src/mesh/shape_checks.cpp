@@ -41,6 +41,7 @@ struct FaultPlaces {
     double worst = infinity;  // [m] the smallest length
     double limit = 0;         // [m] there
     std::string other = {};   // the other part there
+    bool of_cracks = false;   // a crack has one of these places: snap moves it
 
     /// True where it is the worst so far. Consecutive equal places are one.
     bool add(const Vec2& x, double length, double allowed) {
@@ -67,8 +68,10 @@ std::string limit_text(double limit) {
     return length_text(limit) + ", a twentieth of the mesh size of " + length_text(20 * limit) + " there";
 }
 
-/// What snap would do, or why it does not help.
-std::string snap_text(double snap, double limit) {
+/// What snap would do about cracks, or why it does not help.
+std::string snap_text(const FaultPlaces& places, double snap) {
+    const double limit = places.limit;
+    if (!places.of_cracks) return "";
     if (snap <= 0) return ", or let the shape have snap = \"" + length_text(limit) + "\"";
     if (snap < limit) return "; its snap of " + length_text(snap) + " is below that, which a finer mesh makes smaller";
     return "";
@@ -205,18 +208,30 @@ private:
     std::map<PartOrder, std::pair<std::string, FaultPlaces>> parts_;
 };
 
+/// Whether a crack runs through each node.
+std::vector<bool> nodes_of_cracks(const PlanarGraph& graph) {
+    std::vector<bool> found(graph.nodes.size(), false);
+    for (const GraphSegment& s : graph.segments)
+        if (s.crack >= 0) found[s.from] = found[s.to] = true;
+    return found;
+}
+
 void check_lengths(const PlanarGraph& graph, const SizeField& min_length, double snap, FaultList& faults) {
+    const std::vector<bool> of_crack = nodes_of_cracks(graph);
     PlacesOfParts parts;
     for (const GraphSegment& s : graph.segments) {
         const auto [a, b] = graph.line(s);
         const double length = (b - a).norm(), limit = min_length(0.5 * (a + b));
-        if (length < limit) parts.of(s).add(a, length, limit);
+        if (!(length < limit)) continue;
+        FaultPlaces& places = parts.of(s);
+        places.add(a, length, limit);
+        places.of_cracks = places.of_cracks || of_crack[s.from] || of_crack[s.to];
     }
     for (const auto& [order, named] : parts.all()) {
         const auto& [part, places] = named;
         faults.add(part, "has a piece of only ", length_text(places.worst), " at ", places.text(), ", below ",
                    limit_text(places.limit), ": drop the detail, move what crosses there, refine the mesh",
-                   part.starts_with("cracks") ? snap_text(snap, places.limit) : "");
+                   snap_text(places, snap));
     }
 }
 
@@ -239,6 +254,7 @@ void check_gaps(const PlanarGraph& graph, const SizeField& min_gap, double snap,
             if (gap >= limit * (1 - 1e-9)) continue;  // the demanded distance itself, but for its rounding
             const GraphSegment &offender = likelier(s, *of_node[n]), &other = &offender == &s ? *of_node[n] : s;
             FaultPlaces& places = parts.of(offender);
+            places.of_cracks = places.of_cracks || offender.crack >= 0;
             if (places.add(p, gap, limit)) places.other = part_text(other.part_name());
         }
     }
@@ -246,7 +262,7 @@ void check_gaps(const PlanarGraph& graph, const SizeField& min_gap, double snap,
         const auto& [part, places] = named;
         faults.add(part, "comes within ", length_text(places.worst), " of ", places.other, " at ", places.text(),
                    " without touching it: let it end there exactly, or leave at least ", limit_text(places.limit),
-                   part.starts_with("cracks") ? snap_text(snap, places.limit) : "");
+                   snap_text(places, snap));
     }
 }
 

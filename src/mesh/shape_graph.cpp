@@ -64,30 +64,29 @@ PlanarGraph planar_graph(const Shape& shape, double region_tolerance, SnapCounts
     const Box box = bounding_box(shape.outer.points);
     const std::size_t n_points = n_points_of(shape);
     const bool snaps = shape.snap > tolerance;
-    const auto insert_regions = [&](GraphBuilder& builder) {
+    GraphBuilder builder(graph, box, n_points);
+    const auto insert_regions = [&] {
         for (Index i = 0; i < std::ssize(shape.regions); ++i)
             builder.insert(sides_of(shape.regions[i].points, true), std::max(tolerance, region_tolerance),
                            {.region = i});
     };
-    {
-        GraphBuilder builder(graph, box, n_points);
-        builder.insert(sides_of(shape.outer.points, true), tolerance, {.ring = 0}, shape.outer.boundary);
-        for (Index i = 0; i < std::ssize(shape.holes); ++i)
-            builder.insert(sides_of(shape.holes[i].points, true), tolerance, {.ring = i + 1}, shape.holes[i].boundary);
-        for (Index i = 0; i < std::ssize(shape.cracks); ++i)
-            builder.insert(sides_of(shape.cracks[i].points, false), tolerance, {.crack = i});
-        if (!snaps) insert_regions(builder);
-    }
-    if (snaps) {
+    builder.insert(sides_of(shape.outer.points, true), tolerance, {.ring = 0}, shape.outer.boundary);
+    for (Index i = 0; i < std::ssize(shape.holes); ++i)
+        builder.insert(sides_of(shape.holes[i].points, true), tolerance, {.ring = i + 1}, shape.holes[i].boundary);
+    if (snaps) insert_regions();  // they stay where they are, and the cracks are moved onto them
+    const std::vector<Vec2> corners = graph.nodes;
+    for (Index i = 0; i < std::ssize(shape.cracks); ++i)
+        builder.insert(sides_of(shape.cracks[i].points, false), tolerance, {.crack = i});
+    if (!snaps) insert_regions();
+    const auto keep_inside = [&] {
         cut_off(graph, shape, tolerance);
         drop_unused_nodes(graph);
-        const SnapCounts found = snap_lines(graph, shape);
-        if (counts) *counts = found;
-        GraphBuilder builder(graph, box, n_points);
-        insert_regions(builder);
-    }
-    cut_off(graph, shape, tolerance);
-    drop_unused_nodes(graph);
+    };
+    keep_inside();
+    if (!snaps) return graph;
+    const SnapCounts found = snap_lines(graph, shape, corners);
+    if (counts) *counts = found;
+    keep_inside();
     return graph;
 }
 

@@ -6,9 +6,10 @@
 namespace knap {
 
 /// For a shape whose rings were checked. The end of a crack within the shape tolerance of a ring or of an earlier crack
-/// is moved onto it; with Shape::snap cracks, ends and crossings that are nearer than that are joined, and `counts`
-/// says how many. Region borders yield more: within `region_tolerance` [m] they are moved onto rings, cracks and each
-/// other, and their shorter sides collapse, so that a border cannot force triangles far below the mesh size.
+/// is moved onto it; with Shape::snap cracks, ends and crossings that are nearer than that to each other or to a border
+/// are joined, and `counts` says how many. Region borders yield more: within `region_tolerance` [m] they are moved onto
+/// rings, each other and (without snap) cracks, and their shorter sides collapse, so that a border cannot force
+/// triangles far below the mesh size.
 PlanarGraph planar_graph(const Shape& shape, double region_tolerance = 0, SnapCounts* counts = nullptr);
 
 /// Throws ShapeError, with all faults, unless rings are simple polygons that do not touch each other, holes lie inside

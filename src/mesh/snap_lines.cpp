@@ -14,19 +14,15 @@ constexpr double smallest_angle = 1.05 * std::numbers::pi / 180;  // [rad] a lit
 
 class SnappedLines {
 public:
-    SnappedLines(PlanarGraph& graph, const Shape& shape)
+    SnappedLines(PlanarGraph& graph, const Shape& shape, const std::vector<Vec2>& corners)
         : nodes_(graph.nodes),
           segments_(graph.segments),
           box_(bounding_box(shape.outer.points)),
           n_cracks_(static_cast<Index>(shape.cracks.size())),
           snap_(shape.snap) {
-        std::set<std::pair<double, double>> corners;
-        const auto add = [&](const Ring& ring) {
-            for (const Vec2& x : ring.points) corners.emplace(x.x(), x.y());
-        };
-        add(shape.outer);
-        for (const Ring& hole : shape.holes) add(hole);
-        for (const Vec2& x : nodes_) is_corner_.push_back(corners.contains({x.x(), x.y()}));
+        std::set<std::pair<double, double>> places;
+        for (const Vec2& x : corners) places.emplace(x.x(), x.y());
+        for (const Vec2& x : nodes_) is_corner_.push_back(places.contains({x.x(), x.y()}));
     }
 
     SnapCounts run() {
@@ -57,25 +53,28 @@ private:
         return n_nodes() - 1;
     }
 
+    /// Rings and borders of regions are where the body and its materials end; only cracks are moved.
+    static bool stays(const GraphSegment& s) { return s.ring >= 0 || s.region >= 0; }
+
     /// What meets at the nodes.
     struct Meeting {
-        std::vector<Index> neighbours = {}, along_ring = {};
+        std::vector<Index> neighbours = {}, along_border = {};
         std::size_t degree() const { return neighbours.size(); }
-        bool on_ring() const { return !along_ring.empty(); }
+        bool on_border() const { return !along_border.empty(); }
     };
     std::vector<Meeting> meetings() const {
         std::vector<Meeting> found(nodes_.size());
         for (const GraphSegment& s : segments_)
             for (const auto& [here, there] : {std::pair{s.from, s.to}, {s.to, s.from}}) {
                 found[here].neighbours.push_back(there);
-                if (s.ring >= 0) found[here].along_ring.push_back(there);
+                if (stays(s)) found[here].along_border.push_back(there);
             }
         return found;
     }
 
-    /// Corners of rings, points on rings, crossings, bends, ends: of two nodes the one that comes first stays.
+    /// Corners of borders, points on borders, crossings, bends, ends: of two nodes the one that comes first stays.
     int rank(const std::vector<Meeting>& at, Index n) const {
-        return is_corner_[n] ? 0 : at[n].on_ring() ? 1 : at[n].degree() > 2 ? 2 : at[n].degree() == 2 ? 3 : 4;
+        return is_corner_[n] ? 0 : at[n].on_border() ? 1 : at[n].degree() > 2 ? 2 : at[n].degree() == 2 ? 3 : 4;
     }
     std::vector<Index> by_rank(const std::vector<Meeting>& at) const {
         std::vector<Index> order;
@@ -95,8 +94,8 @@ private:
             target[n] = n;
             double nearest = snap_;
             for (const Index other : is_corner_[n] ? std::vector<Index>() : kept.near({x, x}, snap_)) {
-                // a point on a ring may only move along its side
-                if (at[n].on_ring() && std::ranges::count(at[n].along_ring, other) == 0) continue;
+                // a point on a border may only move along its side
+                if (at[n].on_border() && std::ranges::count(at[n].along_border, other) == 0) continue;
                 if (const double distance = (nodes_[other] - x).norm(); distance < nearest)
                     nearest = distance, target[n] = other;
             }
@@ -111,7 +110,7 @@ private:
         std::vector<bool> left_out(nodes_.size(), false);  // by a piece that is
         std::erase_if(segments_, [&](const GraphSegment& s) {
             if (target[s.from] != target[s.to]) return false;
-            if (s.ring < 0) {
+            if (!stays(s)) {
                 ++counts_.n_left_out, counts_.length_left_out += (nodes_[s.to] - nodes_[s.from]).norm();
                 left_out[s.from] = left_out[s.to] = true;
             }
@@ -124,13 +123,17 @@ private:
         remove_doubles();
     }
 
-    /// Where two lines have the same nodes, the first stays, or the ring.
+    /// Where two lines have the same nodes, the first stays, or the border; that of a region becomes the crack, too.
     void remove_doubles() {
-        std::ranges::stable_partition(segments_, [](const GraphSegment& s) { return s.ring >= 0; });
-        std::set<std::pair<Index, Index>> known;
+        std::ranges::stable_partition(segments_, stays);
+        std::map<std::pair<Index, Index>, Index> crack_of;  // by the nodes; of lines that stay, the one that joins them
         std::erase_if(segments_, [&](const GraphSegment& s) {
-            return !known.insert({std::min(s.from, s.to), std::max(s.from, s.to)}).second;
+            const auto [first, is_new] = crack_of.try_emplace(std::minmax(s.from, s.to), s.crack);
+            if (!is_new && first->second < 0) first->second = s.crack;
+            return !is_new;
         });
+        for (GraphSegment& s : segments_)
+            if (s.region >= 0) s.crack = crack_of.at(std::minmax(s.from, s.to));
     }
 
     /// Divides segments at nodes, in the order of their positions along the segment.
@@ -159,12 +162,12 @@ private:
             for (const auto& [end, other] : {std::pair{s.from, s.to}, {s.to, s.from}})
                 for (const Index n : at[end].neighbours) {
                     const Vec2 &a = nodes_[other], &b = nodes_[end], &x = nodes_[n];
-                    if (n == other || s.ring >= 0 || used[n] || used[end] || (x - b).norm() >= 1.5 * snap_) continue;
+                    if (n == other || stays(s) || used[n] || used[end] || (x - b).norm() >= 1.5 * snap_) continue;
                     if (const double t = nearest_parameter(a, b, x); !(t > 0 && t < 1)) continue;
                     if (distance_to_segment(a, b, x) >= snap_) continue;
                     const bool end_stays = rank(at, end) <= rank(at, n);
                     const Index moved = end_stays ? n : end;
-                    if (at[moved].on_ring()) continue;
+                    if (at[moved].on_border()) continue;
                     target[moved] = end_stays ? end : n;
                     used[n] = used[end] = changed = true;
                 }
@@ -185,8 +188,8 @@ private:
                 const Vec2 x = nodes_[n];
                 const double t = nearest_parameter(a, b, x);
                 if (n == s.from || n == s.to || !(t > 0 && t < 1) || !(distance_to_segment(a, b, x) < snap_)) continue;
-                if (s.ring >= 0 && at[n].on_ring()) continue;  // a narrow place of the outline
-                if (s.ring >= 0) nodes_[n] = a + t * (b - a), at[n].along_ring = {s.from, s.to};
+                if (stays(s) && at[n].on_border()) continue;  // a narrow place between borders
+                if (stays(s)) nodes_[n] = a + t * (b - a), at[n].along_border = {s.from, s.to};
                 if (at[n].degree() == 1) ++counts_.n_joined;
                 stops[i].emplace_back(t, n);
             }
@@ -251,9 +254,9 @@ private:
 
     bool part_pair(Index n, Index a, Index b, double angle) {
         const auto length = [&](Index s) { return (nodes_[segments_[s].to] - nodes_[segments_[s].from]).norm(); };
-        const bool swap = segments_[a].ring >= 0 || (segments_[b].ring < 0 && length(b) < length(a));
+        const bool swap = stays(segments_[a]) || (!stays(segments_[b]) && length(b) < length(a));
         const Index moved = swap ? b : a, kept = swap ? a : b;
-        if (segments_[moved].ring >= 0) return false;
+        if (stays(segments_[moved])) return false;
         const auto end = [&](Index s) { return segments_[s].from == n ? segments_[s].to : segments_[s].from; };
         const double t = std::min({length(moved), length(kept), 2 * snap_ / std::max(std::sin(angle), 1e-12)});
         const auto point = [&](Index s) -> Index {
@@ -273,7 +276,7 @@ private:
 
     std::vector<Vec2>& nodes_;
     std::vector<GraphSegment>& segments_;
-    std::vector<bool> is_corner_;  // of a ring
+    std::vector<bool> is_corner_;  // of a border
     Box box_;
     Index n_cracks_;  // of the shape
     double snap_;     // [m]
@@ -282,6 +285,8 @@ private:
 
 }  // namespace
 
-SnapCounts snap_lines(PlanarGraph& graph, const Shape& shape) { return SnappedLines(graph, shape).run(); }
+SnapCounts snap_lines(PlanarGraph& graph, const Shape& shape, const std::vector<Vec2>& corners) {
+    return SnappedLines(graph, shape, corners).run();
+}
 
 }  // namespace knap

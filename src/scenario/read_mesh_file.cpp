@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <set>
 
 namespace knap {
 namespace {
@@ -77,7 +78,9 @@ void mark_curves(const Table& table, GmshMesh& read) {
     std::vector<std::string> idle;
     for (const GmshGroup& group : read.inner_groups)
         if (group.n > 0) idle.push_back(group.name);
+    std::set<std::string> named;
     for (const Node& name : table.items("cracks")) {
+        named.insert(name.text);
         mark_curve(table, name, read, [](InteriorEdge& edge) { edge.cracked = true; });
         std::erase(idle, name.text);
     }
@@ -85,6 +88,10 @@ void mark_curves(const Table& table, GmshMesh& read) {
         if (!joint.has("interface")) continue;  // reported
         const Index number = joint.new_joint_set();
         if (!joint.has("curve")) continue;
+        if (const std::string curve = joint.text("curve"); !named.insert(curve).second)
+            joint.error("duplicate-name", "curve",
+                        "= \"" + curve + "\" is in mesh.cracks or another [[mesh.joint]], too",
+                        "one of them: a curve has one law, or none as a crack");
         mark_curve(table, table.reading().values.place_of(joint.path("curve")), read,
                    [&](InteriorEdge& edge) { edge.joint = number; });
         std::erase(idle, joint.text("curve"));

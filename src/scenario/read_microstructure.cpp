@@ -112,6 +112,7 @@ using Rgb = std::array<int, 3>;
 struct PaintedMaterial {
     Rgb rgb;
     Index material;
+    std::size_t row;  // of the table
 };
 
 /// "#rrggbb"
@@ -125,28 +126,30 @@ std::optional<Rgb> colour_of(const std::string& text) {
 std::vector<PaintedMaterial> palette(const Table& map) {
     std::vector<PaintedMaterial> found;
     const std::vector<Table> rows = map.list("colour");
-    for (const Table& row : rows) {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Table& row = rows[i];
         const auto material = row.material("material");
         const auto rgb = colour_of(row.text("rgb"));
         if (row.has("rgb") && !rgb)
             row.error("bad-value", "rgb", "= \"" + row.text("rgb") + "\" is no colour",
                       "as \"#rrggbb\", two hexadecimal digits each");
-        if (rgb && material) found.push_back({*rgb, *material});
+        if (rgb && material) found.push_back({*rgb, *material, i});
     }
     if (rows.empty())
         map.error("missing-key", "", "has no colours", "colour = [{ rgb = \"#ff0000\", material = \"NAME\" }]");
     return found;
 }
 
-Index material_of_pixel(const std::vector<PaintedMaterial>& palette, const std::uint8_t* pixel) {
-    Index material = -1;
+/// The nearest colour of the palette; null where all are far.
+const PaintedMaterial* colour_of_pixel(const std::vector<PaintedMaterial>& palette, const std::uint8_t* pixel) {
+    const PaintedMaterial* nearest = nullptr;
     int min_squared = max_colour_distance * max_colour_distance;
     for (const PaintedMaterial& painted : palette) {
         int squared = 0;
         for (int i = 0; i < 3; ++i) squared += (pixel[i] - painted.rgb[i]) * (pixel[i] - painted.rgb[i]);
-        if (squared <= min_squared) min_squared = squared, material = painted.material;
+        if (squared <= min_squared) min_squared = squared, nearest = &painted;
     }
-    return material;
+    return nearest;
 }
 
 void read_map(const Table& table, std::size_t number) {
@@ -170,12 +173,17 @@ void read_map(const Table& table, std::size_t number) {
     MaterialMap map{.low = box.low, .high = box.high, .width = picture->width, .height = picture->height};
     table.compute("smooth", Node::of_boolean(table.get<bool>("grains").value_or(false)));
     table.fill(map);
-    for (std::size_t pixel = 0; pixel < picture->rgb.size() / 3; ++pixel)
-        map.material.push_back(material_of_pixel(colours, &picture->rgb[3 * pixel]));
+    std::vector<bool> found(colours.size(), false);
+    for (std::size_t pixel = 0; pixel < picture->rgb.size() / 3; ++pixel) {
+        const PaintedMaterial* const painted = colour_of_pixel(colours, &picture->rgb[3 * pixel]);
+        map.material.push_back(painted ? painted->material : -1);
+        if (painted) found[static_cast<std::size_t>(painted - colours.data())] = true;
+    }
     const auto n = static_cast<double>(map.material.size()),
                n_none = static_cast<double>(std::ranges::count(map.material, -1));
     if (n_none == n && !colours.empty()) {
         table.error("bad-value", "", "has no pixel with one of the colours");
+        found.assign(found.size(), true);
     } else if (n_none > 0) {
         const std::string percent = std::to_string(static_cast<int>(std::ceil(100 * n_none / n)));
         table.warning(
@@ -185,6 +193,13 @@ void read_map(const Table& table, std::size_t number) {
                               "not that within grains"
                             : ""));
     }
+    const std::vector<Table> rows = table.list("colour");
+    for (std::size_t i = 0; i < colours.size(); ++i)
+        if (const Table& row = rows[colours[i].row]; !found[i])
+            row.warning("map", "rgb",
+                        "= \"" + row.text("rgb") + "\" is the colour of no pixel: the map gives `" +
+                            row.text("material") + "` to no place by it",
+                        "the colours as the picture has them: knap-convert --colours");
     if (map.grains && n_none < n) {
         const Index n_grains = map.find_patches(picture->rgb);
         if (n_grains == 0)

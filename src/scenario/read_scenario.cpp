@@ -204,6 +204,10 @@ std::string Scenario::table_of_part(std::size_t body, PlacedSet::Part part, std:
         return set.path +
                (set.is_random() ? "" : std::string(line_of_file) + std::to_string(set.file_lines[i - set.first]) + ")");
     }
+    const Body& owner = bodies[body];
+    const std::size_t first_excavation = owner.shape.regions.size() - owner.excavations.size();
+    if (part == PlacedSet::Part::regions && i >= first_excavation)
+        return item("excavation", owner.excavations[i - first_excavation]);
     return item(path, i);
 }
 
@@ -230,12 +234,7 @@ std::vector<Diagnostic> ReadResult::at_shapes(const ShapeError& error) const {
     std::vector<Diagnostic> found;
     const PathsOfParts paths(scenario);
     for (const ShapeFault& fault : error.faults) {
-        std::string named = paths.of(fault.part);
-        std::string path = named.substr(0, named.find(' '));
-        for (const Body& body : scenario.bodies)
-            for (std::size_t i = 0; i < body.excavations.size(); ++i)
-                if (path == item(body.path + ".region", body.shape.regions.size() - body.excavations.size() + i))
-                    path = named = item("excavation", body.excavations[i]);
+        const std::string named = paths.of(fault.part), path = named.substr(0, named.find(' '));
         std::string key = named.find(line_of_file) == std::string::npos ? path : named;
         for (const char* outline : {".box", ".radius", ".size", ".points"})
             if (const Node* node = values.find(path + outline); node && node->is_given()) key = path + outline;

@@ -45,6 +45,8 @@ public:
         if (++n_reports_ <= max_reports) table_.error_in_file("bad-file", "file", bytes_, line, problem, note);
     }
     bool has_reports() const { return n_reports_ > 0; }
+    /// Columns of the csv file besides trace, x and y, or properties of lines in GeoJSON.
+    const std::set<std::string>& properties() const { return properties_; }
 
     static std::string name_of(const Trace& trace) { return "trace `" + trace.name + "`"; }
 
@@ -100,8 +102,9 @@ private:
         std::string problem;
         for (std::size_t i = 0; i < names.size(); ++i) {
             const auto [name, unit] = column_title(names[i]);
-            if (name == "trace") columns.trace = i, ++n_found;
             if (name == property_) columns.kind = i;
+            if (name == "trace") columns.trace = i, ++n_found;
+            else if (name != "x" && name != "y") properties_.insert(name);
             if (name != "x" && name != "y") continue;
             ++n_found;
             double metres = unit_.value_or(0);
@@ -116,8 +119,6 @@ private:
             (name == "x" ? columns.metres_x : columns.metres_y) = metres;
         }
         if (n_found != 3) problem = "the first line does not name the columns trace, x and y";
-        if (problem.empty() && table_.given("property") && columns.kind == columns.n)
-            problem = "there is no column `" + property_ + "`, which `" + table_.path("property") + "` names";
         if (problem.empty()) return columns;
         report(number, problem, "as `trace, x [m], y [m], class`: a line for each point");
         return std::nullopt;
@@ -192,6 +193,8 @@ private:
             const nlohmann::json& kind = (*properties)[property_];
             trace.kind = kind.is_string() ? kind.get<std::string>() : kind.dump();
         }
+        if (properties != feature.end() && properties->is_object())
+            for (const auto& [name, value] : properties->items()) properties_.insert(name);
         for (const nlohmann::json& point : points)
             trace.points.emplace_back(point.at(0).get<double>() * *unit_, point.at(1).get<double>() * *unit_);
         traces_.push_back(std::move(trace));
@@ -202,6 +205,7 @@ private:
     std::string property_;
     std::optional<double> unit_;  // [m] of one unit of coordinates that have none of their own
     std::vector<Trace> traces_;
+    std::set<std::string> properties_;
     int n_reports_ = 0;
 };
 
@@ -232,9 +236,16 @@ bool is_beyond(const Shape& shape, const Vec2& p) {
 }
 
 /// A class of the file that no table takes would be missing in the body without a word: the first table of the file
-/// says so. True
-/// without a mistake.
+/// says so. True without a mistake.
 bool check_classes(const Table& table, const std::vector<Trace>& traces, bool is_first, TraceFile& file) {
+    if (const std::string property = table.text("property");
+        (table.given("property") || table.given("class")) && !file.properties().contains(property)) {
+        const std::vector<std::string> others(file.properties().begin(), file.properties().end());
+        table.error("unknown-name", "property",
+                    "= \"" + property + "\" is no column or property of the traces in the file",
+                    others.empty() ? "they have none" : "known: " + first_of(others), did_you_mean(property, others));
+        return false;
+    }
     std::set<std::string> taken, known;
     for (const Table& other : table.reading().list("traces"))
         if (other.text("file") == table.text("file")) {

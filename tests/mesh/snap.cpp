@@ -136,6 +136,56 @@ TEST_CASE("snap: the outline stays where it is and takes the ends near it") {
     CHECK(faults_below(0.05, rim.graph).empty());
 }
 
+TEST_CASE("snap: the line of a region stays where it is and takes what comes near it") {
+    // one ends 0.1 m short of it, one 0.1 m beyond, one crosses both sides of a corner, one is nearly parallel
+    const std::vector<std::vector<Vec2>> cracks{
+        {{1, 5}, {2.9, 5}}, {{5, 9}, {5, 6.9}}, {{6, 7.95}, {7.95, 6}}, {{3.5, 2.95}, {6.5, 3.1}}};
+    for (const bool only_line : {false, true}) {
+        CAPTURE(only_line);
+        Shape shape = box(cracks, 0.2);
+        shape.regions.push_back({.points = {{3, 3}, {7, 3}, {7, 7}, {3, 7}}, .tag = 1, .only_line = only_line});
+        const Snapped snapped(shape);
+        CHECK(snapped.has({3, 5}));
+        CHECK(snapped.has({5, 7}));
+        CHECK(snapped.has({7, 7}));
+        CHECK(snapped.counts.n_joined == 3);  // the first, and both ends of the last
+        CHECK(snapped.counts.n_left_out == 2);
+        CHECK(snapped.counts.length_left_out == relative(0.1 + 0.05 * std::numbers::sqrt2, 1e-9));
+        CHECK(snapped.counts.lost.empty());
+        double border = 0, crack_on_it = 0;  // [m]
+        for (const GraphSegment& s : snapped.graph.segments) {
+            if (s.region < 0) continue;
+            const auto [a, b] = snapped.graph.line(s);
+            CHECK((a.x() == b.x() || a.y() == b.y()));  // bit for bit
+            border += (b - a).norm();
+            if (s.crack == 3) crack_on_it += (b - a).norm();
+        }
+        CHECK(border == relative(16, 1e-12));
+        CHECK(crack_on_it == relative(3, 1e-12));
+        CHECK(faults_below(0.2, snapped.graph).empty());
+        shape.snap = 0;
+        CHECK(faults_below(0.2, planar_graph(shape)).size() >= 4);
+    }
+}
+
+TEST_CASE("snap: a map of 300 traces is meshable round a hole and in a region and a tunnel as well") {
+    const Vec2 extent(40, 30);
+    const double snap = 0.3;
+    const std::vector<Vec2> round = circle(Vec2(20, 15), 3, 40),  // with sides of 0.47 m
+        square{{8, 6}, {32, 6}, {32, 24}, {8, 24}};
+    for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
+        CAPTURE(seed);
+        Shape shape = box(tests::trace_map(300, extent, 0.1, seed), snap, extent);
+        shape.regions = {{.points = square, .tag = 1}, {.points = round, .only_line = true}};
+        // a mesh whose twentieth is a sixth of the snap
+        const PlanarGraph graph = checked_graph(shape, {.size = 20 * snap / 6}, 0.5 * snap);
+        double border = 0;  // [m]
+        for (const GraphSegment& s : graph.segments)
+            if (s.region >= 0) border += (graph.line(s).b - graph.line(s).a).norm();
+        CHECK(border == relative(2 * (24 + 18) + 2 * 40 * 3 * std::sin(std::numbers::pi / 40), 1e-6));
+    }
+}
+
 TEST_CASE("snap: two lines at a small angle part where they are apart") {
     const Snapped wedge(box({{{1, 5}, {9, 5}}, {{1, 5}, {9, 5.12}}}, 0.02));  // 0.86 degree
     CHECK(faults_below(0.02, wedge.graph).empty());

@@ -334,7 +334,7 @@ const std::string mesh_file =
                      "[mesh]\nfile = \"" KNAP_SOURCE_DIR
                      "/tests/mesh/data/block_41_ascii.msh\"\n"
                      "unit = \"1 mm\"\ncracks = [\"crack\"]\nmaterial = \"glass\"\ngrains = "
-                     "true\n[[mesh.joint]]\ncurve = \"crack\"\ninterface = \"default\"\n"
+                     "true\n[[mesh.joint]]\ncurve = \"joint\"\ninterface = \"default\"\n"
                      "[material.steel]\ndensity = 8000\nE = 190e9\nnu = 0.3\n");
 
 const std::string scene = samples::changed("[domain]\nshape = \"rectangle\"\nsize = [0.1, 0.04]\n", R"([[body]]
@@ -1118,7 +1118,7 @@ const Case cases[] = {
     {mesh_file, "mesh.cracks", "[\"crack\"]"},
     {mesh_file, "mesh.material", "\"glass\""},
     {mesh_file, "mesh.grains", "true"},
-    {mesh_file, "mesh.joint[0].curve", "\"crack\""},
+    {mesh_file, "mesh.joint[0].curve", "\"joint\""},
     {mesh_file, "mesh.joint[0].interface", "\"default\""},
     {slate, "material.glass.bedding.E", "2e+10"},
     {slate, "material.glass.bedding.nu", "0.15"},

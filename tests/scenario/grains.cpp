@@ -161,6 +161,9 @@ TEST_CASE("maps: colours become materials") {
     CHECK(half.scenario.maps[0].at({0.049, 0.03}) == -1);
     REQUIRE(half.warnings.size() == 1);
     CHECK(half.warnings[0].message.find("50 %") != std::string::npos);
+    const ReadResult absent = samples::read(map(left + ", " + right + ", { rgb = \"#00ff00\", material = \"glass\" }"));
+    REQUIRE(absent.warnings.size() == 1);
+    CHECK(absent.warnings[0].message.starts_with("`map[0].colour[2].rgb` = \"#00ff00\" is the colour of no pixel"));
     CHECK(reports(map("{ rgb = \"red\", material = \"quartz\" }"), "bad-value", "no colour"));
     CHECK(reports(map("{ rgb = \"#00ff00\", material = \"quartz\" }"), "bad-value", "no pixel"));
     CHECK(reports(map("{ rgb = \"#2040e0\", material = \"quarz\" }"), "unknown-name", "did you mean"));

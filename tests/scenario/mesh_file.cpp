@@ -133,6 +133,9 @@ TEST_CASE("mesh file: names that the scenario does not have are refused") {
     CHECK(crack("crak")[0].note == "known: crack, joint");
     REQUIRE(crack("hole").size() == 1);
     CHECK(crack("hole")[0].note == "it lies on the boundary");
+    const auto twice = mistakes(two_materials + "[[mesh.joint]]\ncurve = \"crack\"\ninterface = \"default\"\n");
+    REQUIRE(twice.size() == 1);
+    CHECK(twice[0].message == "`mesh.joint[0].curve` = \"crack\" is in mesh.cracks or another [[mesh.joint]], too");
 }
 
 TEST_CASE("mesh file: triangles without a name have the only material") {

@@ -123,6 +123,8 @@ TEST_CASE("traces: GeoJSON gives lines and classes") {
                              .scenario;
     CHECK(one.placed_sets.at(0).n == 1);
     CHECK(one.placed_sets.at(1).n == 2);
+    CHECK(map.error("unit = \"1 mm\"\nclass = \"b\"\n").note == "known: set");  // without property: class
+    CHECK(map.error("unit = \"1 mm\"\nproperty = \"sets\"\n").hint == "did you mean `set`?");
     for (const auto& [content, line, text] :
          {std::tuple{"{\n\"features\": [", 2, "no JSON"},
           {"{\"features\": [\n{\"geometry\": {\"type\": \"Point\", \"coordinates\": [1, 2]}}]}", 2, "is a Point"},
@@ -161,8 +163,7 @@ TEST_CASE("traces: mistakes of a map have their line") {
           {"trace, x [mm], y [mm], class\n1, 10, 10, a\n1, 20, 10, b\n", "", 3, "has the class `b` here"},
           {"trace, x [mm], y [mm], class\n1, 10, 10, a\n1, 20, 10, a\n2, 5, 5, b\n2, 6, 9, b\n", "class = \"a\"\n", 4,
            "class `b`, which no [[traces]] takes"},
-          {"trace, x [mm], y [mm]\n", "", 1, "no trace"},
-          {"trace, x [mm], y [mm]\n", "property = \"set\"\n", 1, "there is no column `set`"}}) {
+          {"trace, x [mm], y [mm]\n", "", 1, "no trace"}}) {
         CAPTURE(content);
         const Diagnostic error = Map(content).error(keys);
         CHECK(error.file.ends_with("map.csv"));
@@ -170,6 +171,10 @@ TEST_CASE("traces: mistakes of a map have their line") {
         CHECK_MESSAGE(error.message.find(text) != std::string::npos, error.message);
     }
     CHECK(Map(two).error("class = \"dyke\"\n").code == "unknown-name");
+    const Diagnostic property = Map(two).error("property = \"clas\"\n");
+    CHECK(property.message == "`traces[0].property` = \"clas\" is no column or property of the traces in the file");
+    CHECK(property.note == "known: class");
+    CHECK(property.hint == "did you mean `class`?");
     CHECK(Map("trace, x, y\n1, 10, 5\n1, 40, 12\n").read("unit = \"1 mm\"\n").scenario.bodies[0].shape.cracks.size() ==
           1);
 }

@@ -238,6 +238,14 @@ std::size_t entry_of_initial(const ReadResult& read, std::size_t number, bool ve
 
 constexpr double much_of_map = 0.2;  // [-] of the length or number of cracks, that snap leaves out
 
+/// The first crack of a body that stands in a data file, with its line; empty where none does.
+std::string first_of_file(const Scenario& scenario, const Body& body) {
+    for (const PlacedSet& set : scenario.placed_sets)
+        if (&scenario.bodies[set.body] == &body && !set.is_random())
+            return scenario.table_of_part(set.body, set.part, set.first, body.path + ".crack");
+    return "";
+}
+
 /// Cracks that the snap of their body leaves out: an error where none is left, a warning where many are missing.
 std::vector<Diagnostic> findings_of_snap(const ReadResult& read) {
     std::vector<Diagnostic> found;
@@ -256,14 +264,17 @@ std::vector<Diagnostic> findings_of_snap(const ReadResult& read) {
         const auto middle = inside.begin() + static_cast<std::ptrdiff_t>(inside.size() / 2);
         std::ranges::nth_element(inside, middle);
         const std::string key = body.path + ".snap";
+        const std::string data = n_lost == inside.size() ? first_of_file(read.scenario, body) : "";
         found.push_back(read.at(
-            key, {.severity = n_lost == inside.size() ? Diagnostic::Severity::error : Diagnostic::Severity::warning,
-                  .code = "lost-cracks",
-                  .message = formatted("`%s` = %s leaves out %zu of %zu cracks, and %s of their %s", key.c_str(),
-                                       readable(body.shape.snap, "m").c_str(), n_lost, inside.size(),
-                                       readable(lost, "m").c_str(), readable(drawn, "m").c_str()),
-                  .note = "a snap far below the length of the cracks, half of which are shorter than " +
-                          readable(*middle, "m")}));
+            data.empty() ? key : data,
+            {.severity = n_lost == inside.size() ? Diagnostic::Severity::error : Diagnostic::Severity::warning,
+             .code = "lost-cracks",
+             .message = formatted("`%s` = %s leaves out %zu of %zu cracks, and %s of their %s", key.c_str(),
+                                  readable(body.shape.snap, "m").c_str(), n_lost, inside.size(),
+                                  readable(lost, "m").c_str(), readable(drawn, "m").c_str()),
+             .note = "a snap far below the length of the cracks, half of which are shorter than " +
+                     readable(*middle, "m") +
+                     (data.empty() ? "" : "; or the right unit of the file, whose coordinates may have another")}));
     }
     return found;
 }

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 namespace knap {
 namespace {
@@ -85,37 +86,49 @@ double distance_to_line(const std::vector<Vec2>& line, bool closed, const Vec2& 
     return smallest;
 }
 
-/// Paths of the parts of the shape within `reach` of a place, nearest first.
-std::vector<std::string> parts_near(const Scenario& scenario, const Vec2& x, double reach) {
-    std::vector<std::pair<double, std::string>> parts;
+/// A part of the shape near a place.
+struct NearPart {
+    double distance;   // [m]
+    std::string path;  // of its table
+    bool is_crack;
+};
+
+/// The parts of the shape within `reach` of a place, nearest first.
+std::vector<NearPart> parts_near(const Scenario& scenario, const Vec2& x, double reach) {
+    std::vector<NearPart> parts;
     const auto add = [&](const std::string& path, const std::vector<Vec2>& line, bool closed) {
-        if (const double d = distance_to_line(line, closed, x); d < reach) parts.emplace_back(d, path);
+        if (const double d = distance_to_line(line, closed, x); d < reach) parts.push_back({d, path, !closed});
     };
     for (std::size_t b = 0; b < scenario.bodies.size(); ++b) {
         const Body& body = scenario.bodies[b];
         const auto add_all = [&](PlacedSet::Part part, const std::string& list, const auto& lines, bool closed) {
-            for (std::size_t i = 0; i < lines.size(); ++i) {
+            for (std::size_t i = 0; i < lines.size(); ++i)
                 add(scenario.table_of_part(b, part, i, body.path + list), lines[i].points, closed);
-            }
         };
         add(body.path, body.shape.outer.points, true);
         add_all(PlacedSet::Part::holes, ".hole", body.shape.holes, true);
         add_all(PlacedSet::Part::cracks, ".crack", body.shape.cracks, false);
         add_all(PlacedSet::Part::regions, ".region", body.shape.regions, true);
     }
-    std::ranges::stable_sort(parts, {}, &std::pair<double, std::string>::first);
-    std::vector<std::string> paths;
-    for (auto& [distance, path] : parts) paths.push_back(std::move(path));
-    return paths;
+    std::ranges::stable_sort(parts, {}, &NearPart::distance);
+    return parts;
 }
 
 /// "`joints[0]` and `domain.hole[0]`", "two parts of `joints[0]`"
-std::string culprits(const std::vector<std::string>& parts) {
+std::string culprits(const std::vector<NearPart>& parts) {
     if (parts.empty()) return "the mesh";
-    if (parts.size() == 1) return "a detail of `" + parts[0] + "`";
-    if (parts[0] == parts[1]) return "two parts of `" + parts[0] + "`";
-    const auto [first, second] = std::minmax(parts[0], parts[1]);  // one name, whichever is nearer
+    if (parts.size() == 1) return "a detail of `" + parts[0].path + "`";
+    if (parts[0].path == parts[1].path) return "two parts of `" + parts[0].path + "`";
+    const auto [first, second] = std::minmax(parts[0].path, parts[1].path);  // one name, whichever is nearer
     return "`" + first + "` and `" + second + "`";
+}
+
+/// The snap that would join what lies side by side, for cracks among the two nearest parts.
+std::string snap_cure(const Body& body, const std::vector<NearPart>& parts, double size) {
+    constexpr double joins = 0.2;  // [mesh size]
+    const bool of_crack = std::ranges::any_of(parts | std::views::take(2), &NearPart::is_crack);
+    if (!of_crack || body.shape.snap >= joins * size) return "";
+    return body.path + ".snap = \"" + readable(joins * size, "m") + "\" joins them; ";
 }
 
 // ---- numbers
@@ -305,12 +318,12 @@ public:
         std::vector<std::string> named;
         for (const Index t : slow) {
             const Vec2 a = mesh_.corner(t, 0), b = mesh_.corner(t, 1), c = mesh_.corner(t, 2), x = (a + b + c) / 3;
-            const std::vector<std::string> parts = parts_near(scenario_, x, 2 * size(t));
+            const std::vector<NearPart> parts = parts_near(scenario_, x, 2 * size(t));
             const std::string who = culprits(parts);
             if (std::ranges::find(named, who) != named.end()) continue;
             named.push_back(who);
             if (named.size() > max_details) return;
-            add(parts.empty() ? "mesh.size" : parts[0], "small-step",
+            add(parts.empty() ? "mesh.size" : parts[0].path, "small-step",
                 formatted(
                     "a triangle at %s has an edge of %s where the mesh size is %s; its stable step of %s is %.3g times "
                     "smaller than the %s of that size, and all triangles use the smallest one. Next to it: %s",
@@ -321,6 +334,7 @@ public:
                 std::string(who.find(" and ") != who.npos || who.starts_with("two parts")
                                 ? "move one of them, let them meet, or remove the detail; "
                                 : "enlarge or remove it; ") +
+                    snap_cure(body_of(t), parts, size(t)) +
                     (std::ranges::any_of(scenario_.placed_sets, &PlacedSet::is_random)
                          ? "another seed places random traces elsewhere; "
                          : "") +

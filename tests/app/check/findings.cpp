@@ -228,6 +228,7 @@ TEST_CASE("two lines that cut the stable step are named with their place") {
     CAPTURE(check.text);
     CHECK(check.has("warning[small-step]: a triangle at (0.0"));
     CHECK(check.has("Next to it: `domain.crack[0]` and `domain.crack[1]`"));
+    CHECK(check.has("domain.snap = \"800 µm\" joins them"));  // a fifth of the mesh size
     // each detail by itself, in a mesh of 1 mm: a pair a tenth of an edge apart, a small hole
     const Answer both =
         command(plate(folder, "",
@@ -287,8 +288,27 @@ TEST_CASE("a snap that leaves out much of a map is a warning with its length and
         CAPTURE(all.text);
         CHECK(all.code == 2);
         CHECK(all.has("error[lost-cracks]: `domain.snap` = 15 mm leaves out 3 of 3 cracks, and 26 mm of their 26 mm"));
+        CHECK(all.has("map.csv:2"));  // most likely the unit of the file
+        CHECK(all.has("the right unit of the file"));
         CHECK_FALSE(answer(verb, "1 mm").has("lost-cracks"));
     }
+}
+
+TEST_CASE("the outline of an excavation has the name of its table and takes cracks within snap") {
+    const Folder folder("snap_of_excavation");
+    const std::string excavation =
+        "[[excavation]]\nbox = [\"40 mm\", \"10 mm\", \"60 mm\", \"30 mm\"]\nat = \"10 us\"\n"
+        "[[domain.crack]]\npoints = [[\"20 mm\", \"20 mm\"], [\"39.9 mm\", \"20 mm\"]]\n";
+    const Answer apart = command(plate(folder, excavation, "snap = \"10 um\"\n"));
+    CAPTURE(apart.text);
+    CHECK(apart.code == 2);
+    CHECK(apart.has("`domain.crack[0]` comes within 100 µm of `excavation[0]` at"));
+    CHECK(apart.has("its snap of 10 µm is below that"));
+    CHECK_FALSE(apart.has("domain.region"));
+    const Answer joined = command(plate(folder, excavation, "snap = \"200 um\"\n"));
+    CAPTURE(joined.text);
+    CHECK(joined.code == 0);
+    CHECK(joined.has("domain.snap    within 200 µm: 1 ends joined"));
 }
 
 TEST_CASE("what the mesh finds wrong in a data file has the place of the data") {
