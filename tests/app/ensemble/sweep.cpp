@@ -248,10 +248,10 @@ TEST_CASE("sweep: a table before the end has means of the runs that are done and
         for (std::string cell; std::getline(cells, cell, '|');) rows.back().emplace_back(trimmed(cell));
     }
     REQUIRE(rows.size() == 5);
-    CHECK(rows[0] == Texts{"mesh.size", "done", "size", "triangles", "steps", "fragments"});
-    CHECK(rows[2] == Texts{"1 mm", "2 of 3", "1 mm", "9200", "18400", "2.5 ± 0.71 (2)"});
-    CHECK(rows[3] == Texts{"2 mm", "1 of 3", "2 mm", "2400", "4800", "5 (1)"});
-    CHECK(rows[4] == Texts{"3 mm", "0 of 3", "3 mm", "-", "-", "-"});
+    CHECK(rows[0] == Texts{"mesh.size", "done", "size", "triangles", "steps", "fragments", "smallest", "largest"});
+    CHECK(rows[2] == Texts{"1 mm", "2 of 3", "1 mm", "9200", "1.84e+04", "2.5 ± 0.71 (2)", "2", "3"});
+    CHECK(rows[3] == Texts{"2 mm", "1 of 3", "2 mm", "2400", "4800", "5 (1)", "5", "5"});
+    CHECK(rows[4] == Texts{"3 mm", "0 of 3", "3 mm", "-", "-", "-", "-", "-"});
 }
 
 TEST_CASE("sweep: no run outlives a sweep that is killed") {
