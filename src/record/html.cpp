@@ -62,10 +62,36 @@ bool stays_whole(const std::string& cell) {
     return n_characters(cell) <= (is_number ? longest_number : short_cell);
 }
 
+/// The text of a cell, whose names may break behind each underscore.
+std::string cell_text(const std::string& cell) {
+    std::string text;
+    for (const char c : html_text(cell)) text += c == '_' ? std::string("_<wbr>") : std::string(1, c);
+    return text;
+}
+
+/// Whether the columns fit A4 although no name breaks elsewhere.
+bool fits_paper(const HtmlRow& header, const std::vector<HtmlRow>& rows) {
+    constexpr std::size_t most = 125;  // [character] of 6.5 pt with their gaps
+    std::size_t sum = 0;
+    for (std::size_t k = 0; k < rows[0].size(); ++k) {
+        std::size_t longest = 0, length = 0;
+        const auto add = [&](const HtmlRow& row) {
+            for (const char c : k < row.size() ? row[k] + ' ' : " ") {
+                longest = std::max(longest, length += c == ' ' ? 0 : 1);
+                if (c == ' ' || c == '_') length = 0;
+            }
+        };
+        add(header);
+        for (const HtmlRow& row : rows) add(row);
+        sum += longest + 1;
+    }
+    return sum <= most;
+}
+
 std::string cells(const HtmlRow& row, const char* kind) {
     std::string text = "<tr>";
     for (const std::string& cell : row)
-        text += std::string("<") + kind + (stays_whole(cell) ? " class=\"short\">" : ">") + html_text(cell) + "</" +
+        text += std::string("<") + kind + (stays_whole(cell) ? " class=\"short\">" : ">") + cell_text(cell) + "</" +
                 kind + ">";
     return text + "</tr>\n";
 }
@@ -87,7 +113,9 @@ std::string html_text(std::string_view text) {
 std::string html_table(const HtmlRow& header, const std::vector<HtmlRow>& rows) {
     if (rows.empty()) return "";
     constexpr std::size_t widest_on_phones = 4;  // [column] a wider table scrolls, and is small on paper
-    const std::string kind = rows[0].size() > widest_on_phones ? " class=\"wide\"" : "";
+    const std::string kind = rows[0].size() <= widest_on_phones ? ""
+                             : fits_paper(header, rows)         ? " class=\"wide\""
+                                                                : " class=\"wide widest\"";
     std::string text = "<div class=\"table\"><table" + kind + ">\n" +
                        (header.empty() ? "" : "<thead>" + cells(header, "th") + "</thead>\n");
     for (const HtmlRow& row : rows) text += cells(row, "td");

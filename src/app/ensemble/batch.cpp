@@ -154,74 +154,125 @@ std::vector<const EnsembleRun*> runs_to_do(std::span<const EnsembleRun> all, con
     return to_do;
 }
 
+/// Whether the run is still to be done, or to be continued.
+bool is_to_go(const EnsembleRun& run) { return run.is_left() || run.result.status == "interrupted"; }
+
 std::string title_of(const Ensemble& ensemble) { return ensemble.title.empty() ? ensemble.name : ensemble.title; }
 
-/// report.html while runs go on: how many are left and how long they may take, and the results so far. `wall` [s] since
-/// the first of `n_to_do` runs started.
-void write_live_report(const Ensemble& ensemble, const Texts& running, std::size_t n_to_do, double wall,
-                       const fs::path& directory) try {
-    const auto count = [&](const auto& is) {
-        return static_cast<std::size_t>(std::ranges::count_if(ensemble.runs, is));
-    };
-    const auto is_left = [](const EnsembleRun& run) { return run.is_left() || run.result.status == "interrupted"; };
-    const std::size_t n = ensemble.runs.size(), n_left = count(is_left),
-                      n_done = count([](const EnsembleRun&run) { return run.result.status == "done"; }),
-                      n_ended = n_to_do - std::min(n_left, n_to_do);
-    std::string state =
-        formatted("%zu of %zu runs are done, %zu failed, %zu to go", n_done, n, n - n_done - n_left, n_left);
-    if (n_left > 0 && n_ended > 0)
-        state += ", about " + left_text(wall * static_cast<double>(n_left) / static_cast<double>(n_ended));
-    if (!running.empty()) state += "; now " + joined(running);
+/// "10 of 12 runs are done, 0 failed, 2 to go"
+std::string state_of(const Ensemble& ensemble) {
+    const auto count = [&](const auto& is) { return std::ranges::count_if(ensemble.runs, is); };
+    const auto n = std::ssize(ensemble.runs), n_left = count(is_to_go),
+               n_done = count([](const EnsembleRun&run) { return run.result.status == "done"; });
+    return formatted("%td of %td runs are done, %td failed, %td to go", n_done, n, n - n_done - n_left, n_left);
+}
+
+/// report.html before the end: `head`, and the results so far.
+void write_early_report(const Ensemble& ensemble, const std::string& head, const fs::path& directory) try {
+    const bool none = std::ranges::all_of(ensemble.runs, is_to_go);
     write_whole_file(
         directory / "report.html",
         html_page(title_of(ensemble), ensemble.question,
-                  html_live(ensemble.kind, state, "continues it", live_period,
-                            static_cast<double>(n - n_left) / static_cast<double>(n)) +
-                      html_section("Results so far", n_left < n ? html_of_markdown(overview(ensemble)) : "")));
+                  head + html_section("Results so far", none ? "" : html_of_markdown(overview(ensemble)))));
 } catch (const OutputError&) {
     // a full disk ends the ensemble where its results are written, not here
 }
+
+struct Running {
+    const EnsembleRun* run;
+    double since;  // [s]
+};
+
+/// How long the runs of a batch take, from the processor times of those that have ended: a run costs as much as
+/// triangles times steps,
+///
+///     t ~ h^-3        (h: size of its mesh).
+class Durations {
+public:
+    void add(const EnsembleRun& run) {
+        if (std::isfinite(run.result.cpu)) cpu_ += run.result.cpu, work_ += work_of(run);
+    }
+    /// ", about 5 min left", or "" before the first run has ended. `now` [s] is on the clock of Running::since.
+    std::string left(const std::vector<const EnsembleRun*>& to_do, const std::map<pid_t, Running>& running, double now,
+                     int n_at_once) const {
+        double sum = 0, longest = 0;
+        for (const EnsembleRun* run : to_do) {
+            if (work_ == 0 || !run->is_left()) continue;
+            double left = cpu_ * work_of(*run) / work_;
+            for (const auto& [child, other] : running)
+                if (other.run == run) left = std::max(left - (now - other.since), 0.0);
+            sum += left, longest = std::max(longest, left);
+        }
+        return work_ == 0 ? "" : ", about " + left_text(std::max(sum / n_at_once, longest));
+    }
+
+private:
+    static double work_of(const EnsembleRun& run) { return run.mesh_size > 0 ? std::pow(run.mesh_size, -3) : 1; }
+    double cpu_ = 0, work_ = 0;
+};
 
 /// Reads the result of each run that ends. False when interrupted. Meanwhile report.html says how many runs are done.
 bool do_runs(Ensemble& ensemble, const std::string& scenario, const std::vector<const EnsembleRun*>& to_do,
              const fs::path& directory, const BatchOptions& options) {
     const fs::path runs = directory / "runs";
     HeldSignals signals;
-    std::map<pid_t, const EnsembleRun*> running;
+    std::map<pid_t, Running> running;
     std::size_t n_started = 0, n_done = 0;
+    Durations durations;
     const Stopwatch watch;
     double next_report = 0;  // [s]
     const auto may_start = [&] { return n_started < to_do.size() && !signals.interrupted(); };
     while (!running.empty() || may_start()) {
         if (may_start() && running.size() < static_cast<std::size_t>(options.n_at_once)) {
             const EnsembleRun* run = to_do[n_started++];
-            running[start(scenario, *run, runs, options.force, signals.before())] = run;
+            running[start(scenario, *run, runs, options.force, signals.before())] = {run, watch.wall()};
             continue;
         }
         if (ensemble.report && !options.quiet && watch.wall() >= next_report) {
             Texts names;
-            for (const auto& [child, run] : running) names.push_back(run->name);
-            write_live_report(ensemble, names, to_do.size(), watch.wall(), directory);
+            for (const auto& [child, under_way] : running) names.push_back(under_way.run->name);
+            const double part = static_cast<double>(std::ranges::count_if(ensemble.runs, is_to_go)) /
+                                static_cast<double>(ensemble.runs.size());
+            const std::string state = state_of(ensemble) +
+                                      durations.left(to_do, running, watch.wall(), options.n_at_once) + "; now " +
+                                      joined(names);
+            write_early_report(ensemble, html_live(ensemble.kind, state, "continues it", live_period, 1 - part),
+                               directory);
             next_report = watch.wall() + live_period;
         }
         if (signals.next_interrupts())  // the runs receive Ctrl-C themselves, but perhaps not SIGTERM
-            for (const auto& [child, run] : running) kill(child, SIGTERM);
+            for (const auto& [child, under_way] : running) kill(child, SIGTERM);
         int status = 0;
         for (pid_t ended; (ended = waitpid(-1, &status, WNOHANG)) > 0;) {
             const auto found = running.find(ended);
             if (found == running.end()) continue;
-            const std::string& name = found->second->name;
-            RunResult& result = ensemble.runs[static_cast<std::size_t>(found->second - ensemble.runs.data())].result;
-            result = read_result(runs / name, ensemble.quantities);
+            const EnsembleRun& run = *found->second.run;
+            RunResult& result = ensemble.runs[static_cast<std::size_t>(&run - ensemble.runs.data())].result;
+            result = read_result(runs / run.name, ensemble.quantities);
+            durations.add(run);
             ++n_done;
             if (!options.quiet)
-                std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), name.c_str(),
+                std::fprintf(stderr, "run %zu of %zu: %s: %s\n", n_done, to_do.size(), run.name.c_str(),
                              outcome(result, status, signals.interrupted()).c_str());
             running.erase(found);
         }
     }
     if (signals.interrupted()) std::fprintf(stderr, "interrupted; the same command continues\n");
     return !signals.interrupted();
+}
+
+/// How to make an ensemble again, or to go on with it.
+std::string repetition(const Texts& command) {
+    return html_table({},
+                      {{"command", command_line(command)}, {"program", "knap " + version() + " (" + git_hash() + ")"}});
+}
+
+/// report.html of an ensemble that was interrupted: what is done, and the command that goes on.
+void write_interrupted_report(const Ensemble& ensemble, const Texts& command, const fs::path& directory) {
+    const std::string state =
+        "This " + ensemble.kind + " was interrupted: " + state_of(ensemble) + ". The same command continues it.";
+    write_early_report(ensemble, html_list({state}, "bad") + html_section("How to continue it", repetition(command)),
+                       directory);
 }
 
 /// report.html, with the way to the reports of its runs.
@@ -292,7 +343,10 @@ ExitCode run_ensemble(Ensemble ensemble, const std::string& scenario, const Batc
             run.result = read_result(runs / run.name, ensemble.quantities);
             if (!run.refusal.empty()) run.result.reason = run.refusal;
         }
-        if (!do_runs(ensemble, scenario, to_do, directory, options)) return exit_interrupted;
+        if (!do_runs(ensemble, scenario, to_do, directory, options)) {
+            if (ensemble.report) write_interrupted_report(ensemble, options.command, directory);
+            return exit_interrupted;
+        }
         n_done = ensemble.runs.size();
         if (!ensemble.safety || !continue_search(ensemble, scenario, options.n_at_once)) break;
         to_do = runs_to_do(std::span(ensemble.runs).subspan(n_done), runs, options.force);

@@ -106,7 +106,7 @@ std::string error_in(const fs::path& log) {
 
 std::string RunResult::trouble() const {
     if (status == "done") return gates_hold ? "" : "a gate is violated";
-    return status + ": " + reason;
+    return reason.empty() ? status : status + ": " + reason;
 }
 
 RunResult read_result(const fs::path& run, const std::vector<StudyQuantity>& quantities) {

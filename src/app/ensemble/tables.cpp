@@ -106,6 +106,19 @@ DisplayUnit display_unit_of(const Ensemble& ensemble, std::size_t q) {
     return display_unit(largest, ensemble.quantities[q].unit);
 }
 
+/// Mean of a number of the runs of a variant that are done, as of its quantities; where none is, of those that have
+/// begun, and else of all, whose mesh sizes are known before.
+double mean_of(const Ensemble& ensemble, std::size_t v, const Number& number) {
+    constexpr bool (*samples[])(const EnsembleRun&) = {
+        [](const EnsembleRun& run) { return run.result.status == "done"; },
+        [](const EnsembleRun& run) { return run.result.triangles > 0; }, [](const EnsembleRun&) { return true; }};
+    for (const auto counts : samples) {
+        const Spread s = ensemble.spread(v, [&](const EnsembleRun& run) { return counts(run) ? number.of(run) : NAN; });
+        if (s.n > 0) return s.mean;
+    }
+    return NAN;
+}
+
 /// A row per variant: values, finished runs, mean numbers of its runs, and some of the quantities.
 std::string variants_table(const Ensemble& ensemble, const std::vector<std::size_t>& quantities) {
     const bool errors = !ensemble.errors.empty(), extremes = ensemble.has_statistics() && quantities.size() == 1;
@@ -127,7 +140,7 @@ std::string variants_table(const Ensemble& ensemble, const std::vector<std::size
     for (const Number& number : numbers) {
         if (number.name == "at_rest") continue;
         table.add(std::string(number.name), [&](std::size_t v) {
-            const double mean = ensemble.spread(v, number.of).mean;
+            const double mean = mean_of(ensemble, v, number);
             return mean > 0 ? shown(mean, unit_of("study.csv", number.name)) : "-";
         });
     }
@@ -137,9 +150,9 @@ std::string variants_table(const Ensemble& ensemble, const std::vector<std::size
             const Spread s = ensemble.spread(v, q);
             const std::size_t n_runs = ensemble.runs_of(v).size();
             if (errors || s.n == 0) return number_text(s.mean * unit.factor, "%.7g");
-            // "93.9 ± 6.9 (2)": with the number of runs that have a value, if not all have
+            // "93.9 ± 6.9 (2)": with the number of runs that have a value, if not all have; one alone has no deviation
             return number_text(s.mean * unit.factor, "%.4g") +
-                   (n_runs > 1 ? " ± " + number_text(s.deviation * unit.factor, "%.2g") : "") +
+                   (s.n > 1 ? " ± " + number_text(s.deviation * unit.factor, "%.2g") : "") +
                    (s.n < static_cast<int>(n_runs) ? " (" + std::to_string(s.n) + ")" : "");
         });
         if (extremes) {

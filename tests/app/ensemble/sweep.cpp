@@ -4,6 +4,7 @@
 #include "app/ensemble/ensemble.hpp"
 #include "app/run/report.hpp"
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "output/history_csv.hpp"
 #include "support/relative.hpp"
 
@@ -213,12 +214,44 @@ TEST_CASE("sweep: SIGTERM and SIGHUP stop the run under way and the same command
     waitpid(child, &status, 0);
     REQUIRE(WIFEXITED(status));
     CHECK(WEXITSTATUS(status) == 130);
-    CHECK(text_of(folder.path / "s/report.html").find("0 of 1 runs are done, 0 failed, 1 to go; now s1") !=
-          std::string::npos);
+    const std::string report = text_of(folder.path / "s/report.html");
+    CHECK(report.find("This sweep was interrupted: 0 of 1 runs are done, 0 failed, 1 to go. The same command "
+                      "continues it.") != std::string::npos);
+    CHECK(report.find("--seeds 1..1") != std::string::npos);
+    CHECK(report.find("location.reload") == std::string::npos);
     REQUIRE(text_of(run / "run.json").find("\"status\": \"interrupted\"") != std::string::npos);
     CHECK(command(sweep).code == 0);
     CHECK(text_of(folder.path / "s/report.html").find("runs are done") == std::string::npos);
     CHECK(text_of(run / "log.txt").find("resumed: continues") != std::string::npos);
+}
+
+TEST_CASE("sweep: a table before the end has means of the runs that are done and a deviation of two or more") {
+    Ensemble sweep{.kind = "sweep",
+                   .keys = {"mesh.size"},
+                   .variants = {{.values = {"1 mm"}}, {.values = {"2 mm"}}, {.values = {"3 mm"}}},
+                   .n_seeds = 3,
+                   .quantities = {{.name = "fragments", .of = "fragments"}}};
+    const auto add = [&](const std::string& status, double triangles, double value) {
+        const std::size_t v = sweep.runs.size() / 3;
+        sweep.runs.push_back({.variant = v, .mesh_size = 1e-3 * static_cast<double>(v + 1)});
+        sweep.runs.back().result = {
+            .status = status, .triangles = triangles, .steps = 2 * triangles, .values = {value}};
+    };
+    add("done", 9000, 2), add("done", 9400, 3), add("", 0, NAN);
+    add("done", 2400, 5), add("failed", 2000, NAN), add("interrupted", 1000, NAN);
+    for (int i = 0; i < 3; ++i) add("", 0, NAN);
+    std::istringstream lines(overview(sweep));
+    std::vector<Texts> rows;
+    for (std::string line; std::getline(lines, line) && line.starts_with('|');) {
+        std::istringstream cells(line.substr(1));
+        rows.emplace_back();
+        for (std::string cell; std::getline(cells, cell, '|');) rows.back().emplace_back(trimmed(cell));
+    }
+    REQUIRE(rows.size() == 5);
+    CHECK(rows[0] == Texts{"mesh.size", "done", "size", "triangles", "steps", "fragments", "smallest", "largest"});
+    CHECK(rows[2] == Texts{"1 mm", "2 of 3", "1 mm", "9200", "1.84e+04", "2.5 ± 0.71 (2)", "2", "3"});
+    CHECK(rows[3] == Texts{"2 mm", "1 of 3", "2 mm", "2400", "4800", "5 (1)", "5", "5"});
+    CHECK(rows[4] == Texts{"3 mm", "0 of 3", "3 mm", "-", "-", "-", "-", "-"});
 }
 
 TEST_CASE("sweep: no run outlives a sweep that is killed") {
