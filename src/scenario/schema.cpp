@@ -143,6 +143,7 @@ Json json_kinds() {
         add(key.unit), add(key.second_unit);
         for (const std::string& multiple : key.multiples) add(multiple);
     }
+    for (const Output& row : output_table("summary").rows) add(row.unit);  // bounds in [expect]
     return kinds;
 }
 
@@ -202,7 +203,20 @@ Json json_form(const Key& key) {
     return key.form == Form::one_or_list ? Json{{"anyOf", {one, list}}} : list;
 }
 
-Json json_members(std::string_view table);
+/// `unit`: of the numbers whose unit the key table leaves open.
+Json json_members(std::string_view table, std::string_view unit = "*");
+
+/// [expect]: a number of the summary is bounded in its own unit.
+Json json_expectations() {
+    Json named = Json::object(), patterns = Json::object();
+    for (const Output& output : output_table("summary").rows) {
+        const std::string name(output.name);
+        Json& place = name.starts_with('*') ? patterns[name.substr(1) + "$"] : named[name];
+        place["$ref"] = "#/$defs/expected_" + name_of_kind(output.unit);
+    }
+    return {
+        {"type", "object"}, {"additionalProperties", false}, {"properties", named}, {"patternProperties", patterns}};
+}
 
 Json json_key(const Key& key) {
     if (!key.is_table()) return json_form(key);
@@ -213,15 +227,19 @@ Json json_key(const Key& key) {
         return {{"anyOf", {json_form(*find_key(joined_path(key.path, key.text_key))), table}}};
     }
     const Key& row = *find_key(key.path + ".*");
+    if (key.path == "expect") return json_expectations();
     Json json{{"type", "object"}};
     if (!row.words.empty()) json["propertyNames"] = json_words(row.words);
     json["additionalProperties"] = json_members(row.path);
     return json;
 }
 
-Json json_members(std::string_view table) {
+Json json_members(std::string_view table, std::string_view unit) {
     Json members = Json::object(), required = Json::array();
-    for (const Key* key : keys_below(table)) {
+    for (const Key* row : keys_below(table)) {
+        Key of_unit = *row;
+        if (row->unit == "*") of_unit.unit = unit;
+        const Key* const key = &of_unit;
         std::string doc(key->doc);
         if (key->has_fixed_unit()) doc += " [" + std::string(key->unit) + "]";
         if (const std::string only = condition(*key); !only.empty()) doc += " (" + only + ")";
@@ -260,6 +278,8 @@ std::string json_schema() {
     Json root{{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "knap scenario"}};
     root.update(json_members(""));
     root["$defs"] = json_kinds();
+    for (const Output& row : output_table("summary").rows)
+        root["$defs"]["expected_" + name_of_kind(row.unit)] = json_members("expect.*", row.unit);
     return root.dump(2) + "\n";
 }
 

@@ -41,8 +41,9 @@ TEST_CASE("schema: JSON Schema is JSON and has every key") {
     for (const Key& key : keys()) {
         if (key.path.ends_with(".*")) continue;
         CAPTURE(key.path);
-        const Json* schema = &root;
-        std::istringstream parts(key.path);
+        const bool of_expect = key.path.starts_with("expect.*.");  // whose unit follows from the name
+        const Json* schema = of_expect ? &root.at("$defs").at("expected_J") : &root;
+        std::istringstream parts(of_expect ? key.path.substr(9) : std::string(key.path));
         for (std::string part; std::getline(parts, part, '.');) {
             if (part == "*") continue;
             const Json& properties = object(*schema).at("properties");
@@ -109,12 +110,18 @@ TEST_CASE("schema: an editor marks texts that the program refuses") {
     };
     const auto members = [](const Json& of, const char* key) { return object(of.at(key)).at("properties"); };
     const Json of = root.at("properties"), law = members(of, "interface"), load = members(of, "load");
+    const auto expected = [&](const char* name) {
+        const std::string kind = of.at("expect").at("properties").at(name).at("$ref");
+        return root.at("$defs").at(kind.substr(8)).at("properties").at("value");
+    };
     const auto component = [](const Json& of_three) { return of_three.at("anyOf").at(0).at("items"); };
     const struct {
         const char* what;
         Json schema;
         std::vector<const char*> good, bad;
     } cases[] = {
+        {"a length by the name of a result", expected("broken_length"), {"80 mm", "0.4 cR"}, {"80 mJ", "80 us", "80"}},
+        {"an energy by the name of a result", expected("dissipated"), {"3 mJ", "-3 N m"}, {"3 J/m2", "3 mm"}},
         {"greater than 0",
          law.at("G_c"),
          {"3 J/m2", "+3 J/m2", "0.03 J/m2", ".5 J/m2", "00.10e-3 kJ/m2"},
