@@ -33,10 +33,6 @@ Eigen::Matrix2d williams_gradient(const Vec2& x, int mode, double kappa, double 
     return gradient / (2 * shear * std::sqrt(2 * std::numbers::pi * r));
 }
 
-Eigen::Vector3d strain_of(const Eigen::Matrix2d& H) { return {H(0, 0), H(1, 1), H(0, 1) + H(1, 0)}; }
-
-Eigen::Matrix2d as_matrix(const Eigen::Vector3d& s) { return (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished(); }
-
 }  // namespace
 
 TipIntegral::TipIntegral(const Model& model, const Vec2& at, double radius, const std::string& probe)
@@ -273,15 +269,16 @@ TipFactors TipIntegral::factors(const State& state) const {
             if (expansion) strain -= state.temperature->strain[n_places * t + m] * expanded;
             const Eigen::Vector3d stress = D * strain;
             a -= body_force;
-            const Vec2 flux = as_matrix(stress) * dq, along = H.col(0);
+            const Vec2 flux = stress_matrix(stress) * dq, along = H.col(0);
             const double area = mesh.area(t) / n_places, density = material.density;
             J += area * (flux.dot(along) - 0.5 * (stress.dot(strain) + density * v.squaredNorm()) * dq.x() +
                          density * (a.dot(along) - v.dot(rates.col(0))) * here + stress.dot(expanded) * warming * here);
             for (const int mode : {0, 1}) {
                 const Eigen::Matrix2d W = williams_gradient(x, mode, kappa, shear);
                 const Eigen::Vector3d other = strain_of(W), tau = D * other;
-                M[mode] += area * (flux.dot(W.col(0)) + (as_matrix(tau) * dq).dot(along) - stress.dot(other) * dq.x() +
-                                   (density * a.dot(W.col(0)) + (tau[0] + tau[1]) * warming) * here);
+                M[mode] +=
+                    area * (flux.dot(W.col(0)) + (stress_matrix(tau) * dq).dot(along) - stress.dot(other) * dq.x() +
+                            (density * a.dot(W.col(0)) + (tau[0] + tau[1]) * warming) * here);
             }
         }
     }

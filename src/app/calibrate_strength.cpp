@@ -98,7 +98,7 @@ std::optional<StrengthRow> row_with(const CalibratedLaw& of, double sigma_c, con
         specimen.scenario, specimen.set, options.batch, of.scenario().name + "-" + of.law.name + "-strength" + round);
     if (!sweep) return {};
     const auto broke = [&](const EnsembleRun& run) {
-        return run.result.status == "done" && run.result.values[1] < fell_before * specimen.last_strain;
+        return run.is_done() && run.result.values[1] < fell_before * specimen.last_strain;
     };
     const Spread ratio =
         sweep->spread(0, [&](const EnsembleRun& run) { return broke(run) ? run.result.values[0] : NAN; });

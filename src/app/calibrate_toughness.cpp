@@ -81,7 +81,7 @@ std::vector<ToughnessRow> rows_of(const Ensemble& sweep, const CalibratedLaw& of
                  rayleigh = of.material.elastic.rayleigh_speed(of.scenario().plane);
     for (std::size_t v = 0; v < sweep.variants.size(); ++v) {
         const auto went_through = [&](const EnsembleRun& run) {
-            return run.result.status == "done" && run.result.values[1] >= through_at * way;
+            return run.is_done() && run.result.values[1] >= through_at * way;
         };
         const auto runs = sweep.runs_of(v);
         const auto spread_of = [&](std::size_t quantity) {

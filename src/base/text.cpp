@@ -103,6 +103,12 @@ bool is_utf8(std::string_view text) {
     return true;
 }
 
+std::string xml_text(std::string_view text) {
+    std::string escaped;
+    for (const char c : text) escaped += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
+    return escaped;
+}
+
 std::string printable(const std::string& message) {
     std::string shown;
     for (std::size_t i = 0; i < message.size(); ++i) {

@@ -51,6 +51,9 @@ std::size_t character_begin(std::string_view utf8, std::size_t i);
 /// Whether all of a text is UTF-8 (RFC 3629).
 bool is_utf8(std::string_view text);
 
+/// With & and < escaped, as text between the tags of XML.
+std::string xml_text(std::string_view text);
+
 /// A message fit for a terminal: control characters become "?", except line feeds and tabs; columns stay.
 std::string printable(const std::string& message);
 

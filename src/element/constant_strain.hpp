@@ -62,12 +62,12 @@ using ConstantStrainForces = double (*)(std::int32_t first, std::int32_t last, c
                                         const double* displacement, const std::int32_t* node_of_corner, double* force,
                                         std::uint8_t* fan_is_candidate, ViscousTriangles* viscous);
 
-/// The kernel that takes two triangles at once, and the one that takes four, with AVX2 where the compiler has it. Same
-/// bits.
 struct KernelKind {
     StrainMeasure measure;
     bool is_viscous, has_layers;
 };
+/// The kernel that takes two triangles at once, and the one that takes four, with AVX2 where the compiler has it. Same
+/// bits.
 ConstantStrainForces baseline_kernel(const KernelKind& kind);
 ConstantStrainForces avx2_kernel(const KernelKind& kind);
 

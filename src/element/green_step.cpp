@@ -26,11 +26,7 @@ Eigen::Matrix2d GreenStep::stress_of(const Eigen::Matrix2d& strain, Index t) con
     const LameConstants& elastic = stiffness_[mesh_.region[t]];
     Eigen::Matrix2d stress =
         elastic.lambda * strain.trace() * Eigen::Matrix2d::Identity() + elastic.twice_shear * strain;
-    if (const auto& layers = layers_[mesh_.region[t]]) {
-        const Eigen::Vector3d further = *layers * Eigen::Vector3d(strain(0, 0), strain(1, 1), 2 * strain(0, 1));
-        stress(0, 0) += further[0], stress(1, 1) += further[1];
-        stress(0, 1) += further[2], stress(1, 0) += further[2];
-    }
+    if (const auto& layers = layers_[mesh_.region[t]]) stress += stress_matrix(*layers * strain_of(strain));
     return stress;
 }
 

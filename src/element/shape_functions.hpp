@@ -8,6 +8,7 @@
 //     R   = 1.62 V sum_k [lambda g_k g_k' + mu (g_k g_k' + |g_k|^2 I)]                      the rest of the bubble
 //
 // and the energy is (V/3) sum_k 1/2 sigma_k : eps_k + 1/2 a' R a, exactly.
+#include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
 
 #include <optional>
@@ -38,11 +39,6 @@ inline std::array<Vec2, 7> middle_gradients(const std::array<Vec2, 3>& g, Index 
     }
     weight[6] = 2.7 * g[k];
     return weight;
-}
-
-/// Strain (xx, yy, 2 xy) of a displacement with the gradient a (x) g: B a.
-inline Eigen::Matrix<double, 3, 2> strain_of_gradient(const Vec2& g) {
-    return (Eigen::Matrix<double, 3, 2>() << g.x(), 0, 0, g.y(), g.y(), g.x()).finished();
 }
 
 /// [N/m] R of a triangle of this volume [m3], and what the layers of a material add to it: B' D B in the sum above.

@@ -24,7 +24,6 @@ ThermalStress::ThermalStress(const Mesh& mesh, const std::vector<Elastic>& mater
         triangles_.push_back({.edge1 = mesh.corner(t, 1) - origin,
                               .edge2 = mesh.corner(t, 2) - origin,
                               .half_pressure = (material.first_lame(plane) + material.shear_modulus()) * thickness,
-                              .material = mesh.region[t],
                               .threshold = infinity,
                               .volume = mesh.area(t) * thickness});
     }
@@ -61,7 +60,7 @@ void ThermalStress::for_each_weight(Index t, const Add& add) const {
 void ThermalStress::add_forces_of(Index t, std::span<const double> strain, double factor, Vec2* force) const {
     // V p = 2 (p t/2) area, over the number of strains
     const double of_strain = factor * 2 * triangles_[t].half_pressure * mesh_.area(t) / n_strains();
-    const Eigen::Matrix2d& P = directions_[triangles_[t].material].stress;
+    const Eigen::Matrix2d& P = directions(t).stress;
     for_each_weight(t, [&](Index m, Index c, const Vec2& weight) {
         force[c] += of_strain * strain[n_strains() * t + m] * (P * weight);
     });
@@ -76,7 +75,7 @@ void ThermalStress::add_forces(std::span<const double> strain, double factor, st
 double ThermalStress::product_of(Index t, const std::vector<Vec2>& displacement,
                                  const std::vector<Index>& node_of_corner, std::span<const double> strain,
                                  std::span<const double> other) const {
-    const auto& [A, P, product] = directions_[triangles_[t].material];
+    const auto& [A, P, product] = directions(t);
     std::array<double, 3> trace{};  // P : eps
     const Vec2& origin = displacement[node_of_corner[n_corners() * t]];
     for_each_weight(t, [&](Index m, Index c, const Vec2& weight) {
@@ -115,8 +114,8 @@ double ThermalStress::energy(Index first, Index last, const std::vector<Vec2>& d
     for (Index t = first; t < last; ++t) {
         sum -= product_of(t, displacement, node_of_corner, strain, strain);
         for (Index m = 0; m < n_strains(); ++m)
-            sum -= directions_[triangles_[t].material].product * triangles_[t].half_pressure * mesh_.area(t) /
-                   n_strains() * strain[n_strains() * t + m] * strain[n_strains() * t + m];
+            sum -= directions(t).product * triangles_[t].half_pressure * mesh_.area(t) / n_strains() *
+                   strain[n_strains() * t + m] * strain[n_strains() * t + m];
     }
     return sum;
 }
@@ -144,7 +143,7 @@ double ThermalStress::evaluate(Index first, Index last, const std::vector<Vec2>&
             continue;
         }
         const double pressure = here.half_pressure * strain[t];
-        const auto& [A, P, product] = directions_[here.material];
+        const auto& [A, P, product] = directions(t);
         Vec2 p1 = -pressure * P * turned_left(here.edge2), p2 = pressure * P * turned_left(here.edge1);
         if (large_rotation_) {  // F turns them
             const Eigen::Matrix2d H = gradient(t, displacement, node_of_corner);

@@ -51,9 +51,8 @@ private:
     struct Triangle {
         Vec2 edge1, edge2;     // [m] from vertex 0
         double half_pressure;  // [N/m] (lambda + mu) times the thickness: p t/2 of a unit strain
-        Index material;
-        double threshold;  // [N2 m2] of |V sigma|^2; order 1
-        double volume;     // [m3]
+        double threshold;      // [N2 m2] of |V sigma|^2; order 1
+        double volume;         // [m3]
     };
     Index n_triangles() const { return static_cast<Index>(triangles_.size()); }
     Index n_corners() const { return order_ == 1 ? 3 : 7; }
@@ -72,6 +71,7 @@ private:
         Eigen::Matrix2d strain, stress;  // [-] A, P
         double product;                  // [-] A : P
     };
+    const Directions& directions(Index triangle) const { return directions_[mesh_.region[triangle]]; }
 
     const Mesh& mesh_;
     std::vector<Directions> directions_;  // per material

@@ -13,7 +13,7 @@
 namespace knap {
 namespace {
 
-/// V B' D B of D given by Lame constants, times the volume V, and a further part for the layers of a material.
+/// Adds V B' D B, with D by its Lame constants and, of layers, a further part; all of them are given times V.
 void add_stiffness(std::span<const Vec2> gradient, double lambda, double mu, ElementMatrix& K,
                    const std::optional<Eigen::Matrix3d>& layers) {
     for (std::size_t i = 0; i < gradient.size(); ++i)
@@ -66,12 +66,9 @@ ElementMatrix one_point_quadratic_mass() {
 /// [1/s^2] Order 1: K = V B' D B, M = (m/3) I, V/m = 1/rho: the non-zero eigenvalues of M^-1 K are those of
 /// (3/rho) L' B B' L with D = L L'.
 double largest_eigenvalue_linear(const Mesh& mesh, Index t, const Elastic& material, const Eigen::Matrix3d& L) {
-    Eigen::Matrix<double, 3, 6> B = Eigen::Matrix<double, 3, 6>::Zero();
+    Eigen::Matrix<double, 3, 6> B;
     const auto gradients = shape_gradients(mesh, t);
-    for (int k = 0; k < 3; ++k) {
-        B(0, 2 * k) = B(2, 2 * k + 1) = gradients[k].x();
-        B(1, 2 * k + 1) = B(2, 2 * k) = gradients[k].y();
-    }
+    for (int k = 0; k < 3; ++k) B.middleCols<2>(2 * k) = strain_of_gradient(gradients[k]);
     const Eigen::Matrix<double, 3, 6> LB = L.transpose() * B;
     const Eigen::Matrix3d A = 3 / material.density * LB * LB.transpose();
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
@@ -127,9 +124,9 @@ double largest_ratio(const Elastic& material, PlaneModel plane, double bulk, dou
 
 /// [s] With viscous forces C v at the velocity before, central differences are stable while M - h/2 C - h^2/4 K is
 /// positive: for h = 2/omega of the stiffness K + 2/h C. The stress s I + q is (bulk - shear) d I + 2 shear sym grad v,
-/// which adds 2/h (bulk - shear) to lambda and 2/h shear to mu. As C is at most `largest` K, h/`undamped` =
-/// sqrt(1 + xi^2) - xi with xi of that factor over `undamped` is below the fixed point, and so are the iterates from
-/// there on.
+/// which adds 2/h (bulk - shear) to lambda and 2/h shear to mu. As C is at most
+/// largest_ratio() K, h/`undamped` = sqrt(1 + xi^2) - xi with xi of that factor over `undamped` is below the fixed
+/// point, and so are the iterates from there on.
 double viscous_step(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double undamped) {
     const auto [bulk, shear] = largest_viscosities(material, plane, viscous_length(mesh, t));
     const double xi = largest_ratio(material, plane, bulk, shear) / undamped;

@@ -212,9 +212,7 @@ std::string svg_text(const Vec2& at, const std::vector<TextPart>& parts, double 
     double drop = 0;
     for (const TextPart& part : parts) {
         text += "<tspan dy=\"" + number(part.y - drop) + "\" font-size=\"" + number(part.size) + "\">";
-        for (const char c : part.text)
-            text += c == '&' ? std::string("&amp;") : c == '<' ? std::string("&lt;") : std::string(1, c);
-        text += "</tspan>", drop = part.y;
+        text += xml_text(part.text) + "</tspan>", drop = part.y;
     }
     return text + "</text>\n";
 }

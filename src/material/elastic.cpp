@@ -104,8 +104,7 @@ Eigen::Matrix2d Elastic::wave_matrix(PlaneModel model, const Vec2& direction) co
         return dilatational_speed(model) * direction * direction.transpose() +
                shear_speed(model) * across * across.transpose();
     }
-    Eigen::Matrix<double, 3, 2> B;  // strain of u (x) n
-    B << direction.x(), 0, 0, direction.y(), direction.y(), direction.x();
+    const Eigen::Matrix<double, 3, 2> B = strain_of_gradient(direction);
     const Eigen::Matrix2d C = B.transpose() * stiffness(model) * B / density;
     return Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(C).operatorSqrt();
 }
@@ -142,9 +141,7 @@ Eigen::Matrix2d Elastic::expansion_in_plane(PlaneModel model) const {
 
 Eigen::Matrix2d Elastic::stress_of_expansion(PlaneModel model) const {
     if (!bedding) return 2 * (first_lame(model) + shear_modulus()) * Eigen::Matrix2d::Identity();
-    const Eigen::Matrix2d A = expansion_in_plane(model);
-    const Eigen::Vector3d s = stiffness(model) * Eigen::Vector3d(A(0, 0), A(1, 1), 2 * A(0, 1));
-    return (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished();
+    return stress_matrix(stiffness(model) * strain_of(expansion_in_plane(model)));
 }
 
 }  // namespace knap

@@ -14,6 +14,17 @@ namespace knap {
 
 enum class PlaneModel { strain, stress };
 
+/// Strain (xx, yy, 2 xy) of the gradient of a displacement, or of a strain as a symmetric matrix.
+inline Eigen::Vector3d strain_of(const Eigen::Matrix2d& H) { return {H(0, 0), H(1, 1), H(0, 1) + H(1, 0)}; }
+/// The same of a displacement with the gradient a (x) g: B a.
+inline Eigen::Matrix<double, 3, 2> strain_of_gradient(const Vec2& g) {
+    return (Eigen::Matrix<double, 3, 2>() << g.x(), 0, 0, g.y(), g.y(), g.x()).finished();
+}
+/// The symmetric matrix of a stress (xx, yy, xy).
+inline Eigen::Matrix2d stress_matrix(const Eigen::Vector3d& s) {
+    return (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished();
+}
+
 /// Layers of a transversely isotropic material: constants across them. E and nu of Elastic hold along them.
 struct Bedding {
     double E = 0;      // [Pa] E' under a stress across the layers

@@ -4,6 +4,7 @@
 #include "mesh/polygon.hpp"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 namespace knap {
@@ -115,10 +116,8 @@ private:
     void add(const std::string& name, const std::string& symbol) {
         const double width = of_symbol + of_letter * static_cast<double>(name.size());
         if (x_ > left_ && x_ + width > right_) x_ = left_, y_ += height;
-        std::string shown;
-        for (const char c : name) shown += c == '&' ? "&amp;" : c == '<' ? "&lt;" : std::string(1, c);
         text_ += "<g transform=\"translate(" + decimal(x_) + "," + decimal(y_ + height - 8) + ")\">" + symbol +
-                 "<text x=\"32\" font-family=\"sans-serif\" font-size=\"16\">" + shown + "</text></g>\n";
+                 "<text x=\"32\" font-family=\"sans-serif\" font-size=\"16\">" + xml_text(name) + "</text></g>\n";
         x_ += width;
     }
 
@@ -172,13 +171,12 @@ std::string svg(const Mesh& mesh, const std::vector<std::string>& region_names,
         while (e.joint >= std::ssize(names))
             names.push_back(names.size() < joint_names.size() ? joint_names[names.size()]
                                                               : "joint" + std::to_string(names.size()));
-    for (std::size_t n = 0, colour = 0; n < names.size(); ++n) {
-        if (std::find(names.begin(), names.begin() + static_cast<std::ptrdiff_t>(n), names[n]) - names.begin() <
-            static_cast<std::ptrdiff_t>(n))
-            continue;  // drawn
-        const char* const stroke = of_joints[colour++ % std::size(of_joints)];
-        if (lines(stroke, 2, interior, [&](Interior e) { return e.joint >= 0 && names[e.joint] == names[n]; }))
-            legend.line(stroke, names[n]);
+    std::set<std::string> drawn;
+    for (const std::string& name : names) {
+        const char* const stroke = of_joints[drawn.size() % std::size(of_joints)];
+        if (!drawn.insert(name).second) continue;
+        if (lines(stroke, 2, interior, [&](Interior e) { return e.joint >= 0 && names[e.joint] == name; }))
+            legend.line(stroke, name);
     }
     lines("#000000", 1.2, mesh.boundary_edges, [](const BoundaryEdge&) { return true; });
     if (lines("#c0392b", 2, interior, [](Interior e) { return e.cracked; })) legend.line("#c0392b", "cracked");

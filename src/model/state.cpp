@@ -174,8 +174,7 @@ Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, 
         const double* e = &state.temperature->strain[(mesh.order == 1 ? 1 : 3) * t];
         thermal = mesh.order == 1 ? e[0] : 0;
         for (Index k = 0; k < 3 && mesh.order == 2; ++k) thermal += (1 - 2 * at[k]) * e[k];
-        const Eigen::Matrix2d A = material.expansion_in_plane(model.plane);
-        strain -= thermal * Eigen::Vector3d(A(0, 0), A(1, 1), 2 * A(0, 1));
+        strain -= thermal * strain_of(material.expansion_in_plane(model.plane));
     }
     const Eigen::Matrix3d D = material.stiffness(model.plane);
     Eigen::Vector3d initial = Eigen::Vector3d::Zero();
@@ -198,8 +197,7 @@ Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, 
     const Eigen::Matrix2d F = Eigen::Matrix2d::Identity() + H, quadratic = 0.5 * H.transpose() * H;
     const Eigen::Vector3d s =
         D * (strain + Eigen::Vector3d(quadratic(0, 0), quadratic(1, 1), 2 * quadratic(0, 1))) + initial;
-    const Eigen::Matrix2d S = (Eigen::Matrix2d() << s[0], s[2], s[2], s[1]).finished(),
-                          cauchy = F * S * F.transpose() / F.determinant();
+    const Eigen::Matrix2d S = stress_matrix(s), cauchy = F * S * F.transpose() / F.determinant();
     return {cauchy(0, 0), cauchy(1, 1), cauchy(0, 1), zz(s) / F.determinant()};
 }
 

@@ -21,14 +21,15 @@ std::shared_ptr<Temperatures> make_temperatures(const Model& model, double time,
         for (Index k = 0; k < 3 && mesh.order == 2; ++k)
             made->strain[3 * t + k] = 0.5 * (e[(k + 1) % 3] + e[(k + 2) % 3]);
     }
-    for (Index t = 0; t < mesh.n_triangles(); ++t) {  // 1/2 e A : D e A; without layers 2 (lambda + mu) e^2
-        const Elastic& elastic = model.materials[mesh.region[t]];
+    std::vector<double> energy;  // [Pa] 1/2 A : D A of each material; without layers 2 (lambda + mu)
+    for (const Elastic& elastic : model.materials)
+        energy.push_back(
+            0.5 * elastic.expansion_in_plane(model.plane).cwiseProduct(elastic.stress_of_expansion(model.plane)).sum());
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
         double square = 0;
         for (Index k = 0; k < n_strains; ++k)
             square += made->strain[n_strains * t + k] * made->strain[n_strains * t + k];
-        made->free_energy +=
-            0.5 * elastic.expansion_in_plane(model.plane).cwiseProduct(elastic.stress_of_expansion(model.plane)).sum() *
-            mesh.area(t) * model.thickness * square / n_strains;
+        made->free_energy += energy[mesh.region[t]] * mesh.area(t) * model.thickness * square / n_strains;
     }
     made->of_corner = std::move(of_corner);
     fit_laws(model, *made);

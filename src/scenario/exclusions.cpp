@@ -51,8 +51,8 @@ std::span<const Exclusion> exclusions() {
          "both"},
         {"friction_over_pressure", "rotation = \"large\"",
          "normals of one face turn apart, and the points of a vertex then share their pressure in no way that is "
-         "known, "
-         "on which the sum of concave thresholds depends (with [contact] a vertex even bears its impulse on no area)"},
+         "known, on which the sum of concave thresholds depends (with [contact] a vertex even bears its impulse on no "
+         "area)"},
         {"coupling = \"norm\"", "strength = \"as measured\"",
          "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"coupling = \"norm\"", "toughness = \"as measured\"",

@@ -307,13 +307,14 @@ static Bedding read_bedding(const Table& table, const Elastic& along) {
     table.fill(across);
     if (!(across.E > 0) || !(along.E > 0)) return across;  // reported
     if (!table.given("G")) across.G = 1 / (1 / along.E + (1 + 2 * across.nu) / across.E);
-    // both bodies of a cube deform with positive work
+    // every stress must do positive work: the compliance in space is positive definite
     if (!(2 * across.nu * across.nu * along.E / across.E < 1 - along.nu))
-        table.error("out-of-range", "nu",
-                    "= " + shortest(across.nu) +
-                        " gives layers that do work when they are compressed: 2 nu^2 E_along/E " +
-                        "must be below 1 - nu_along = " + shortest(1 - along.nu),
-                    "below " + shortest(std::sqrt((1 - along.nu) * across.E / along.E / 2)));
+        table.error(
+            "out-of-range", "nu",
+            "= " + shortest(across.nu) +
+                " gives layers that do work when they are compressed: 2 nu^2 E_along/E must be below 1 - nu_along = " +
+                shortest(1 - along.nu),
+            "below " + shortest(std::sqrt((1 - along.nu) * across.E / along.E / 2)));
     return across;
 }
 

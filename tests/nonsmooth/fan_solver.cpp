@@ -96,6 +96,23 @@ void add_link(FanProblem& fan, Index before, Index after, double N_x, double N_y
                          .unbreakable = false});
 }
 
+/// What random fans, solved one after the other, gave.
+struct Counted {
+    int n_fallback = 0, n_unsolved = 0;
+    double worst = 0;  // [-] violation, at this seed
+    std::uint64_t worst_seed = 0;
+
+    /// False: it was not solved, and says so.
+    bool add(const FanProblem& fan, std::uint64_t seed, FanSolver& solver, FanResult& result) {
+        const FanSolution solution = solver.solve(fan, result);
+        if (solution.residual >= 1) return ++n_unsolved, false;  // relaxed or failed
+        n_fallback += solution.status != FanSolution::Status::exact;
+        const double violation = FanJudge(fan, result).verdict().worst();
+        if (violation > worst) worst = violation, worst_seed = seed;
+        return true;
+    }
+};
+
 }  // namespace
 
 TEST_CASE("a motion whose numbers are hardly different from zero is one of a body at rest") {
@@ -147,23 +164,16 @@ TEST_CASE("random fans with friction over pressure meet every law and no frictio
     for (const bool prescribed : {false, true})
         for (const bool secant : {false, true}) {
             const int n = 6000;
-            int n_fallback = 0, n_unsolved = 0, n_beyond = 0;
-            double worst = 0;
-            std::uint64_t worst_seed = 0;
+            int n_beyond = 0;
+            Counted counted;
             for (int seed = 0; seed < n; ++seed) {
                 RandomFan random(seed, {.prescribed = prescribed, .secant = secant, .over_pressure = true});
                 const FanProblem fan = random.problem();
-                const FanSolution solution = solver.solve(fan, result);
-                if (solution.residual >= 1) {
-                    ++n_unsolved;
-                    continue;
-                }
-                n_fallback += solution.status != FanSolution::Status::exact;
-                const double violation = FanJudge(fan, result).verdict().worst();
-                if (violation > worst) worst = violation, worst_seed = seed;
+                if (!counted.add(fan, seed, solver, result)) continue;
                 for (std::size_t i = 0; i < fan.links.size(); ++i)
                     n_beyond += fan.links[i].pressed && fan.links[i].pressed.line_at(result.links[i].contact) > 0;
             }
+            const auto& [n_fallback, n_unsolved, worst, worst_seed] = counted;
             MESSAGE("prescribed ", prescribed, ", secant ", secant, ": ", n_fallback, " of ", n, " needed pivots, ",
                     n_unsolved, " not solved, worst violation ", worst, " at seed ", worst_seed, ", ", n_beyond,
                     " links beyond the first line");
@@ -203,29 +213,22 @@ TEST_CASE("random fans with secant and with vertical unloading meet every law") 
         for (const bool prescribed : {false, true})
             for (const bool friction : {false, true}) {
                 const int n = 6000;
-                int n_fallback = 0, n_unsolved = 0, n_on_ramp = 0, n_empty = 0, n_full = 0;
-                double worst = 0;
-                std::uint64_t worst_seed = 0;
+                int n_on_ramp = 0, n_empty = 0, n_full = 0;
+                Counted counted;
                 for (int seed = 0; seed < n; ++seed) {
                     FanProblem fan =
                         RandomFan(
                             seed,
                             {.friction = friction, .prescribed = prescribed, .secant = !vertical, .vertical = vertical})
                             .problem();
-                    const FanSolution solution = solver.solve(fan, result);
-                    if (solution.residual >= 1) {  // reported: relaxed or failed
-                        ++n_unsolved;
-                        continue;
-                    }
-                    n_fallback += solution.status != FanSolution::Status::exact;
-                    const double violation = FanJudge(fan, result).verdict().worst();
-                    if (violation > worst) worst = violation, worst_seed = seed;
+                    if (!counted.add(fan, seed, solver, result)) continue;
                     for (std::size_t i = 0; i < fan.links.size(); ++i)
                         if (const double cohesive_impulse = result.links[i].cohesive_impulse; fan.links[i].ramp > 0)
                             ++(cohesive_impulse >= fan.links[i].cohesive ? n_full
                                : cohesive_impulse > 0                    ? n_on_ramp
                                                                          : n_empty);
                 }
+                const auto& [n_fallback, n_unsolved, worst, worst_seed] = counted;
                 CHECK_MESSAGE(worst <= 1e-10, "seed ", worst_seed, ", friction ", friction, ", prescribed ", prescribed,
                               ", vertical ", vertical);
                 MESSAGE("vertical ", vertical, ", friction ", friction, ", prescribed ", prescribed, ": ", n_fallback,

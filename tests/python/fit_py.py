@@ -17,20 +17,14 @@ import sys
 import time
 import unittest
 
-if importlib.util.find_spec("numpy") is None:
-    print("skipped: this python3 has no numpy (Debian: python3-numpy)")
-    sys.exit(77)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-import numpy as np  # noqa: E402
-
-fits = pathlib.Path(__file__).resolve().parents[2] / "scenarios" / "fits"
-tools = pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"
-sys.path.insert(0, str(tools))
+from common import np, repo, tools  # noqa: E402
 import knap  # noqa: E402
 from knap_fit import inference, problem as files, report, sensitivity  # noqa: E402
 from knap_fit.problem import Measured, Parameter, Problem, Test  # noqa: E402
 from knap_fit.runs import Runs, Stop  # noqa: E402
 
+fits = repo / "scenarios" / "fits"
 slow = "--slow" in sys.argv
 if slow:
     sys.argv.remove("--slow")

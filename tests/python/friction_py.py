@@ -4,16 +4,9 @@ import subprocess
 import sys
 import unittest
 
-try:
-    import numpy as np
-except ImportError:
-    print("skipped: this python3 has no numpy (Debian: python3-numpy)")
-    sys.exit(77)
-
-tools = pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"
-sys.path.insert(0, str(tools))
-import knap  # noqa: E402
-import knap_friction as friction  # noqa: E402
+from common import np
+import knap
+import knap_friction as friction
 
 folder = pathlib.Path(sys.argv.pop())
 folder.mkdir(parents=True, exist_ok=True)

@@ -10,16 +10,8 @@ import sys
 import unittest
 import zlib
 
-try:
-    import numpy as np
-except ImportError:
-    print("skipped: this python3 has no numpy (Debian: python3-numpy)")
-    sys.exit(77)
-
-repo = pathlib.Path(__file__).resolve().parents[2]
-tools = repo / "tools" / "python"
-sys.path.insert(0, str(tools))
-import knap  # noqa: E402
+from common import np, repo, tools
+import knap
 
 folder = pathlib.Path(sys.argv.pop())
 shutil.rmtree(folder, ignore_errors=True)

@@ -7,15 +7,8 @@ import subprocess
 import sys
 import unittest
 
-try:
-    import numpy as np
-except ImportError:
-    print("skipped: this python3 has no numpy (Debian: python3-numpy)")
-    sys.exit(77)
-
-tools = pathlib.Path(__file__).resolve().parents[2] / "tools" / "python"
-sys.path.insert(0, str(tools))
-import knap  # noqa: E402
+from common import np, tools
+import knap
 
 runs = pathlib.Path(sys.argv.pop())
 

@@ -7,16 +7,9 @@ import subprocess
 import sys
 import unittest
 
-try:
-    import numpy as np
-except ImportError:
-    print("skipped: this python3 has no numpy (Debian: python3-numpy)")
-    sys.exit(77)
-
-repo = pathlib.Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(repo / "tools" / "python"))
-import knap  # noqa: E402
-import knap_traces as traces  # noqa: E402
+from common import np, repo
+import knap
+import knap_traces as traces
 
 folder = pathlib.Path(sys.argv.pop())
 folder.mkdir(parents=True, exist_ok=True)

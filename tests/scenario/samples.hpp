@@ -38,14 +38,19 @@ inline ReadResult read(const std::string& text, const std::vector<std::string>& 
     return read_scenario_text(text, "sample.toml", overrides);
 }
 
-/// What is wrong with a text; empty when it is read without an error.
-inline std::vector<Diagnostic> mistakes(const std::string& text, const std::vector<std::string>& overrides = {}) {
+/// What is wrong with what `read` reads; empty when it is read without an error.
+template <class Read>
+std::vector<Diagnostic> mistakes_of(const Read& read) {
     try {
-        read(text, overrides);
+        read();
     } catch (const UserError& error) {
         return error.diagnostics;
     }
     return {};
+}
+/// The same of a text.
+inline std::vector<Diagnostic> mistakes(const std::string& text, const std::vector<std::string>& overrides = {}) {
+    return mistakes_of([&] { read(text, overrides); });
 }
 
 }  // namespace knap::samples

@@ -201,17 +201,8 @@ TEST_CASE("initial stress: a tunnel in rock under a K0 state moves as that of Ki
                                    1e6);
     std::vector<double> error, hoop;
     for (const double size : {0.4, 0.2, 0.1}) {
-        Shape shape;
-        shape.outer.points = {{-L, -L}, {0, -L}, {L, -L}, {L, 0}, {L, L}, {0, L}, {-L, L}, {-L, 0}};
-        shape.outer.boundary.assign(8, 0), shape.boundary_names = {"rim", "wall"};
-        const int n = 4 * static_cast<int>(std::lround(0.5 * M_PI / size));
-        Ring hole;
-        for (int i = 0; i < n; ++i)
-            hole.points.emplace_back(std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n)),
-                hole.boundary.push_back(1);
-        shape.holes = {hole};
-        ModelInput input = body_with(triangulate(shape, {.size = size}), {.density = 2600, .E = E, .nu = nu},
-                                     CohesiveLaw::unbreakable());
+        ModelInput input =
+            body_with(plate_with_hole(L, size), {.density = 2600, .E = E, .nu = nu}, CohesiveLaw::unbreakable());
         input.initial_stresses = {{.on = {}, .field = field("-10", "-20", "0", 1e6)}};
         input.loads = {{.kind = Load::Kind::stress,
                         .on = {.boundary = "rim", .box = {}},

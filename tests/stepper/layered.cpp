@@ -1,7 +1,7 @@
 // Bodies of layered rock: the hole of Lekhnitskii, a pulse across the layers, and the balance of energy in every scheme.
 #include "heat/heat_bodies.hpp"
-#include "mesh/triangulate.hpp"
 #include "support/paths.hpp"
+#include "support/plates.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
@@ -82,16 +82,7 @@ TEST_CASE("layers: the stress round a hole is that of Lekhnitskii") {
     const auto table = std::make_shared<const PointTable>(std::move(rim));
     std::vector<double> error;
     for (const auto& [order, size] : {std::pair<Index, double>{1, 0.4}, {1, 0.2}, {1, 0.1}, {2, 0.1}}) {
-        Shape shape;
-        shape.outer.points = {{-L, -L}, {0, -L}, {L, -L}, {L, 0}, {L, L}, {0, L}, {-L, L}, {-L, 0}};
-        shape.outer.boundary.assign(8, 0), shape.boundary_names = {"rim", "wall"};
-        const int n = 4 * static_cast<int>(std::lround(0.5 * M_PI / size));
-        Ring hole;
-        for (int i = 0; i < n; ++i)
-            hole.points.emplace_back(std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n)),
-                hole.boundary.push_back(1);
-        shape.holes = {hole};
-        ModelInput input = body_with(triangulate(shape, {.size = size}), slate, CohesiveLaw::unbreakable());
+        ModelInput input = body_with(plate_with_hole(L, size), slate, CohesiveLaw::unbreakable());
         input.plane = PlaneModel::stress;
         input.mesh.order = order;
         PlaceField field{.path = "load[0].stress"};

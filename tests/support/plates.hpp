@@ -3,6 +3,9 @@
 #include "mesh/triangulate.hpp"
 #include "support/bodies.hpp"
 
+#include <cmath>
+#include <numbers>
+
 namespace knap::tests {
 
 constexpr double thickness_of_block = 0.5;  // [m]
@@ -20,6 +23,21 @@ inline ModelInput pressed_block(std::vector<Crack> cracks, const CrackPressure& 
     input.thickness = thickness_of_block;
     input.crack_pressures = {fluid};
     return input;
+}
+
+/// A plate of 2 L x 2 L, boundary `rim`, round a hole of radius 1 at the origin, boundary `wall`.
+inline Mesh plate_with_hole(double L, double size) {
+    Shape shape;
+    shape.outer.points = {{-L, -L}, {0, -L}, {L, -L}, {L, 0}, {L, L}, {0, L}, {-L, L}, {-L, 0}};
+    shape.outer.boundary.assign(8, 0), shape.boundary_names = {"rim", "wall"};
+    const int n = 4 * static_cast<int>(std::lround(0.5 * std::numbers::pi / size));
+    Ring hole;
+    for (int i = 0; i < n; ++i) {
+        const double angle = 2 * std::numbers::pi * i / n;
+        hole.points.emplace_back(std::cos(angle), std::sin(angle)), hole.boundary.push_back(1);
+    }
+    shape.holes = {hole};
+    return triangulate(shape, {.size = size});
 }
 
 /// A plate round the origin keeps its place and turns nowhere: u_x = 0 at (0, +-L), u_y = 0 at (+-L, 0).

@@ -162,8 +162,7 @@ std::string title_of(const Ensemble& ensemble) { return ensemble.title.empty() ?
 /// "10 of 12 runs are done, 0 failed, 2 to go"
 std::string state_of(const Ensemble& ensemble) {
     const auto count = [&](const auto& is) { return std::ranges::count_if(ensemble.runs, is); };
-    const auto n = std::ssize(ensemble.runs), n_left = count(is_to_go),
-               n_done = count([](const EnsembleRun&run) { return run.result.status == "done"; });
+    const auto n = std::ssize(ensemble.runs), n_left = count(is_to_go), n_done = count(&EnsembleRun::is_done);
     return formatted("%td of %td runs are done, %td failed, %td to go", n_done, n, n - n_done - n_left, n_left);
 }
 

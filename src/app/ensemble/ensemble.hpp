@@ -65,6 +65,7 @@ struct EnsembleRun {
     RunResult result = {};
 
     bool is_left() const { return result.status.empty(); }
+    bool is_done() const { return result.status == "done"; }
 };
 
 /// One combination of values; its runs differ in the seed, or in what is drawn at random, only.

@@ -109,9 +109,9 @@ DisplayUnit display_unit_of(const Ensemble& ensemble, std::size_t q) {
 /// Mean of a number of the runs of a variant that are done, as of its quantities; where none is, of those that have
 /// begun, and else of all, whose mesh sizes are known before.
 double mean_of(const Ensemble& ensemble, std::size_t v, const Number& number) {
-    constexpr bool (*samples[])(const EnsembleRun&) = {
-        [](const EnsembleRun& run) { return run.result.status == "done"; },
-        [](const EnsembleRun& run) { return run.result.triangles > 0; }, [](const EnsembleRun&) { return true; }};
+    constexpr bool (*samples[])(const EnsembleRun&) = {[](const EnsembleRun& run) { return run.is_done(); },
+                                                       [](const EnsembleRun& run) { return run.result.triangles > 0; },
+                                                       [](const EnsembleRun&) { return true; }};
     for (const auto counts : samples) {
         const Spread s = ensemble.spread(v, [&](const EnsembleRun& run) { return counts(run) ? number.of(run) : NAN; });
         if (s.n > 0) return s.mean;

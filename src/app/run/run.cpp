@@ -436,7 +436,7 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
                    ? starting_page(requested.scenario, requested.source.text(), record, state)
                    : "";
     };
-    if (is_watched(requested.scenario, options)) place.announce(page("makes its mesh"), record);
+    if (const std::string first = page("makes its mesh"); !first.empty()) place.announce(first, record);
     Model model = model_of(requested);
     const Continuation continuation =
         options.force ? Continuation{.read = requested} : continuation_of(requested, model, directory);

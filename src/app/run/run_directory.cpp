@@ -232,9 +232,7 @@ void RunDirectory::announce(const std::string& page, const RunRecord& record) tr
     fs::create_directories(directory_);
     log_.emplace(open_log(directory_ / "log.txt"));
     announced_ = true;
-    RunRecord starting = record;
-    starting.status = "starting";
-    write_whole_file(directory_ / "run.json", run_json(starting));
+    write_record(directory_, record, "starting");
     write_whole_file(directory_ / "report.html", page);
 } catch (const std::exception&) {
     // start() says why

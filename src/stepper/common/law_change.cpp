@@ -1,7 +1,6 @@
 #include "stepper/common/law_change.hpp"
 
 namespace knap {
-
 void account_law_change(const Model& model, const State& begin, StepReport& report) {
     const Temperatures &before = *begin.temperature_before, &now = *begin.temperature;
     if (&before == &now) return;

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 namespace knap {
-
 namespace {
 
 void add_point(const Model& model, const State& state, const FanPoint& point, const PointState& at, StepReport& sum) {
