@@ -14,6 +14,7 @@ struct ContactLaw {
     bool gives_restitution = false;  // the scenario does; else rigid pieces that cannot break have their own
     Rebound rebound = Rebound::of_faces;
     double tangential = 0;  // [-] R_T: of the slip before an impact, below which friction does not brake it
+    int changing = -1;      // into Model::laws: the friction is that of this law, over slip or pressure; -1: constant
 
     bool rebounds() const { return restitution > 0 || tangential > 0; }
     bool is_of_bodies() const { return rebound == Rebound::of_bodies || tangential > 0; }

@@ -162,6 +162,11 @@ struct CohesiveLaw {
         if (slip_distance == 0) return friction;
         return friction + (kinetic_friction - friction) * std::min(1.0, slid / slip_distance);
     }
+    bool friction_changes() const { return slip_distance > 0 || over_pressure; }
+    /// [-] After the slip D [m] under a pressure [Pa]: of friction over pressure the chord.
+    double friction_at(double slid, double pressure) const {
+        return over_pressure ? over_pressure->chord(pressure) : friction_after(slid);
+    }
     /// [-] Part of the way to B that the cohesion goes in a step of h [s].
     double relaxed_part(double h) const { return 1 / (1 + relaxation_time / h); }
     /// Cohesion at the end of a step of h [s] that began with `cohesion` and ends at opening (u_N, u_T).

@@ -76,6 +76,9 @@ const PointState* state_of(const Model& model, const State& state, Index point) 
 
 namespace {
 
+const double cosine_of_face = std::cos(0.2);                // a face turns by less at a vertex
+constexpr double one_frame_below = 0.01, apart_from = 0.1;  // [rad] between the frames of two points of a face
+
 // In 2D, R turns by the angle atan2(F_yx - F_xy, F_xx + F_yy). With the edges e_1, e_2 from vertex 0 of a triangle and
 // the differences a, b of displacement along them, H = (a (x) -turned(e_2) + b (x) turned(e_1))/(2 A), so that
 //     2 A (H_yx - H_xy) = a . e_2 - b . e_1,     2 A (H_xx + H_yy) = a x e_2 + e_1 x b,     2 A = e_1 x e_2.
@@ -105,10 +108,25 @@ Rotation fan_frame(const Model& model, const State& state, const Fan& fan) {
     return frame_of(model, state, model.corners(fan));
 }
 
+const FanPoint* same_face_beyond(const Model& model, const FanPoint& point) {
+    const auto points = model.points(model.fans[model.fan_of_corner[point.corner()]]);
+    const auto along = [&](const FanPoint& at) { return -at.normal.dot(point.normal); };
+    const auto most = std::ranges::max_element(points, {}, along);
+    return most->law == point.law && along(*most) > cosine_of_face ? &*most : nullptr;
+}
+
 Rotation point_frame(const Model& model, const State& state, const FanPoint& point) {
     if (!model.large_rotation || point.on_support()) return {};
-    const std::array<Index, 2> corners{point.before, point.after};
-    return frame_of(model, state, corners);
+    const auto own_frame = [&](const FanPoint& at) {
+        return frame_of(model, state, std::array<Index, 2>{at.before, at.after});
+    };
+    const Rotation own = own_frame(point);
+    if (!model.laws[point.law].over_pressure) return own;
+    const FanPoint* beyond = same_face_beyond(model, point);
+    if (!beyond || beyond->on_support()) return own;
+    const double angle = angle_of(from_to(own, own_frame(*beyond))),
+                 part = (apart_from - std::abs(angle)) / (apart_from - one_frame_below);
+    return composed(Rotation::by(0.5 * std::clamp(part, 0.0, 1.0) * angle), own);
 }
 
 Vec2 opening(const Model& model, const State& state, Index point) {

@@ -16,7 +16,6 @@ constexpr double round_weights[n_rounds] = {1, 1, 30, 1000, 1, 30, 1000};
 constexpr double multiplier_weights[] = {10,  10,  10,  30,  30,
                                          100, 100, 1e3, 1e4, 1e5};  // [-] of the method of multipliers
 constexpr Eigen::Index max_unknowns = 32;
-constexpr double stiffer = 1e3;                  // of unbreakable links, where others share impulses by their weights
 constexpr int most_lags = 56, lags_between = 4;  // of friction, before Newton's steps
 
 }  // namespace
@@ -54,27 +53,7 @@ void CurvedFan::start() {
         row.law = norm_law(link, before, problem_->drift_time, scales_.rest);
         if (W(0, 0) <= relative_tolerance * W.trace()) row.law.contact.may_touch = false;
     }
-    share_by_area();
     find_velocities();
-}
-
-/// Points that slide together may share their contact impulse in any way, and with friction over pressure the sum of
-/// their frictions depends on it: they share it by their areas, which they do from zero with weights in
-/// proportion and between parts that are stiffer.
-void CurvedFan::share_by_area() {
-    double sum = 0, mean = 0;
-    int n = 0;
-    for (std::size_t i = 0; i < rows_.size(); ++i)
-        if (const double unit = problem_->links[i].pressed.unit; !rows_[i].unbreakable && problem_->links[i].pressed)
-            sum += rows_[i].r / unit, ++n;
-    if (n == 0) return;
-    mean = sum / n;
-    for (std::size_t i = 0; i < rows_.size(); ++i) {
-        if (rows_[i].unbreakable) rows_[i].r *= stiffer;
-        if (rows_[i].unbreakable || !problem_->links[i].pressed) continue;
-        rows_[i].r = mean * problem_->links[i].pressed.unit;
-        rows_[i].impulse.setZero();
-    }
 }
 
 void CurvedFan::find_velocities() {

@@ -36,7 +36,6 @@ private:
     };
 
     void start();
-    void share_by_area();
     NormLaw::Response respond(std::size_t i, double weight) const;
     void find_velocities();
     void apply(std::size_t i, const Vec2& impulse);

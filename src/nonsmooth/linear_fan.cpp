@@ -38,8 +38,6 @@ Vector<max> solution_of_least_norm(const Matrix<max>& A, const Vector<max>& b) {
 void LinearFan::start(const FanProblem& problem, double speed_tolerance) {
     problem_ = &problem;
     speed_tolerance_ = speed_tolerance;
-    largest_area_ = 0;
-    for (const FanLink& link : problem.links) largest_area_ = std::max(largest_area_, link.pressed.unit);
     const auto for_each_end = [&](const auto& visit) {
         for (Index i = 0; i < n_links(); ++i) {
             const FanLink& link = problem.links[i];
@@ -106,10 +104,9 @@ bool LinearFan::find_multipliers(const std::vector<LinkState>& states, FanMotion
         const FanLink& link = problem_->links[i];
         if (state.is_on_ramp(link)) add_ramp(i, state, motion);
         if (!state.partial() || clusters_.has_one(link)) continue;
-        // contacts that share a load share it by their areas where friction asks for pressures
-        if (const double unit = link.pressed ? std::sqrt(link.pressed.unit / largest_area_) : 1; state.closed)
-            multipliers_.push_back({i, unit * link.normal, unit * link.vector(1, -state.tangential.contact_offset),
-                                    unit * state.law.contact.rate});
+        if (state.closed)
+            multipliers_.push_back(
+                {i, link.normal, link.vector(1, -state.tangential.contact_offset), state.law.contact.rate});
         else multipliers_.push_back({i, link.tangent(), link.tangent(), state.tangential.kink});
     }
     const int n = static_cast<int>(multipliers_.size());

@@ -56,7 +56,6 @@ private:
     }
 
     const FanProblem* problem_ = nullptr;
-    double largest_area_ = 0;  // [N s/Pa] of friction over pressure
     double speed_tolerance_ = 0;
     FanClusters clusters_;
     std::vector<Index> first_end_;    // per body, into link_ends_

@@ -41,18 +41,12 @@ std::span<const Exclusion> exclusions() {
         {"coupling = \"norm\"", "unloading = \"vertical\"",
          "at the largest opening, an ellipse of the norm, the traction has any size and a direction that turns with "
          "the opening, and its projection knows such a set at zero opening alone"},
-        {"slip_distance", "[contact]",
-         "the slip that weakens it is that of the two sides of one interface, and free faces meet others anywhere"},
         {"slip_distance", "friction_table",
          "each of them is the friction, over the slip and over the temperature, and together they would be a table of "
          "both"},
         {"slip_distance", "friction_over_pressure",
          "each of them is the friction, over the slip and over the pressure, and together they would be a table of "
          "both"},
-        {"friction_over_pressure", "rotation = \"large\"",
-         "normals of one face turn apart, and the points of a vertex then share their pressure in no way that is "
-         "known, on which the sum of concave thresholds depends (with [contact] a vertex even bears its impulse on no "
-         "area)"},
         {"coupling = \"norm\"", "strength = \"as measured\"",
          "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"coupling = \"norm\"", "toughness = \"as measured\"",

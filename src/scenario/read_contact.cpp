@@ -74,6 +74,7 @@ void read_contact_law(const Table& table, ContactLaw& law) {
         table.error("exclusive-keys", "R_N", "is the rebound of bodies, restitution that of faces", "one of both");
     if (has_R_N) table.leave_out("restitution");
     table.fill(law);
+    if (table.given("friction")) law.changing = -1;
     law.gives_restitution |= has_R_N || table.given("restitution");
     if (table.given("restitution")) law.rebound = ContactLaw::Rebound::of_faces;
     if (has_R_N) law.rebound = ContactLaw::Rebound::of_bodies, law.restitution = table.number("R_N").value_or(0);
@@ -106,8 +107,11 @@ void read_contact(Reading& reading) {
     for (std::size_t a = 0; a < n; ++a)
         for (std::size_t b = 0; b < n; ++b) {
             ContactLaw& law = contact_of_pair[a][b];
-            if (const Index number = reading.scenario.law_of_pair[a][b]; number >= 0)  // otherwise reported
-                law = {reading.scenario.laws[number].law.friction, reading.scenario.laws[number].law.restitution};
+            if (const Index number = reading.scenario.law_of_pair[a][b]; number >= 0) {  // otherwise reported
+                const CohesiveLaw& of = reading.scenario.laws[number].law;
+                law = {.friction = of.friction, .restitution = of.restitution};
+                if (of.friction_changes()) law.changing = static_cast<int>(number);
+            }
             read_contact_law(table, law);
             law.gives_restitution |= law.restitution > 0;
         }

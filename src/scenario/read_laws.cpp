@@ -365,15 +365,6 @@ static void check_coupling(Reading& reading) {
 
 void check_laws(Reading& reading) {
     check_coupling(reading);
-    if (reading.table("contact").given())
-        for (const Table& table : reading.list("interface"))
-            if (table.given("slip_distance"))
-                table.exclude("slip_distance", "slip_distance", "[contact]", "friction alone, or no [contact]");
-    std::size_t n = 0;
-    for (const Table& table : reading.list("interface"))
-        if (reading.scenario.laws[n++].law.over_pressure && reading.scenario.large_rotation)
-            table.exclude("friction_over_pressure", "friction_over_pressure", "rotation = \"large\"",
-                          "friction, the chord at the pressure in question, or small rotations without [contact]");
     if (!reading.scenario.time.scheme.takes_explicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)

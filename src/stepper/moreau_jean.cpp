@@ -5,6 +5,7 @@
 #include "base/formatted.hpp"
 #include "element/triangle_matrices.hpp"
 #include "model/time_tables.hpp"
+#include "stepper/common/changing_friction.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/law_change.hpp"
 #include "stepper/common/surface_energy.hpp"
@@ -23,6 +24,8 @@ MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model
     if (!changes()) make_scheme(options.takes_implicit_steps());
     if (options.rigid.active()) rigid_ = std::make_unique<RigidScheme>(model, options);
     if (model.heat) heat_.emplace(model);
+    friction_follows_slip_ =
+        std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.slip_distance > 0; });
 }
 
 MoreauJean::~MoreauJean() = default;
@@ -142,6 +145,7 @@ StepReport MoreauJean::complete(const State& begin, double h, StepReport report,
     if (heat_) end.temperature_before = begin.temperature;
     if (model_.laws_follow_temperature) account_law_change(model_, begin, report);
     if (report.rejection != Rejection::none) return report;
+    if (friction_follows_slip_) follow_slip(model_, begin, end);
     end.time = begin.time + h;
     end.last_step = h;
     end.n_steps = begin.n_steps + 1;

@@ -77,6 +77,7 @@ private:
     std::unique_ptr<RigidScheme> rigid_;               // null: no [rigid]
     std::unique_ptr<Islands> islands_;                 // null: all pieces become deformable together
     std::optional<HeatStep> heat_;
+    bool friction_follows_slip_ = false;
 };
 
 }  // namespace knap

@@ -184,28 +184,6 @@ TEST_CASE("random fans with friction over pressure meet every law and no frictio
         }
 }
 
-TEST_CASE("points that slide together share their contact impulse by area where friction asks for pressures") {
-    const FrictionOverPressure polygon({{0, 0}, {1, 1}, {3, 1.6}});
-    for (const Coupling coupling : {Coupling::sum, Coupling::norm}) {
-        FanProblem fan;
-        fan.closed = true, fan.drift_time = 1, fan.is_curved = coupling == Coupling::norm;
-        add_body(fan, 0, 0, 0, 8, 1);
-        add_body(fan, 5, 0, 20, 0, 1);  // on top, pressed on and pushed along
-        add_link(fan, 1, 0, 0, -1, 0, 0, 0);
-        add_link(fan, 0, 1, 0, 1, 0, 0, 0);
-        for (std::size_t i : {0, 1}) {
-            FanLink& link = fan.links[i];
-            link.coupling = coupling, link.pressed = {&polygon, i == 0 ? 1.0 : 3.0};
-            link.last_impulse = i == 0 ? Vec2(4, 1) : Vec2::Zero();  // not by area
-        }
-        const FanResult found = solved(fan);
-        CHECK(found.links[0].contact == doctest::Approx(1).epsilon(1e-6));  // of 4, which stop the approach by 8
-        CHECK(found.links[1].contact == doctest::Approx(3).epsilon(1e-6));
-        CHECK(std::abs(found.links[0].friction_part) == doctest::Approx(1).epsilon(1e-6));
-        CHECK(std::abs(found.links[1].friction_part) == doctest::Approx(3).epsilon(1e-6));
-    }
-}
-
 TEST_CASE("random fans with secant and with vertical unloading meet every law") {
     FanSolver solver;
     FanResult result;

@@ -122,7 +122,7 @@ private:
         for (const FaceContact& contact : faces.all())
             if (contact.gap <= near * contact.length)
                 add_both(piece_of(contact.vertex[1]), piece_of(contact.edge[0]), place_of(contact.vertex[1]),
-                         contact.normal, law_between_faces(model_, contact).friction);
+                         contact.normal, law_between_faces(model_, start, contact).friction);
     }
 
     Vec2 place_of(Index corner) const {

@@ -8,7 +8,7 @@ ContactRow row_of(const Model& model, const State& begin, const FaceContact& con
     return {.gap = contact.gap,
             .length = contact.length,
             .rounding = position_rounding * (place_of(model, begin, contact.edge[0]).norm() + contact.length),
-            .law = law_between_faces(model, contact),
+            .law = law_between_faces(model, begin, contact),
             .place = place_of(model, begin, contact.vertex[1]),
             .impulse = scale * Vec2(contact.contact, contact.tangential)};
 }

@@ -7,6 +7,7 @@
 
 #include <cassert>
 #include <cmath>
+#include <map>
 
 namespace knap {
 namespace {
@@ -50,7 +51,44 @@ std::span<const FaceContactState> contacts_before(const State& begin, Index vert
             std::ranges::upper_bound(all, vertex, {}, &FaceContactState::vertex)};
 }
 
+/// [m] The longest way between the two sides of the points that retired at these corners of a vertex.
+double slid_at(const Model& model, const State& begin, std::span<const Index> corners) {
+    double longest = 0;
+    for (const Index corner : corners) {
+        if (model.ground_at(corner)) continue;
+        const Index fan = model.fan_of_corner[corner], rank = begin.split_rank[fan];
+        if (rank < 0) continue;
+        const PointState* state = begin.points.data() + begin.first_point[rank];
+        for (const FanPoint& at : model.points(model.fans[fan])) {
+            if (begin.has_retired(at.point) && (at.before == corner || at.after == corner))
+                longest = std::max(longest, state->slid);
+            ++state;
+        }
+    }
+    return longest;
+}
+
 }  // namespace
+
+ContactLaw law_between_faces(const Model& model, const State& begin, const FaceContact& contact) {
+    const auto of_interface = [&](Index law) -> ContactLaw {
+        const CohesiveLaw& of = model.laws[law];
+        return {.friction = of.friction,
+                .restitution = of.restitution,
+                .changing = of.friction_changes() ? static_cast<int>(law) : -1};
+    };
+    const auto constant = [&]() -> ContactLaw {
+        for (const Index corner : {contact.edge[0], contact.vertex[1]})
+            if (const GroundVertex* ground = model.ground_at(corner)) return of_interface(ground->law);
+        if (contact.joint_law >= 0) return of_interface(contact.joint_law);
+        const auto material = [&](Index corner) { return model.mesh.region[model.mesh.triangle_of(corner)]; };
+        return model.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
+    };
+    ContactLaw law = constant();
+    if (law.changing >= 0)
+        law.friction = model.laws[law.changing].friction_at(slid_at(model, begin, contact.vertex), contact.pressure);
+    return law;
+}
 
 FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) {}
 
@@ -79,6 +117,23 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
     else if (place_corners(begin, h, corner_velocity, boundary_changed)) find_deformable(begin, h);
     else return;
     prune();
+    if (std::ranges::any_of(model_.laws, [](const CohesiveLaw& law) { return bool(law.over_pressure); }))
+        find_pressures(begin);
+}
+
+/// A vertex has no area, but a face has: what the contacts on a face bear, and half of what the vertices at its two ends
+/// bear, is its share of the whole, over its length.
+void FaceContacts::find_pressures(const State& begin) {
+    std::map<Index, double> impulse;  // [N s] per face
+    for (const FaceContactState& at : begin.face_contacts) {
+        impulse[at.edge] += at.contact;
+        impulse[at.vertex] += 0.5 * at.contact;
+        if (!model_.ground_at(at.entering)) impulse[previous_in_triangle(at.entering)] += 0.5 * at.contact;
+    }
+    const double time = begin.last_step > 0 ? begin.last_step : 1;  // a search of equilibrium has forces
+    for (FaceContact& contact : contacts_)
+        if (const auto at = impulse.find(contact.face); at != impulse.end())
+            contact.pressure = at->second / (time * contact.face_length * model_.thickness);
 }
 
 void FaceContacts::find_deformable(const State& begin, double h) {
@@ -264,6 +319,9 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double depth = gap < -max_contact_depth * length ? overlap(edge, at, gap, begin) : -gap;
     if (depth <= 0 && gap < 0 && !before) return;
     if (!before) before = slid_from(pair.edge, at);
+    const bool leaves = at.cone.t_out.dot(placed.along) < at.cone.t_in.dot(placed.along);  // the edge that faces
+    const double own_length = leaves ? at.l_out : at.l_in;
+    const Index own_face = leaves ? leaving.start : boundary_.edges()[leaving.entering].start;
     block.found.push_back(
         {.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                      .edge = {edge.start, edge.end},
@@ -274,7 +332,9 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                      .gap = gap,
                      .depth = depth,
                      .contact = before ? before->contact : 0,
-                     .tangential = before ? before->tangential : 0},
+                     .tangential = before ? before->tangential : 0,
+                     .face = own_length < length ? own_face : edge.start,
+                     .face_length = std::min(own_length, length)},
          .vertex = pair.vertex,
          .edge = pair.edge,
          .gap_at_end = gap_at_end,

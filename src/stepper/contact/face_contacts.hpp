@@ -29,6 +29,10 @@ struct FaceContact {
     double contact, tangential;   // [N s] impulses of the step before (0 if new), duplicates merged: the start of the
                                   // iteration
 
+    Index face = -1;         // the shorter of the edge and the edge of the vertex that faces it: its start corner
+    double face_length = 0;  // [m]
+    double pressure = 0;     // [Pa] mean on this face in the last step, where a friction depends on it
+
     /// Of values at the corners: that of the vertex, the mean of both, minus that of the edge.
     Vec2 jump(const auto& of_corner) const {
         return 0.5 * (of_corner(vertex[0]) + of_corner(vertex[1])) - (1 - share) * of_corner(edge[0]) -
@@ -44,17 +48,9 @@ struct FaceContact {
 };
 
 /// The law is that of the pair of materials. On a support it is that of the support's interface, whatever lies on it;
-/// two faces of joints keep that of the joint, so that slip beyond the points goes on with the same friction.
-inline ContactLaw law_between_faces(const Model& model, const FaceContact& contact) {
-    const auto of_interface = [&](Index law) -> ContactLaw {
-        return {.friction = model.laws[law].friction, .restitution = model.laws[law].restitution};
-    };
-    for (const Index corner : {contact.edge[0], contact.vertex[1]})
-        if (const GroundVertex* ground = model.ground_at(corner)) return of_interface(ground->law);
-    if (contact.joint_law >= 0) return of_interface(contact.joint_law);
-    const auto material = [&](Index corner) { return model.mesh.region[model.mesh.triangle_of(corner)]; };
-    return model.contact_of_pair[material(contact.vertex[1])][material(contact.edge[0])];
-}
+/// two faces of joints keep that of the joint, so that slip beyond the points goes on with the same friction. A friction
+/// over slip is that of the way between the sides of the points that retired at the vertex.
+ContactLaw law_between_faces(const Model& model, const State& begin, const FaceContact& contact);
 
 /// A contact whose step must be smaller.
 struct ContactRefusal {
@@ -154,6 +150,7 @@ private:
     bool was_beside(const State& begin, const NearbyEdge& pair) const;
     const FaceContactState* known(std::span<const FaceContactState> of_vertex, Index edge) const;
     const FaceContactState* slid_from(Index edge, const Vertex& at) const;
+    void find_pressures(const State& begin);
     void prune();
     void prune_corners(Found& at);
     std::span<Found> of_vertex(Index i);

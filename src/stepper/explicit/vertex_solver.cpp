@@ -2,6 +2,7 @@
 
 #include "nonsmooth/fan_ramps.hpp"
 #include "stepper/common/point_work.hpp"
+#include "stepper/common/changing_friction.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -178,7 +179,7 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
                                  .friction = law.friction_after(slid(f, i, begin)),
                                  .restitution = retired ? 0 : law.restitution_at(beta),
                                  .unbreakable = sticks,
-                                 .pressed = law.pressed_friction(step.kick_time * point.area)});
+                                 .pressed = law.pressed_friction(step.kick_time * pressed_area(model_, begin, fan, point))});
         FanLink& link = problem.links.back();
         if (law.coupling != Coupling::sum && !sticks) {
             link.coupling = law.coupling;
@@ -401,7 +402,6 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             state.largest_opening =
                 law.largest_opening(largest_opening(f, i, step.begin),
                                     law.unloading == Unloading::vertical ? law.equivalent_opening(u_N, u_T) : middle);
-            if (law.slip_distance > 0) state.slid = slid(f, i, step.begin) + step.drift_time * std::abs(t.dot(after));
             account_cohesion(point, law,
                              {.area = area,
                               .before = beta,

@@ -1,6 +1,7 @@
 #include "stepper/implicit/active_point.hpp"
 
 #include "base/tolerance.hpp"
+#include "stepper/common/changing_friction.hpp"
 
 #include <cmath>
 
@@ -46,7 +47,7 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                 .ramp = drops ? width_at_kappa * law.delta_c() : ramp,
                 .floor = drops ? kappa : 0,
                 .friction = law.friction_after(known ? known->slid : 0),
-                .pressed = law.pressed_friction(step.kick() * at.area),
+                .pressed = law.pressed_friction(step.kick() * pressed_area(model, *step.begin, model.fans[fan], at)),
                 .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
                                                touching_gap(model, *step.begin, at) +
                                                    (model.large_rotation ? closed_beside_slip * std::abs(u.y()) : 0)),
@@ -86,33 +87,6 @@ ActivePoint obstacle_point(const Model& model, const StepContext& step, const Co
     apply_prescribed(nodes, made);
     made.law.set_staircase();
     return made;
-}
-
-void share_by_area(std::vector<ActivePoint>& points) {
-    const auto slide_together = [](const ActivePoint& a, const ActivePoint& b) {
-        const bool same = a.sides.before == b.sides.before && a.sides.after == b.sides.after,
-                   swapped = a.sides.before == b.sides.after && a.sides.after == b.sides.before;
-        return b.law.pressed && a.fan == b.fan && (same || swapped) &&
-               (same ? 1 : -1) * a.normal.dot(b.normal) > 1 - relative_tolerance;
-    };
-    for (std::size_t first = 0; first < points.size(); ++first) {
-        if (!points[first].law.pressed) continue;
-        const std::size_t end = points[first].fan >= 0 ? end_of_fan(points, first) : first;
-        double area = 0, contact = 0, tangential = 0, mass = 0;
-        const auto visit_group = [&](const auto& visit) {
-            for (std::size_t j = first; j < end; ++j)
-                if (slide_together(points[first], points[j])) visit(points[j]);
-        };
-        visit_group([&](const ActivePoint& point) {
-            area += point.law.pressed.unit, mass += point.mass;
-            contact += point.multipliers.contact, tangential += point.multipliers.tangential;
-        });
-        visit_group([&](ActivePoint& point) {
-            const double share = point.law.pressed.unit / area;
-            point.mass = share * mass;
-            point.multipliers.contact = share * contact, point.multipliers.tangential = share * tangential;
-        });
-    }
 }
 
 void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {

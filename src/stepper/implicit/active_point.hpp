@@ -86,10 +86,6 @@ inline std::size_t end_of_fan(const std::vector<ActivePoint>& points, std::size_
     return end;
 }
 
-/// Points between the same two parts may share their contact impulse in any way, and with friction over pressure the
-/// sum of their frictions depends on it: they share it by their areas, and so does what is added to it.
-void share_by_area(std::vector<ActivePoint>& points);
-
 /// Of a fan, with its law over the step; all but its mass. `turn`: of large rotations.
 ActivePoint interface_point(const Model& model, const StepContext& step, const CornerPartition& nodes, Index fan,
                             Index fan_point, const PointTurn& turn = {});

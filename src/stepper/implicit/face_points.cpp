@@ -96,7 +96,7 @@ ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const Corn
         return unless_ground(corner, [&](Index c) -> Vec2 { return begin.velocity[begin.node_of_corner[c]]; });
     };
     const double rate = contact.normal.dot(contact.jump(velocity));
-    const ContactLaw law = law_between_faces(model_, contact);
+    const ContactLaw law = law_between_faces(model_, begin, contact);
     ActivePoint made{.sides = sides_of(contact, nodes),
                      .fan = between_faces,
                      .normal = -contact.normal,  // from the vertex to the edge

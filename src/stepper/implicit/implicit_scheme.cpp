@@ -384,7 +384,6 @@ void ImplicitScheme::guess_multipliers() {
         strength = std::max(strength, point.law.strength);
         pressing = std::max(pressing, point.multipliers.contact);
     }
-    share_by_area(x_.points);
     momentum_scale_ = std::max(momentum, strength);
     scale_ = std::max({strength, 1e-3 * momentum, std::min(pressing, max_pressing * momentum_scale_)});
 }
@@ -566,7 +565,6 @@ void ImplicitScheme::store(State& end, StepReport& report) {
             const double s = law.equivalent_opening(u.x(), u.y()),
                          before = law.equivalent_opening(point.law.u_N, point.law.u_T);
             state.largest_opening = law.largest_opening(state.largest_opening, s);
-            if (law.slip_distance > 0) state.slid += std::abs(u.y() - point.law.u_T);
             // the work of beta_theta over the whole way is that of beta+ and beta on its two parts
             account_cohesion(at, law,
                              {.area = at.area * begin.strength_factor(end.split_fans[rank]),

@@ -1,6 +1,7 @@
 #include "stepper/rigid/rigid_contacts.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/common/changing_friction.hpp"
 #include "stepper/common/contact_search.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/rigid/freeze.hpp"
@@ -208,8 +209,12 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
             add_term(row, term_on(piece, sign * n, row.place - bodies[piece].centre));
         };
         add(point.after, 1), add(point.before, -1);
-        row.law =
-            law_for({.friction = law.friction, .restitution = law.restitution, .gives_restitution = true}, breaks);
+        const double pressure = std::max(0.0, state.traction.x()) * point.area /
+                                pressed_area(model_, begin, model_.fans[points_[i].fan], point);
+        row.law = law_for({.friction = law.friction_at(state.slid, pressure),
+                           .restitution = law.restitution,
+                           .gives_restitution = true},
+                          breaks);
         add_row(row, bodies);
     }
 }

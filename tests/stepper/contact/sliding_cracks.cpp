@@ -1,7 +1,7 @@
 // Closed cracks that slide: general contact leaves them alone until their points retire, and takes them over smoothly.
-#include "base/random.hpp"
 #include "stepper/contact/retirement.hpp"
 #include "support/several_bodies.hpp"
+#include "support/sheared_joint.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,35 +12,8 @@ using namespace knap::tests;
 
 namespace {
 
-constexpr double E = 1e7, friction = 0.3;
-
-/// A body of 12 x 8 cells of edge 1 that is pressed and sheared through its upper side; the edges from x_1 to x_2 at
-/// half its height are cracked. `rough`: inner vertices are moved at random, so that the crack has kinks.
-ModelInput sheared(double x_1, double x_2, bool rough, double shear, bool contact) {
-    constexpr int n_x = 12, n_y = 8;
-    ModelInput input;
-    input.mesh = bar_mesh(n_x, n_y, n_x, n_y);
-    const auto is_cracked = [&](const InteriorEdge& edge) {
-        const Vec2 a = input.mesh.corner(edge.triangle[0], edge.side[0]),
-                   b = input.mesh.corner(edge.triangle[0], (edge.side[0] + 1) % 3);
-        return a.y() == 0.5 * n_y && b.y() == 0.5 * n_y && std::min(a.x(), b.x()) >= x_1 &&
-               std::max(a.x(), b.x()) <= x_2;
-    };
-    for (InteriorEdge& edge : input.mesh.interior_edges) edge.cracked = is_cracked(edge);
-    Random random(3, "rough");
-    for (Vec2& x : input.mesh.vertices)
-        if (rough && x.x() > 0 && x.x() < n_x && x.y() > 0 && x.y() < n_y)
-            x += Vec2(random.uniform(-0.1, 0.1), random.uniform(-0.1, 0.1));
-    input.materials = {{.density = 2000, .E = E, .nu = 0.2}};
-    input.laws = {{.sigma_c = infinity, .friction = friction}};
-    input.law_of_pair = {{0}};
-    if (contact) input.contact_of_pair = {{ContactLaw{.friction = friction}}};
-    input.large_rotation = true;
-    const TimeFunction ramp{{0, 1}, {0, 1}};
-    input.loads = {
-        {.kind = Load::Kind::displacement, .on = {.boundary = "bottom"}, .value = {0, 0}},
-        {.kind = Load::Kind::traction, .on = {.boundary = "top"}, .value = {shear, -2e-3 * E}, .history = ramp}};
-    return input;
+ModelInput sheared(double from, double to, bool rough, double shear, bool contact) {
+    return sheared_joint({.from = from, .to = to, .rough = rough, .shear = shear, .contact = contact});
 }
 
 /// [-] Of the broken points, over their edge: the largest.
@@ -70,7 +43,7 @@ TEST_CASE("a crack that slides inside a body moves to the bit as without contact
     // the shear beyond friction, 1.9e-3 E, makes a crack of length 6 slip by some 4 x 3 x 1.9e-3 = 0.02 edges
     for (const bool rough : {false, true}) {
         CAPTURE(rough);
-        Run with(sheared(3, 9, rough, 2.5e-3 * E, true)), without(sheared(3, 9, rough, 2.5e-3 * E, false));
+        Run with(sheared(3, 9, rough, 2.5e-3 * joint_E, true)), without(sheared(3, 9, rough, 2.5e-3 * joint_E, false));
         const double h = 0.8 * with.stepper.stable_step();
         double slip = 0, off = 0;
         int n_sliding = 0;
@@ -94,7 +67,8 @@ TEST_CASE("a crack that slides inside a body moves to the bit as without contact
 TEST_CASE("a joint through a body slides with contact as without while it is handed over") {
     for (const bool rough : {false, true}) {
         CAPTURE(rough);
-        Run with(sheared(0, 12, rough, 0.7e-3 * E, true)), without(sheared(0, 12, rough, 0.7e-3 * E, false));
+        Run with(sheared(0, 12, rough, 0.7e-3 * joint_E, true)),
+            without(sheared(0, 12, rough, 0.7e-3 * joint_E, false));
         const double h = 0.8 * with.stepper.stable_step();
         double slip = 0, off = 0;
         while (with.now.time < 6 && slip < 0.1) {
