@@ -193,8 +193,8 @@ Rotation fan_frame(const Model& model, const State& state, const Fan& fan);
 /// Under friction over pressure: the point beyond the vertex of a point, on the same face, which turns by less than 0.2
 /// rad there, with the same law; null: there is none.
 const FanPoint* same_face_beyond(const Model& model, const FanPoint& point);
-/// Mean rotation of the two triangles beside a point of a split fan, whose parts turn by themselves. Under friction over
-/// pressure two points of a face have one frame, the mean of theirs, unless they turn apart by more than 0.01 rad:
+/// Mean rotation of the two triangles beside a point of a split fan, whose parts turn by themselves. Under friction
+/// over pressure two points of a face have one frame, the mean of theirs, unless they turn apart by more than 0.01 rad:
 /// strains turn them by less, and with normals of their own one of them alone would bear what presses on both.
 Rotation point_frame(const Model& model, const State& state, const FanPoint& point);
 

@@ -3,6 +3,7 @@
 #include "support/obstacle_shapes.hpp"
 #include "support/random_bodies.hpp"
 
+#include <numbers>
 #include <string>
 
 namespace knap::tests {
@@ -25,7 +26,8 @@ public:
           random_(seed, "wild"),
           pressing_(seed, "press"),
           resisting_(seed, "resist"),
-          turning_(seed, "turn") {}
+          turning_(seed, "turn"),
+          measured_(seed, "measured") {}
 
     WildBody body() {
         WildBody made{.body = RandomBodies(seed_, {.units = false, .max_cells = 4}).body()};
@@ -38,6 +40,7 @@ public:
         press(made);
         resist(made);
         turn(made);
+        measure(made);
         in_units(made.body, std::pow(10, random_.uniform(-9, 6)), std::pow(10, random_.uniform(-12, 9)),
                  std::pow(10, random_.uniform(-9, 6)));
         return made;
@@ -155,8 +158,48 @@ private:
             made.body.scheme.absorbing = {{.boundary = "right", .box = {}, .body = {}}};
     }
 
+    /// Laws as they are measured, one of them; also of a stream of their own.
+    void measure(WildBody& made) {
+        if (measured_.uniform() > 0.2) return;
+        ModelInput& input = made.body.input;
+        CohesiveLaw& law = input.laws[0];
+        const double part = measured_.uniform(), size = measured_.uniform();
+        switch (static_cast<int>(measured_.uniform(0, 5))) {
+            case 0: {
+                const double mu = law.friction + 0.1, bend = std::pow(10, 2 * part - 1);
+                made.body.friction_points = {{0, 0},
+                                             {bend, mu * bend},
+                                             {3 * bend, (1 + 2 * size) * mu * bend},
+                                             {9 * bend, (1 + 5 * size) * mu * bend}};
+                law.over_pressure = std::make_shared<FrictionOverPressure>(made.body.friction_points);
+                law.friction = law.over_pressure->chord(law.sigma_c);
+                break;
+            }
+            case 1:
+                law.kinetic_friction = part * law.friction;
+                law.slip_distance = std::pow(10, 2 * size - 2);
+                break;
+            case 2:
+                if (law.sigma_c == 0 || law.gamma == 0) return;
+                law.friction = 0;
+                law.G_II = std::pow(10, 2 * part - 0.5) * law.G_c;
+                law.mode_mix = size < 0.5 ? ModeMix::power : ModeMix::benzeggagh_kenane;
+                law.mix_exponent = 1 + 2 * measured_.uniform();
+                break;
+            case 3:
+                if (made.body.scheme.bulk == BulkScheme::explicit_lumped) law.unloading = Unloading::vertical;
+                break;
+            default:
+                for (Elastic& material : input.materials)
+                    material.bedding = Bedding{.E = std::pow(10, part - 0.5) * material.E,
+                                               .nu = 0.3 * part * material.nu,
+                                               .G = std::pow(10, part - 0.7) * material.E,
+                                               .angle = std::numbers::pi * size};
+        }
+    }
+
     std::uint64_t seed_;
-    Random random_, pressing_, resisting_, turning_;
+    Random random_, pressing_, resisting_, turning_, measured_;
 };
 
 }  // namespace knap::tests

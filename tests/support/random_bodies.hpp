@@ -26,7 +26,8 @@ struct RandomBody {
     ModelInput input;
     std::vector<Vec2> velocity;  // [m/s] per vertex
     SchemeOptions scheme;
-    double step;  // [s] a part of what Assumption 1 asks of a single triangle
+    double step;                        // [s] a part of what Assumption 1 asks of a single triangle
+    std::vector<Vec2> friction_points;  // [Pa] of friction over pressure
 };
 
 /// The same obstacle with numbers that are larger by these factors of length, mass and time.
@@ -54,8 +55,15 @@ inline void in_units(RandomBody& made, double length, double mass, double time) 
     for (Vec2& x : input.mesh.vertices) x *= length;
     input.thickness *= length;
     for (Elastic& material : input.materials) material.density *= mass / std::pow(length, 3), material.E *= pressure;
+    for (Elastic& material : input.materials)
+        if (material.bedding) material.bedding->E *= pressure, material.bedding->G *= pressure;
     input.laws[0].sigma_c *= pressure;
     input.laws[0].G_c *= pressure * length;
+    input.laws[0].G_II *= pressure * length;
+    input.laws[0].slip_distance *= length;
+    for (Vec2& point : made.friction_points) point *= pressure;
+    if (!made.friction_points.empty())
+        input.laws[0].over_pressure = std::make_shared<FrictionOverPressure>(made.friction_points);
     for (CohesiveLaw& law : input.laws) law.relaxation_time *= time;
     for (Support& support : input.supports) support.gap *= length;
     for (Load& each : input.loads) {
@@ -132,8 +140,8 @@ private:
         input.plane = chance(0.5) ? PlaneModel::strain : PlaneModel::stress;
         if (options_.over_pressure) {
             const double mu = law.friction + 0.2, bend = one_of({0.1, 0.3, 1.0});
-            law.over_pressure = std::make_shared<FrictionOverPressure>(
-                std::vector<Vec2>{{0, 0}, {bend, mu * bend}, {3 * bend, 2 * mu * bend}, {9 * bend, 3 * mu * bend}});
+            made.friction_points = {{0, 0}, {bend, mu * bend}, {3 * bend, 2 * mu * bend}, {9 * bend, 3 * mu * bend}};
+            law.over_pressure = std::make_shared<FrictionOverPressure>(made.friction_points);
             law.friction = law.over_pressure->chord(law.sigma_c);
         }
         input.laws = {law, CohesiveLaw::unbreakable()};

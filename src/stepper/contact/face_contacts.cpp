@@ -121,8 +121,8 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
         find_pressures(begin);
 }
 
-/// A vertex has no area, but a face has: what the contacts on a face bear, and half of what the vertices at its two ends
-/// bear, is its share of the whole, over its length.
+/// A vertex has no area, but a face has: its share of the whole is what the contacts on it bear, and half of what the
+/// vertices at its ends bear.
 void FaceContacts::find_pressures(const State& begin) {
     std::map<Index, double> impulse;  // [N s] per face
     for (const FaceContactState& at : begin.face_contacts) {

@@ -1,8 +1,8 @@
 #include "stepper/explicit/vertex_solver.hpp"
 
 #include "nonsmooth/fan_ramps.hpp"
-#include "stepper/common/point_work.hpp"
 #include "stepper/common/changing_friction.hpp"
+#include "stepper/common/point_work.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -169,17 +169,18 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
         const Vec2 u = retired ? Vec2(far(model_, point), 0) : begin.opening_of(point, frame);
         const bool sticks = unbreakable(model_, point);
         const double beta = sticks || point.cracked ? 0 : cohesion_before(model_, f, i, begin);
-        problem.links.push_back({.before = body(point.before, shift + i - 1),
-                                 .after = body(point.after, shift + i),
-                                 .normal = frame.turned(point.normal),
-                                 .u_N = u.x(),
-                                 .u_T = u.y(),
-                                 .cohesive = beta > 0 ? step.kick_time * law.sigma_c * (point.area * factor) * beta : 0,
-                                 .gamma = law.gamma,
-                                 .friction = law.friction_after(slid(f, i, begin)),
-                                 .restitution = retired ? 0 : law.restitution_at(beta),
-                                 .unbreakable = sticks,
-                                 .pressed = law.pressed_friction(step.kick_time * pressed_area(model_, begin, fan, point))});
+        problem.links.push_back(
+            {.before = body(point.before, shift + i - 1),
+             .after = body(point.after, shift + i),
+             .normal = frame.turned(point.normal),
+             .u_N = u.x(),
+             .u_T = u.y(),
+             .cohesive = beta > 0 ? step.kick_time * law.sigma_c * (point.area * factor) * beta : 0,
+             .gamma = law.gamma,
+             .friction = law.friction_after(slid(f, i, begin)),
+             .restitution = retired ? 0 : law.restitution_at(beta),
+             .unbreakable = sticks,
+             .pressed = law.pressed_friction(step.kick_time * pressed_area(model_, begin, fan, point))});
         FanLink& link = problem.links.back();
         if (law.coupling != Coupling::sum && !sticks) {
             link.coupling = law.coupling;
