@@ -943,7 +943,7 @@ class Slow(unittest.TestCase):
         self.assertGreaterEqual(inside.mean(), 0.80)
         self.assertLessEqual(inside.mean(), 0.97)
 
-    def test_adaptive_design_takes_half_the_runs_of_a_space_filling_one(self):
+    def test_adaptive_design_takes_half_the_runs_of_a_random_one(self):
         """tools/bench/fits, three seeds; its beam also has the strength within 5 % and the energy within 10 % in at most 60 runs."""
         file = directory / "fits.csv"
         subprocess.run([sys.executable, tools.parent / "bench" / "fits", "-o", file, "-j", "2", "--seeds", "3", "--cases", "peak", "beam"], check=True)

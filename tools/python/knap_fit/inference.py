@@ -322,7 +322,7 @@ class Fit:
             chosen[some] = vector / deviation[some] / (vector[0] / deviation[some[0]] or 1)
             whole = [np.round(n * chosen) for n in (1, 2, 3)] if is_log else []
             chosen = next((row for row in whole if row[some].all() and width(row) < 1.5 * width(chosen)), chosen)
-            is_new = np.linalg.matrix_rank([*named, chosen]) > len(named)
+            is_new = len(names) - 1 > len(named) < np.linalg.matrix_rank([*named, chosen])  # as many tell each of them
             if np.abs(vector).min() > 0.1 and width(chosen) < 0.4 and is_new:
                 named.append(chosen)
                 texts.append(_combined([(names[i], chosen[i]) for i in some], is_log))

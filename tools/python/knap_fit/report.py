@@ -4,6 +4,7 @@ import pathlib
 import platform
 import shlex
 import sys
+import textwrap
 from statistics import NormalDist
 
 import numpy as np
@@ -70,8 +71,9 @@ def meets(problem, values):
     met = True
     for p, value in ((p, value) for p, value in zip(problem.parameters, values) if p.expect is not None):
         low, high = p.expect
-        print(f"expect {p.name} {value:.5g}, {low:g} to {high:g} {p.unit}: {'ok' if low <= value <= high else 'FAILED'}")
-        met = met and low <= value <= high
+        is_met = bool(low <= value <= high)
+        print(f"expect {p.name} {value:.5g}, {low:g} to {high:g} {p.unit}: {'ok' if is_met else 'FAILED'}")
+        met = met and is_met
     return met
 
 
@@ -114,8 +116,9 @@ def said(fit, further, predictions):
     if predictions:
         notes.append(say("left_out", inside=sum(row[-1] == "yes" for row in predictions), n=len(predictions)))
     for m in (m for m in fit.problem.measured if m.title in emulators and emulators[m.title].works.mean() < 0.95):
-        works, fitted = emulators[m.title].works, "the fit takes parameters there for impossible, and " * (m.use == "fit")
-        notes.append(say("no_value", m=m, lost=(~works).sum(), n=len(works), fitted=fitted, cause=fit.runs.cause(m.test)))
+        works, is_fitted = emulators[m.title].works, m.use == "fit"
+        notes.append(say("no_value", m=m, lost=(~works).sum(), n=len(works), cause=textwrap.shorten(fit.runs.cause(m.test), 120),
+                         fitted="the fit takes parameters there for impossible, and " * is_fitted))
     return notes + surpluses(fit.runs)
 
 

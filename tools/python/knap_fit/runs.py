@@ -57,7 +57,7 @@ class Runs:
     def cause(self, test, k=None):
         """Why a point, or any, has no value of a test."""
         found = (why for (point, of, _), why in self.why.items() if why and of is test and k in (None, point))
-        return next(found, "the run ended before it had one; a later time.end?")
+        return next(found, "the run ended before it had one (a later time.end?)")
 
     def remedy(self, test):
         """Of a test without values: the cause, and what may help."""
