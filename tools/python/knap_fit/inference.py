@@ -384,7 +384,7 @@ def least_squares(problem, runs, log=lambda text: None):
             raise Stop(f"the budget of {problem.options['budget']} runs is used up; the best so far: {best[1]} "
                        f"(root of the sum of squares {best[0]:.3g} deviations)")
         where = ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
-        k, n = runs.at([u])[0], runs.n_runs
+        k = runs.at([u])[0]
         values = [runs.of(m)[k] for m in fitted]
         for m in (m for m, found in zip(fitted, values) if not np.isfinite(found).all(axis=1).any()):
             text = f"{m.title}: no value at {where}: {runs.cause(m.test, k)}"
@@ -395,7 +395,8 @@ def least_squares(problem, runs, log=lambda text: None):
         found = np.concatenate([(np.nanmean(of, axis=0) - m.values) / (m.scatter or 0.01 * m.level) / m.size**0.5
                                 for m, of in zip(fitted, values)])
         root = float(np.sqrt(found @ found))
-        log(f"{n} runs; {where}: root of the sum of squares {root:.3g} deviations")
+        numbers = [f"{m.title} {np.nanmean(of):.6g} {m.unit}, " for m, of in zip(fitted, values) if m.size == 1]
+        log(f"{where}: {''.join(numbers)}root of the sum of squares {root:.3g} deviations")
         best = min(best, (root, where, u), key=lambda one: one[0])
         return found
 
