@@ -592,18 +592,23 @@ def unit_of_key(path):
     return ""
 
 
-def settings(file):
-    """{path of a key: text of its value} of a resolved scenario."""
-    found, head, counts = {}, "", {}
-    for line in file.read_text(encoding="utf-8").splitlines():
+def toml_lines(text):
+    """Of every line of a TOML file that begins a table or has a key: its number, itself, the path, and the text of the value or None."""
+    head, counts = "", {}
+    for number, line in enumerate(text.splitlines(), 1):
         if match := re.match(r"\s*(\[\[?)([^\]\"]+|[^\]]*)\]\]?\s*(#.*)?$", line):
             head = match[2].strip()
             if match[1] == "[[":
                 counts[head] = counts.get(head, -1) + 1
                 head = f"{head}[{counts[head]}]"
-        elif match := re.match(r"\s*([\w.\-\"]+)\s*=\s*(.*?)\s*$", line):
-            found[f"{head}.{match[1]}".lstrip(".")] = match[2]
-    return found
+            yield number, line, head, None
+        elif match := re.match(r"\s*([\w.\-\"\[\]]+)\s*=\s*(.*?)\s*$", line):
+            yield number, line, f"{head}.{match[1]}".lstrip("."), match[2]
+
+
+def settings(file):
+    """{path of a key: text of its value} of a resolved scenario."""
+    return {path: value for *_, path, value in toml_lines(file.read_text(encoding="utf-8")) if value is not None}
 
 
 def course(run, x, y):

@@ -19,7 +19,7 @@ from .runs import Commands, Runs, Stop  # noqa: E402
 
 def _main(program, folder, description, work, arguments):
     """Exit codes are those of knap: 2 for a mistake in FILE, 3 where the runs or the data give no answer, 4 where a
-    value of [expect] is missed, 130 after Ctrl-C, SIGTERM and SIGHUP."""
+    parameter does not lie where FILE expects it, 130 after Ctrl-C, SIGTERM and SIGHUP."""
     parser = argparse.ArgumentParser(prog=program, formatter_class=argparse.RawDescriptionHelpFormatter,
                                      description=description + "\nThe same command goes on where it was stopped.")
     parser.add_argument("file", metavar="FILE", help="a TOML file; the guide (scenarios/README.md) shows one")
@@ -32,7 +32,6 @@ def _main(program, folder, description, work, arguments):
     parser.add_argument("-q", "--quiet", action="store_true", help="no line for every round")
     parser.add_argument("--keys", action="version", version=files.markdown().rstrip(), help="print all keys of FILE")
     options = parser.parse_args(arguments)
-
     for one in (signal.SIGTERM, signal.SIGHUP):
         signal.signal(one, signal.default_int_handler)
     stdout, code, said = sys.stdout, 0, None

@@ -10,6 +10,13 @@ class TooFew(Exception):
     """Too few runs have a value."""
 
 
+def students(freedom, interval=0.9):
+    """By how much the variance of a normal distribution is larger than one that few numbers tell when its interval is
+    as wide as that of Student's t."""
+    stats, end = need("an interval", "scipy.stats"), 0.5 + interval / 2
+    return (stats.t.ppf(end, min(freedom, 1e9)) / stats.norm.ppf(end)) ** 2
+
+
 def _process(u, y, noises, noise_bounds):
     """The most likely one of some starts."""
     gp, k = need("the emulator", "sklearn.gaussian_process"), u.shape[1]
@@ -75,8 +82,7 @@ class Emulator:
         alike = cov.ledoit_wolf(left, assume_centered=True)[0] if r > 1 else np.eye(1)
         np.fill_diagonal(alike, 1)
         self.root = np.linalg.cholesky(alike)
-        # a variance that few numbers tell counts as much larger as the interval of Student's t is wider than the normal
-        self.noise_factor = (stats.t.ppf(0.95, max(self.freedom, 1)) / stats.norm.ppf(0.95)) ** 2
+        self.noise_factor = students(max(self.freedom, 1))
 
     def __call__(self, u):
         """Mean (places of u, places of the curve) and the variances of its components (places of u, components)."""

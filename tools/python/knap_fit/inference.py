@@ -6,11 +6,9 @@ import numpy as np
 import knap
 
 from . import need
-from .emulator import Emulator, Success, TooFew
+from .emulator import Emulator, Success, TooFew, students
 from .runs import Stop
 
-_unmeasurable = ("law_", "interface_", "measured_", "scheme_", "unresolved_", "overlap_", "largest_penetration",
-                 "crossing_", "cohesive_")  # in no test
 _contradiction = 0.01  # probability of a misfit below which the model cannot meet the data
 _floor = 1e-3  # of the level of a measurement: smaller differences count as none
 
@@ -27,24 +25,15 @@ def correlation(x):
     return np.ones((1, 1)) if x is None else np.exp(-np.abs(x[:, None] - x) * 4 / (x[-1] - x[0]))
 
 
-def data_covariance(measured, emulator):
-    """Of the mean of the measured specimens about what the model has on average."""
-    known = measured.scatter is not None
-    spread = measured.scatter**2 * correlation(measured.x) if known else emulator.seed_covariance()
+def data_covariance(m, emulator, tau=0.0):
+    """Of the mean of the measured specimens about what the model has on average, with an error of the model, tau of the
+    level. Where few specimens tell their own scatter it is that of the normal distribution with the interval, of 90 %
+    or more, of Student's t."""
+    alike, one = correlation(m.x), np.eye(m.size)
+    known = m.scatter is not None
+    spread = alike * m.scatter**2 * students(m.freedom, max(m.interval, 0.9)) if known else emulator.seed_covariance()
     floor = known * emulator.rest + (_floor * emulator.level) ** 2
-    return (spread + measured.noise**2 * np.eye(len(spread))) / measured.n + np.eye(len(spread)) * floor
-
-
-def freedom(measured, variance):
-    """Degrees of freedom of Student's t of a number whose error has this variance in all: those of the scatter of its
-    specimens s, times (variance/(s^2/n))^2, by Welch and Satterthwaite (Biometrics Bull. 2 (1946) 110)."""
-    part = np.maximum(variance * measured.n / max(measured.scatter**2, 1e-300), 1)
-    return np.minimum(measured.freedom * np.minimum(part, 1e3) ** 2, 1e6)  # from there on it is normal
-
-
-def with_error(measured, emulator, tau):
-    """The same with the error of the model, tau of the level."""
-    return data_covariance(measured, emulator) + np.multiply.outer(tau**2, emulator.level**2 * correlation(measured.x))
+    return (spread + m.noise**2 * one) / m.n + one * floor + np.multiply.outer(tau**2, emulator.level**2 * alike)
 
 
 class Posterior:
@@ -94,16 +83,11 @@ class Likelihood:
 
     def terms(self, u, tau):
         """Of each measurement: residuals in standard deviations, and the logarithm of their probability; a row for each
-        u. A number whose scatter its specimens tell has Student's t, and the normal residual of the same tail."""
-        stats = need("the posterior", "scipy.stats")
-        for measured, emulator in self.parts:
+        u."""
+        for m, emulator in self.parts:
             mean, variance = emulator(u)
-            factor = np.linalg.cholesky(with_error(measured, emulator, tau) + emulator.spread(variance))
-            z = np.linalg.solve(factor, (measured.values - mean)[:, :, None])[:, :, 0]
-            if np.isfinite(measured.freedom):
-                t = stats.t(freedom(measured, factor[:, :, 0] ** 2))
-                yield np.sign(z) * stats.norm.isf(t.sf(np.abs(z))), (t.logpdf(z) - np.log(factor[:, :, 0]))[:, 0]
-                continue
+            factor = np.linalg.cholesky(data_covariance(m, emulator, tau) + emulator.spread(variance))
+            z = np.linalg.solve(factor, (m.values - mean)[:, :, None])[:, :, 0]
             yield z, -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(factor, axis1=1, axis2=2)).sum(axis=1)
 
 
@@ -222,7 +206,7 @@ class Fit:
     def infer(self, steps):
         """The posterior from the emulators. An error term of the model is added where the data need one; `exact` has
         the draws without it, since it hides that the data lie beyond a bound."""
-        rng, stats = np.random.default_rng(self.problem.options["seed"]), need("the test of the misfit", "scipy.stats")
+        rng, stats = np.random.default_rng(self.problem.options["seed"]), need("knap-fit", "scipy.stats")
         self.surpluses = self.runs.surplus_scatter() if self.surpluses is None else self.surpluses
         self.likelihood = Likelihood(self.problem, self.emulators, self.runs.points, False)
         drawn = sample(self.problem, self.likelihood, steps, rng, self.runs.points)
@@ -245,7 +229,7 @@ class Fit:
         for m in some or self.problem.fitted:
             emulator = self.emulators[m.title]
             variance = np.diagonal(emulator.spread(emulator(u)[1]), axis1=1, axis2=2)
-            found.append(variance / np.diag(with_error(m, emulator, tau)))
+            found.append(variance / np.diag(data_covariance(m, emulator, tau)))
         return float(np.mean([part.mean() for part in found]))
 
     def next_points(self, n):
@@ -255,7 +239,7 @@ class Fit:
         draws, parts, chosen = self.posterior.at[:300], [], []
         u = np.vstack([draws, self.design(60, seed=len(self.runs.values))])
         for m, emulator in self.likelihood.parts:
-            covariance = with_error(m, emulator, self.posterior.best_tau)
+            covariance = data_covariance(m, emulator, self.posterior.best_tau)
             weight = (emulator.v * np.linalg.solve(covariance, emulator.v)).sum(axis=0)
             parts += zip(weight, emulator.covariances(u), emulator.noise + 1e-9 * emulator.scale**2)
         success = np.exp(self.likelihood.log_success(u))
@@ -316,76 +300,50 @@ class Fit:
         units of that before: v_i (x_i - mean)/d_i is known, so sum_i v_i/d_i x_i is; small whole powers where they are
         at most 1.5 times as wide."""
         free, found, named = np.flatnonzero(np.max(self.narrowed_to() / np.array([[0.4], [0.5]]), axis=0) > 1), [], []
-        for scale in (np.asarray, np.log):
+        for is_log, scale in ((False, np.asarray), (True, np.log)):
             some = [(self.problem.parameters[i], self.posterior.at[:, i]) for i in free]
-            some = [(p, u) for p, u in some if p.low > 0 or scale is not np.log]
-            names, units = [p.name for p, _ in some], {p.unit for p, _ in some}  # values of two units have no sum
-            if len(some) > 1 and (scale is np.log or len(units) == 1):
+            some = [(p, u) for p, u in some if p.low > 0 or not is_log]
+            if len(some) > 1 and (is_log or len({p.unit for p, _ in some}) == 1):  # values of two units have no sum
                 deviation = np.array([p.deviation(scale) for p, _ in some])
                 covariance = np.cov([scale(p.value(u)) / d for (p, u), d in zip(some, deviation)])
-                found.append((np.linalg.eigvalsh(covariance)[0], covariance, deviation, names, scale is np.log))
-        _, covariance, deviation, names, is_log = min(found, key=lambda row: row[0]) if found else (0, 0, 0, (), False)
+                found.append((covariance, deviation, [p.name for p, _ in some], is_log))
+        if not found:
+            return []
+        covariance, deviation, names, is_log = min(found, key=lambda row: np.linalg.eigvalsh(row[0])[0])
 
         def width(powers):
             w = powers * deviation
             return np.sqrt(w @ covariance @ w / (w @ w))
 
-        texts, sizes = [], range(2, len(names) + 1)
-        for place in (list(some) for size in sizes for some in itertools.combinations(range(len(names)), size)):
-            vector = np.linalg.eigh(covariance[np.ix_(place, place)])[1][:, 0]
-            exact = np.zeros(len(names))
-            exact[place] = vector / deviation[place] / (vector[0] / deviation[place[0]] or 1)
-            whole = [np.round(n * exact) for n in (1, 2, 3)] if is_log else []
-            chosen = next((row for row in whole if row[place].all() and width(row) < 1.5 * width(exact)), exact)
-            is_new = np.linalg.matrix_rank([*named, chosen]) > len(named)
+        texts, indices = [], range(len(names))
+        for some in (list(some) for size in indices for some in itertools.combinations(indices, size + 1) if size):
+            vector = np.linalg.eigh(covariance[np.ix_(some, some)])[1][:, 0]
+            chosen = np.zeros(len(names))
+            chosen[some] = vector / deviation[some] / (vector[0] / deviation[some[0]] or 1)
+            whole = [np.round(n * chosen) for n in (1, 2, 3)] if is_log else []
+            chosen = next((row for row in whole if row[some].all() and width(row) < 1.5 * width(chosen)), chosen)
+            is_new = len(names) - 1 > len(named) < np.linalg.matrix_rank([*named, chosen])  # as many tell each of them
             if np.abs(vector).min() > 0.1 and width(chosen) < 0.4 and is_new:
                 named.append(chosen)
-                texts.append(_combined([(name, c) for name, c in zip(names, chosen) if c], is_log))
+                texts.append(_combined([(names[i], chosen[i]) for i in some], is_log))
         return texts
 
     def further_tests(self):
         """(what would be measured, part by which the interval of each parameter would shrink, the scatter and the model
-        error of this, over its level): of all candidates and left-out measurements by their emulators; of other numbers
-        of the same tests by a linear fit over the points, the three that tell most of each parameter that is not
-        determined. Measured once, with the scatter of seeds or of that fit, at least 3 %, and the model error that the
-        fit found."""
-        at, error, asked, others = self.posterior.at, float(np.median(self.posterior.tau)), [], []
-
-        def told(title, f, scatter, level, x=None, noise=0.0):
-            covariance = ((scatter**2 + (error * level) ** 2) * correlation(x) + noise**2 * np.eye(f.shape[1]))
-            return title, self.narrowed(f, covariance), float(scatter / level), error
-
+        error of this, over its level) of all candidates and left-out measurements, measured once: with the scatter of
+        seeds, at least 3 %, where none is given, and the model error that the fit found. Linear regression of the
+        draws."""
+        x, error, found = self.posterior.at - self.posterior.at.mean(axis=0), float(np.median(self.posterior.tau)), []
         for m in (m for m in self.problem.measured if m.use != "fit" and m.title in self.emulators):
-            mean, emulator = self.emulators[m.title](at)[0], self.emulators[m.title]
+            mean, emulator = self.emulators[m.title](self.posterior.at)[0], self.emulators[m.title]
             level = np.abs(mean).max() if m.values is None else m.level
             scatter = m.scatter or max((m.part or 0.03) * level, np.sqrt(np.diag(emulator.seed_covariance()).max()))
-            asked.append(told(m.title, mean, scatter, level, m.x, m.noise))
-        known = [self.runs.numbers(m.test, m.name) for m in self.problem.measured if m.x is None]
-        design = np.hstack([np.ones((len(self.runs.points), 1)), self.runs.points])
-        for test, name in ((test, name) for test in self.problem.tests for name in self.runs.names(test)):
-            y, unit = self.runs.numbers(test, name), knap.unit_of_output("summary", name)
-            keep = np.isfinite(y)
-            is_new = keep.sum() >= 3 * design.shape[1] and y[keep].std() > 1e-9 * np.abs(y[keep]).max()
-            is_measurable = unit in ("Pa", "N", "m", "J") and not name.startswith(_unmeasurable)
-            if not is_measurable or not is_new or any(_same(y, other) for other in known):
-                continue
-            known.append(y)
-            slope = np.linalg.lstsq(design[keep], y[keep], rcond=None)[0]
-            rest, level = (y[keep] - design[keep] @ slope).std(), np.abs(y[keep]).mean()
-            if rest < 0.5 * y[keep].std():
-                f = (at @ slope[1:] + slope[0])[:, None]
-                others.append(told(f"{test.name}: {name}", f, max(rest, 0.03 * level), level))
-        gains = np.array([row[1] for row in others]).reshape(-1, at.shape[1])
-        most = (gains > 0.1) & (gains >= np.sort(gains, axis=0)[-3:][:1]) & (np.array(self.determined()) != "yes")
-        return asked + [row for row, shown in zip(others, most) if shown.any()]
-
-    def narrowed(self, f, covariance):
-        """Part by which the deviation of each parameter would shrink if f, a row for each draw, were measured with
-        errors of this covariance: linear regression."""
-        x, f = self.posterior.at - self.posterior.at.mean(axis=0), f - f.mean(axis=0)
-        both = f.T @ x / len(f)
-        gain = (both * np.linalg.solve(f.T @ f / len(f) + covariance, both)).sum(axis=0)
-        return 1 - np.sqrt(np.clip(1 - gain / x.var(axis=0), 0, 1))
+            f, one = mean - mean.mean(axis=0), np.eye(m.size)
+            of_data = (scatter**2 + (error * level) ** 2) * correlation(m.x) + m.noise**2 * one
+            both = f.T @ x / len(f)
+            gain = (both * np.linalg.solve(f.T @ f / len(f) + of_data, both)).sum(axis=0) / x.var(axis=0)
+            found.append((m.title, 1 - np.sqrt(np.clip(1 - gain, 0, 1)), float(scatter / level), error))
+        return found
 
     def predictions(self):
         """(measured, low, middle, high) of one mean of specimens as those that were measured."""
@@ -393,21 +351,10 @@ class Fit:
         for m in (m for m in self.problem.measured if m.title in self.emulators):
             emulator = self.emulators[m.title]
             mean, variance = emulator(self.posterior.at[:500])
-            factor = np.linalg.cholesky(with_error(m, emulator, tau) + emulator.spread(variance))
-            y = (factor @ rng.standard_normal((*mean.shape, 1)))[:, :, 0]
-            if np.isfinite(m.freedom):  # Student's t
-                of = freedom(m, factor[:, :, 0] ** 2)
-                y = y * np.sqrt(of / rng.chisquare(of))
-            y += mean
+            factor = np.linalg.cholesky(data_covariance(m, emulator, tau) + emulator.spread(variance))
+            y = mean + (factor @ rng.standard_normal((*mean.shape, 1)))[:, :, 0]
             found.append((m, *np.percentile(y, [self.posterior.tails[0], 50, self.posterior.tails[1]], axis=0)))
         return found
-
-
-def _same(a, b):
-    """Whether two numbers of the runs tell the same, as a force and its stress."""
-    both = np.isfinite(a) & np.isfinite(b)
-    with np.errstate(invalid="ignore", divide="ignore"):  # one that is the same in all runs tells nothing
-        return both.sum() > 2 and np.abs(np.corrcoef(a[both], b[both])[0, 1]) > 0.98
 
 
 def _combined(members, is_log):
@@ -429,29 +376,28 @@ def least_squares(problem, runs, log=lambda text: None):
     from the data it goes on from the best of all runs, over a fifth, to the other side. A run without a value is a
     refused step."""
     start = np.clip([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters], 0.01, 0.99)
-    best = (np.inf, "", start)
+    best, fitted = (np.inf, "", start), problem.fitted
 
     def residuals(u):
         nonlocal best
-        is_new = problem.rounded(u) not in runs.values
-        if is_new and runs.n_runs + runs.per_point > problem.options["budget"]:
+        if problem.rounded(u) not in runs.values and runs.n_runs + runs.per_point > problem.options["budget"]:
             raise Stop(f"the budget of {problem.options['budget']} runs is used up; the best so far: {best[1]} "
                        f"(root of the sum of squares {best[0]:.3g} deviations)")
         where = ", ".join(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u))
-        k, found = runs.at([u])[0], []
-        for m in problem.fitted:
-            values = runs.of(m)[k]
-            if not np.isfinite(values).all(axis=1).any():
-                if np.isinf(best[0]):
-                    raise Stop(f"{m.title}: no value at {where}: {runs.cause(m.test, k)}")
-                log(f"{where}: {m.title} has no value: {runs.cause(m.test, k)}")
-                return np.full(sum(one.size for one in problem.fitted), np.nan)
-            found.append((np.nanmean(values, axis=0) - m.values) / ((m.scatter or 0.01 * m.level) * np.sqrt(m.size)))
-        if is_new or np.isinf(best[0]):
-            log(f"{where}: " + ", ".join(f"{m.title} {runs.of(m)[k].mean():.6g} {m.unit}"
-                                         for m in problem.fitted if m.x is None))
-        found = np.concatenate(found)
-        best = min(best, (float(np.sqrt(found @ found)), where, u), key=lambda one: one[0])
+        k = runs.at([u])[0]
+        values = [runs.of(m)[k] for m in fitted]
+        for m in (m for m, found in zip(fitted, values) if not np.isfinite(found).all(axis=1).any()):
+            text = f"{m.title}: no value at {where}: {runs.cause(m.test, k)}"
+            if np.isinf(best[0]):
+                raise Stop(text)
+            log(text)
+            return np.full(sum(m.size for m in fitted), np.nan)
+        found = np.concatenate([(np.nanmean(of, axis=0) - m.values) / (m.scatter or 0.01 * m.level) / m.size**0.5
+                                for m, of in zip(fitted, values)])
+        root = float(np.sqrt(found @ found))
+        numbers = [f"{m.title} {np.nanmean(of):.6g} {m.unit}, " for m, of in zip(fitted, values) if m.size == 1]
+        log(f"{where}: {''.join(numbers)}root of the sum of squares {root:.3g} deviations")
+        best = min(best, (root, where, u), key=lambda one: one[0])
         return found
 
     def slopes(u):
@@ -472,6 +418,6 @@ def least_squares(problem, runs, log=lambda text: None):
         except Stop:
             if found is None:
                 raise
-        if 2 * found.cost <= 4 * len(problem.fitted):
+        if 2 * found.cost <= 4 * len(fitted):
             break
     return found.x, found.fun

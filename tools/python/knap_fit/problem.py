@@ -2,6 +2,7 @@
 import csv
 import difflib
 import functools
+import itertools
 import pathlib
 import re
 import subprocess
@@ -33,9 +34,9 @@ def mistake(text, where, remedy=""):
 class Parameter:
     """A free parameter: u in [0, 1] stands for its value between two bounds, in their unit."""
 
-    def __init__(self, name, keys, bounds, unit, log, normal=None, start=None):
+    def __init__(self, name, keys, bounds, unit, log, normal=None, start=None, expect=None):
         self.name, self.keys, self.unit, self.log, self.normal, self.start = name, keys, unit, log, normal, start
-        self.low, self.high = bounds
+        (self.low, self.high), self.expect = bounds, expect
 
     def value(self, u):
         return self.low * (self.high / self.low) ** u if self.log else self.low + (self.high - self.low) * u
@@ -64,24 +65,27 @@ def label(name, unit):
 
 
 class Measured:
-    """What a test gave: a number of the summary, or a curve over `x`. `use`: fit; predict (left out); candidate (a test
-    that was not done: would it tell more?). `values`: those of a curve at the places x. `scatter`: standard deviation
-    of one specimen, None: that of seeds. `n`: number of specimens of which `values` is the mean. What a run has is
-    multiplied by `factors` and, since all this has the units of FILE, divided by `scales`."""
+    """What a test gave: a number of the summary, or a curve over `x`; of `places` of a curve also its largest value or
+    the area below it, which are numbers. `use`: fit; predict (left out); candidate (a test that was not done: would it
+    tell more?). `scatter`: standard deviation of one specimen, None: that of seeds. `n`: number of specimens of which
+    `values` is the mean. What a run has is multiplied by `factors` and, since all this has the units of FILE, divided
+    by `scales`."""
 
     def __init__(self, test, name, use, values, scatter, n=1, x=None, columns=None, factors=(1, 1), unit="", x_unit=""):
         self.test, self.name, self.use, self.values, self.scatter, self.n = test, name, use, values, scatter, n
         self.x, self.columns, self.factors, self.scales = x, columns, factors, (1, 1)
-        self.unit, self.x_unit = unit, x_unit
+        self.unit, self.x_unit, self.places, self.curve, self.take = unit, x_unit, x, values, "all"
         self.noise = 0.0  # standard deviation of each point by itself
-        self.freedom = np.inf  # degrees of freedom of the scatter, which few specimens tell
+        self.freedom, self.interval = np.inf, 0.9  # degrees of freedom of the scatter, which few specimens tell
+        self.stretch = ""  # which part of a curve, in words
         self.part = 0.0  # scatter of a candidate over its value, which is not known yet
         self.where = test and test.name  # file and line
 
     @property
     def title(self):
         use = {"fit": "", "predict": " (left out)", "candidate": " (not measured)"}[self.use]
-        return f"{self.test.name}: {self.name}{use}"
+        of = {"all": "", "largest": "largest ", "area": "area below "}[self.take]
+        return f"{self.test.name}: {of}{self.name}{self.stretch}{use}"
 
     @property
     def size(self):
@@ -95,27 +99,35 @@ class Measured:
     @functools.cache
     def of(self, run):
         """Its values in a run; nan where the run has none."""
-        if self.x is None:
+        if self.places is None:
             value = run.summary.get(self.name)
             return np.array([np.nan if value is None else float(value)]) / self.scales[-1]
-        return _first(*self.course(run), self.x)
+        return self.taken(*self.course(run))
 
     def course(self, run):
         """x and y of the curve that a run has."""
         _, *curve = knap.course(run, *self.columns)
         return [factor * values / scale for factor, scale, values in zip(self.factors, self.scales, curve)]
 
+    def taken(self, x, y):
+        """Of a curve what is measured. The area has the same places for both, and with them the same error."""
+        found, inside = _first(x, y, self.places), (x >= self.places[0]) & (x <= self.places[-1])
+        if self.take == "all":
+            return found
+        is_whole = np.isfinite(found).all()
+        return np.array([np.nan if not is_whole else np.trapz(found, self.places) if self.take == "area"
+                         else y[inside].max()])
+
     def mistake(self, run):
-        """What the first run shows of FILE, and what is allowed; None: nothing. It lies on the other side of zero where
-        a sign was forgotten; it reaches the end of its time before the end of the curve."""
+        """(what the first run shows of FILE, what is allowed): it lies on the other side of zero where a sign was
+        forgotten; it reaches the end of its time before the end of the curve. None: nothing."""
         x, y = self.course(run)
         if not len(x):
             return None
-        ends = self.x[[0, -1]]
-        signs = [-1 if np.clip(x, *ends).ptp() == 0 < np.clip(-x, *ends).ptp() else 1, 1]
-        product = _first(signs[0] * x, y, self.x) * self.values
-        signs[1] = -1 if (product < 0).sum() > 1 and not (product > 0).any() else 1
-        if signs != [1, 1]:
+        agree = {signs: (_first(signs[0] * x, signs[1] * y, self.places) * self.curve > 0).sum()
+                 for signs in itertools.product((1, -1), repeat=2)}
+        signs, ends = max(agree, key=agree.get), self.places[[0, -1]]
+        if agree[signs] > 1 and not agree[1, 1]:
             remedy = [float(sign * old) for sign, old in zip(signs, self.factors)]
             return "the first run has its curve on the other side of zero", f"factors = {remedy}"
         if not x.min() <= ends[0] < ends[1] <= x.max() and run.reached_end:
@@ -156,7 +168,7 @@ class Problem:
 
     def check_first(self, runs):
         """Mistakes of FILE that the first run of each test shows."""
-        curves = [m for m in self.measured if m.x is not None]
+        curves = [m for m in self.measured if m.places is not None]
         found = [(m, m.mistake(run)) for m in curves for run in runs.answers(m.test)[:1] if run]
         if texts := [mistake(f"{m.title}: {wrong[0]}", m.where, wrong[1]) for m, wrong in found if wrong]:
             raise Mistakes(texts, "the first run was done")
@@ -195,14 +207,14 @@ def allowed(key):
 def markdown():
     """scenarios/FIT_KEYS.md"""
     heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]",
-             "measured": "[[test.NAME.measured]]", "expect": "[expect.PARAMETER]"}
+             "measured": "[[test.NAME.measured]]"}
     lines = [prose.rstrip()]
     for kind, rows in keys.items():
         lines += ["", f"## {heads.get(kind, f'[{kind}]')}", ""]
         lines += ["| key | value | default | meaning |", "|---|---|---|---|"]
         for name, key in rows.items():
-            default = key.get("standard", key.get("default"))
-            default = "required" if key.get("required") else default if default else "0" if default == 0 else ""
+            default = "required" if key.get("required") else key.get("standard", key.get("default"))
+            default = default if default or default == 0 else ""
             lines.append(f"| `{name}` | {allowed(key)} | {default} | {key['meaning']} |")
     return "\n".join(lines) + "\n"
 
@@ -236,23 +248,14 @@ def _checked(key, given):
 
 class _Reader:
     def __init__(self, file):
-        self.file, self.found = pathlib.Path(file), []
+        self.file, self.found, self.options = pathlib.Path(file), [], {}
         self.owners = {}  # the parameter that sets a key of a test
         text = self.file.read_text(encoding="utf-8")
         try:
             self.root = tomllib.loads(text)
         except tomllib.TOMLDecodeError as error:
             raise Mistakes([mistake(error, file)]) from None
-        self.lines, counts, head = {}, {}, ""
-        for number, line in enumerate(text.splitlines(), 1):
-            if match := re.match(r"\s*(\[\[?)([^\]]+)\]", line):
-                head = match[2].strip().replace('"', "")
-                if match[1] == "[[":
-                    counts[head] = counts.get(head, -1) + 1
-                    head = f"{head}[{counts[head]}]"
-                self.lines.setdefault(head, (number, line))
-            elif match := re.match(r'\s*"?([\w.\-\[\]]+)"?\s*=', line):
-                self.lines.setdefault(f"{head}.{match[1]}".lstrip("."), (number, line))
+        self.lines = {path.replace('"', ""): place for *place, path, _ in reversed([*knap.toml_lines(text)])}
 
     def line(self, path):
         """Number and text of the line of a key, or of the table that would have it."""
@@ -302,10 +305,12 @@ class _Reader:
 
     def parameter(self, name, given, tests):
         """A Parameter; one with a mistake sets no key, so that no scenario is asked about it."""
-        path = f"parameter.{name}"
+        path, n = f"parameter.{name}", len(self.found)
         table = self.table(given, "parameter", path)
-        found, n = Parameter(name, [], (0.0, 1.0), "", table["scale"] == "log"), len(self.found)
-        for key in table["key"] or []:
+        (low, high), unit = table["bounds"] or ((0.0, 1.0), "")
+        normal, start, expect = (table[key] and table[key][0] for key in ("normal", "start", "expect"))
+        found = Parameter(name, table["key"] or [], (low, high), unit, table["scale"] == "log", normal, start, expect)
+        for key in found.keys:
             of, _, plain = key.rpartition(":")
             others = {self.owners.setdefault((test, plain), name) for test in ([of] if of else tests)} - {name}
             if of and of not in tests:
@@ -313,22 +318,17 @@ class _Reader:
             elif others:
                 self.error(f"{path}.key", f"has {key!r}, which the parameter {others.pop()} has, too",
                            "a key of one parameter alone")
-        if table["bounds"] is None:
-            return found
-        (low, high), unit = table["bounds"]
-        keys_of_scenario = (table["key"] or []) if len(self.found) == n else []
-        found.normal, found.start = (table[key] and table[key][0] for key in ("normal", "start"))
-        if not low < high or (found.log and low <= 0):
+        if table["bounds"] and (not low < high or (found.log and low <= 0)):
             self.refuse("parameter", "bounds", path, given)
-            return found
-        found.low, found.high, found.unit, found.keys = low, high, unit, keys_of_scenario
-        for key, is_good in (("normal", found.normal is None or low <= found.normal[0] <= high and found.normal[1] > 0),
-                             ("start", found.start is None or low <= found.start <= high)):
-            if table[key] and not (table[key][1] == unit and is_good):
+        found.keys = found.keys if len(self.found) == n else []
+        for key, is_good in (("normal", normal is None or low <= normal[0] <= high and normal[1] > 0),
+                             ("start", start is None or low <= start <= high),
+                             ("expect", expect is None or expect[0] < expect[1])):
+            if found.keys and table[key] and not (table[key][1] == unit and is_good):
                 self.refuse("parameter", key, path, given)
         return found
 
-    def test(self, name, given, seeds):
+    def test(self, name, given):
         path = f"test.{name}"
         table = self.table(given, "test", path)
         scenario = table["scenario"] or ""
@@ -338,7 +338,7 @@ class _Reader:
             self.refuse("test", "scenario", path, given)
             scenario = ""
         values = {key: value if isinstance(value, str) else knap._toml(value) for key, value in table["set"].items()}
-        test = Test(name, scenario, values, table["seeds"] or seeds, table["seed"])
+        test = Test(name, scenario, values, table["seeds"] or self.options["seeds"], table["seed"])
         for key, owner in ((key, self.owners.get((name, key))) for key in table["set"]):
             if owner:
                 self.error(f"{path}.set", f"has {key!r}, which the parameter {owner} sets", "others of the scenario")
@@ -360,7 +360,6 @@ class _Reader:
                  if name or key not in table["given"]]
         if is_curve:
             points, own = self.csv(table["curve"], f"{path}.curve")
-            ends = points and (points[0][0], points[-1][0])
         elif "values" not in table["given"] and table["use"] != "candidate":
             self.error(path, "has no `values`", keys["measured"]["values"]["allowed"])
         elif table["values"]:
@@ -372,28 +371,31 @@ class _Reader:
         scales, columns = [knap.factor(*pair) for pair in zip(own, units)], [*names.values()]
         if None in scales:
             of = [f"{name.removeprefix('summary.')}: {unit or 'none'}" for name, unit in zip(columns, units)]
-            kind = "curve" if is_curve else "values"
-            self.error(f"{path}.{kind}", f"has the unit {', '.join(own)}", f"a unit of {', of '.join(of)}")
+            self.error(f"{path}.{'curve' if is_curve else 'values'}", f"has the unit {', '.join(own)}",
+                       f"a unit of {', of '.join(of)}")
             return
         found = Measured(test, columns[-1].partition(".")[2], table["use"], None, None, columns=columns,
                          factors=table["factors"], unit=own[-1] or units[-1], x_unit=(own[0] or units[0]) * is_curve)
         found.where, found.path, found.scales = f"{self.file}:{self.line(path)[0]}", path, scales
         if is_curve:
-            (low, high), unit = table["between"] or (np.array([-np.inf, np.inf]), "")
+            x, y = np.transpose(points)
+            (low, high), unit = table["between"] or (x[[0, -1]], "")
             scale = (knap.factor(unit or own[0], units[0]) or np.nan) / scales[0]
-            points = [point for point in points if low * scale <= point[0] <= high * scale]
-            if len(points) < 2:
-                ends = f"; the curve goes from {ends[0]:g} to {ends[1]:g} {found.x_unit}"
-                self.refuse("measured", "between", path, given, ends)
+            inside = (x >= low * scale) & (x <= high * scale)
+            if inside.sum() < 2:
+                self.refuse("measured", "between", path, given,
+                            f"; the curve goes from {x[0]:g} to {x[-1]:g} {found.x_unit}")
                 return
-            found.x = np.array(points)[:, 0]
-        if points is not None:
-            found.values = np.array(points)[:, -1]
-        if table["values"] and not is_curve:
-            found.n = len(table["values"][0])
+            found.places, found.curve, found.take = x[inside], y[inside], table["take"]
+            found.values = found.taken(found.places, found.curve)
+            found.x = found.places if found.take == "all" else None
+            found.stretch = f" at {found.places[0]:g} to {found.places[-1]:g} {found.x_unit}" * bool(table["between"])
+            found.unit += f" {found.x_unit}" * (found.take == "area")
+        elif points is not None:
+            found.values, found.n = points[0], len(table["values"][0])
             if found.n > 1 and not table["scatter"]:  # of the specimens themselves
                 found.scatter, found.freedom = float(table["values"][0].std(ddof=1)), found.n - 1
-        found.n = table["n"] or found.n
+        found.n, found.interval = table["n"] or found.n, self.options["interval"]
         for key in (key for key in ("scatter", "noise") if table[key]):
             value, unit = table[key]
             scale = (knap.factor(unit or own[-1], units[-1]) or np.nan) / scales[-1]
@@ -412,57 +414,40 @@ class _Reader:
         test.measured.append(found)
 
     def csv(self, name, path):
-        """Points and units of a csv file; all its mistakes are one error with a line for each, and it has no points."""
+        """Points and units of a csv file; all its mistakes are one error with a line for each."""
         file, wrong, points, remedy = self.file.parent / name, [], [], keys["measured"]["curve"]["allowed"]
         try:
             head, *rows = csv.reader(file.read_text(encoding="utf-8-sig").splitlines() or [""])
         except (OSError, UnicodeDecodeError) as error:
             self.error(path, f"= {name!r} cannot be read: {getattr(error, 'strerror', None) or error}", remedy)
-            return None, ()
+            return points, ()
         titles = [knap.name_and_unit(title) for title in head]
         if len(head) != 2 or any(knap.quantity(title) or (title.endswith(")") and not unit) for title, unit in titles):
-            wrong.append((1, f"{','.join(head)!r} are not two names with units"))
+            wrong.append(f"1: {','.join(head)!r} are not two names with units")
         for number, row in ((number, row) for number, row in enumerate(rows, 2) if row):
-            numbers = [found for found in map(knap.quantity, row) if found and not found[1]]
+            numbers = [found[0] for found in map(knap.quantity, row) if found and not found[1]]
             if not len(numbers) == len(row) == 2:
-                wrong.append((number, f"{','.join(row)!r} is not two numbers"))
-            elif points and numbers[0][0] <= points[-1][0]:
-                wrong.append((number, f"x = {numbers[0][0]:g} is not larger than {points[-1][0]:g} before it"))
+                wrong.append(f"{number}: {','.join(row)!r} is not two numbers")
+            elif points and numbers[0] <= points[-1][0]:
+                wrong.append(f"{number}: x = {numbers[0]:g} is not larger than {points[-1][0]:g} before it")
             else:
-                points.append([value for value, _ in numbers])
-        if len(points) < 2 and not wrong:
-            wrong.append((len(rows) + 1, "it ends with fewer than two points"))
-        if wrong:
-            lines = [f"\n  --> {file}:{number}: {text}" for number, text in wrong[:20]]
-            lines += ["\n  ..."] * (len(wrong) > 20)
+                points.append(numbers)
+        if wrong or len(points) < 2:
+            wrong = wrong or [f"{len(rows) + 1}: it ends with fewer than two points"]
+            lines = [f"\n  --> {file}:{text}" for text in wrong[:20]] + ["\n  ..."] * (len(wrong) > 20)
             self.error(path, f"= {name!r} has {len(wrong)} mistake{'s' * (len(wrong) > 1)}", remedy + "".join(lines))
-        return None if wrong else points, [unit for _, unit in titles]
-
-    def expect(self, name, given, parameters):
-        """Value of the mean of the posterior, and how far from it the mean may lie."""
-        path, unit = f"expect.{name}", next((p.unit for p in parameters if p.name == name), None)
-        table = self.table(given, "expect", path)
-        if unit is None:
-            self.error(path, "is not a parameter", ", ".join(p.name for p in parameters))
-            return None
-        for key, units in (("value", [unit]), ("within", ["%", unit])):
-            if table[key] and table[key][1] not in units:
-                self.refuse("expect", key, path, given)
-        (value, _), (within, of) = table["value"] or (0, ""), table["within"] or (0, "")
-        return value, within * value / 100 if of == "%" != unit else within
+        return points, [unit for _, unit in titles]
 
 
 def read(file, check_scenarios=True, fit=True):
     """The Problem of a file; raises Mistakes. For a `fit` each test has something measured; knap-sensitivity can do
     with the names of numbers."""
     reader = _Reader(file)
-    top = reader.table(reader.root, "top", "")
-    options = {}
+    top, options = reader.table(reader.root, "top", ""), reader.options
     for name in ("fit", "sensitivity"):
         options.update(reader.table(top[name], name, name))
     parameters = [reader.parameter(name, table, top["test"]) for name, table in top["parameter"].items()]
-    tests = [reader.test(name, table, options["seeds"]) for name, table in top["test"].items()]
-    options["expect"] = {name: reader.expect(name, table, parameters) for name, table in top["expect"].items()}
+    tests = [reader.test(name, table) for name, table in top["test"].items()]
     for name in options["numbers"]:
         reader.unit(f"summary.{name}", "sensitivity.numbers")
     problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options, pathlib.Path(file))
@@ -474,14 +459,12 @@ def read(file, check_scenarios=True, fit=True):
     for test in tests:
         if fit and test.is_empty:
             reader.error(f"test.{test.name}", "has nothing measured", f"[[test.{test.name}.measured]]")
-        if not (fit or reader.found or options["numbers"] or any(m.x is None for m in test.measured)):
+        if not (fit or reader.found or options["numbers"] or any(m.places is None for m in test.measured)):
             reader.error(f"test.{test.name}", "has no number", "[sensitivity] numbers; measured with `number`")
     if fit and not problem.fitted and not reader.found:
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]] with use = \"fit\"")
-    if check_scenarios:
-        for test in tests:
-            if test.scenario:
-                _check_scenario(reader, problem, test)
+    for test in (test for test in tests if check_scenarios and test.scenario):
+        _check_scenario(reader, problem, test)
     if reader.found:
         raise Mistakes(list(dict.fromkeys(reader.found)))
     return problem
@@ -490,7 +473,7 @@ def read(file, check_scenarios=True, fit=True):
 def _check_scenario(reader, problem, test):
     """What the program says of a scenario with its parameters at both bounds, and of every number and column that it
     would not have. Columns are those of a run of one step."""
-    curves, numbers = ([m for m in test.measured if (m.x is None) == is_number] for is_number in (False, True))
+    curves, numbers = ([m for m in test.measured if (m.places is None) == is_number] for is_number in (False, True))
     expect = ", ".join({m.name: f'{m.name} = {{ below = "1 {m.unit}" }}' for m in numbers}.values())
 
     def ask(u, *words, **values):
@@ -501,13 +484,13 @@ def _check_scenario(reader, problem, test):
     with tempfile.TemporaryDirectory() as folder:
         for side, u in (("lower", 0.0), ("upper", 1.0)):
             said = ask(u, "sweep", "--print-commands", "-o", folder, expect=f"{{ {expect} }}")
+            for text in re.split(r"\n(?=error)", said.stderr.strip().rpartition("\n")[0]) if said.returncode else []:
+                key = (re.search(r"--set ([^=\s]+)=", text) or ("", ""))[1]
+                owner = reader.owners.get((test.name, key))
+                path = f"parameter.{owner}.key" if owner else f"test.{test.name}"
+                path = next((f"{m.path}.number" for m in numbers if key == "expect" and m.name in text), path)
+                reader.error(path, f"at the {side} bounds: {text}")
             if said.returncode:
-                for text in re.split(r"\n(?=error)", said.stderr.strip().rpartition("\n")[0]):
-                    key = (re.search(r"--set ([^=\s]+)=", text) or ("", ""))[1]
-                    owner = reader.owners.get((test.name, key))
-                    path = f"parameter.{owner}.key" if owner else f"test.{test.name}"
-                    path = next((f"{m.path}.number" for m in numbers if key == "expect" and m.name in text), path)
-                    reader.error(path, f"at the {side} bounds: {text}")
                 return
         values = {"time.end": "1 ns", "expect": ""}
         if not curves or ask(0.0, "run", "-j", "1", "-o", f"{folder}/step", **values).returncode:

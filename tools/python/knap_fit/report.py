@@ -4,6 +4,7 @@ import pathlib
 import platform
 import shlex
 import sys
+import textwrap
 from statistics import NormalDist
 
 import numpy as np
@@ -15,6 +16,7 @@ from .problem import label, tomllib
 
 _libraries = ("numpy", "scipy", "sklearn", "emcee", "matplotlib")
 _notes = tomllib.loads((pathlib.Path(__file__).parent / "notes.toml").read_text(encoding="utf-8"))
+_of_data, _of_model = "#cc3311", "#4477aa"  # colours
 
 
 def say(name, /, **values):
@@ -23,7 +25,7 @@ def say(name, /, **values):
 
 
 def write(fit):
-    """All files of a fit, and what a terminal shows; whether the values of [expect] are met."""
+    """All files of a fit, and what a terminal shows; whether they lie where FILE expects them."""
     problem, posterior, out = fit.problem, fit.posterior, fit.runs.directory
     level = f"{100 * problem.options['interval']:g} %"
     names, values = [p.name for p in problem.parameters], problem.values(posterior.u)
@@ -39,9 +41,13 @@ def write(fit):
         if keys != every or file == "posterior.csv":
             titles = [label(key, problem.parameters[i].unit) for key, i in keys.items()]
             knap.write_csv(out / file, titles, values[: problem.options["draws"], list(keys.values())].tolist())
-    curves, further = fit.predictions(), fit.further_tests()
-    residuals, predictions = against_data(fit, curves)
-    columns = ["measured", "x", "unit of x", "value", "model", f"low {level}", f"high {level}", "unit"]
+    curves, further, columns = fit.predictions(), fit.further_tests(), ["measured", "x", "unit of x", "value", "model"]
+    deviations = 2 * NormalDist().inv_cdf(0.5 + problem.options["interval"] / 2)  # of the interval: 3.29 at 90 %
+    compared = [(m, [*row, unit]) for m, low, middle, high in curves for *row, unit in places(m, middle, low, high)]
+    residuals = [[*row, row[3] - row[4], (row[3] - row[4]) * deviations / max(row[6] - row[5], 1e-300)]
+                 for m, row in compared if m.use == "fit"]
+    predictions = [[*row, "yes" if row[5] <= row[3] <= row[6] else "no"] for m, row in compared if m.use != "fit"]
+    columns += [f"low {level}", f"high {level}", "unit"]
     tables = [("Parameters", "parameters.csv", head, rows),
               ("Correlations", "correlations.csv", ["parameter", *names],
                [[name, *map(float, row)] for name, row in zip(names, np.atleast_2d(np.corrcoef(posterior.u.T)))]),
@@ -52,43 +58,30 @@ def write(fit):
               ("Predictions of what was left out", "predictions.csv", [*columns, "inside"], predictions)]
     latex = knap.latex(head[:5], [row[:5] for row in rows], "Parameters of " + problem.name)
     (out / "parameters.tex").write_text(latex, encoding="utf-8")
-    notes = said(fit, further, predictions)
     for row in rows:
         print(f"{row[0]} = {row[2]:.5g} {row[1]}  ({level}: {row[3]:.5g} to {row[4]:.5g}; determined: {row[-1]})")
     pictures = [picture(out, "Posterior", "corner.png", corner, fit), curves_over(fit.runs, curves, f"model, {level}"),
                 picture(out, "Convergence of the intervals", "convergence.png", convergence, fit)]
-    page(fit.runs, notes, tables, pictures)
-    return meets(problem, dict(zip(names, values.mean(axis=0))))
+    page(fit.runs, said(fit, further, predictions), tables, pictures)
+    return meets(problem, values.mean(axis=0))
 
 
 def meets(problem, values):
-    """Whether these values of the parameters are those of [expect]; prints each."""
+    """Whether these values of the parameters lie where FILE expects them; prints each."""
     met = True
-    for name, (value, within) in problem.options.get("expect", {}).items():
-        is_near = abs(values[name] - value) <= within
-        print(f"expect {name} {values[name]:.5g}, {value:g} within {within:.3g}: {'ok' if is_near else 'FAILED'}")
-        met = met and is_near
+    for p, value in ((p, value) for p, value in zip(problem.parameters, values) if p.expect is not None):
+        low, high = p.expect
+        is_met = bool(low <= value <= high)
+        print(f"expect {p.name} {value:.5g}, {low:g} to {high:g} {p.unit}: {'ok' if is_met else 'FAILED'}")
+        met = met and is_met
     return met
 
 
 def places(m, *rows):
-    """Rows of a measurement and what stands for it: a line for each place."""
-    columns = [[""] if m.x is None else m.x.tolist(), m.values.tolist(), *(row.tolist() for row in rows)]
-    return [[m.title, x, m.x_unit, *line, m.unit] for x, *line in zip(*columns)]
-
-
-def against_data(fit, curves):
-    """Rows of the residuals of what was fitted, and of the predictions of what was left out."""
-    residuals, predictions = [], []
-    deviations = 2 * NormalDist().inv_cdf(0.5 + fit.problem.options["interval"] / 2)  # of the interval: 3.29 at 90 %
-    for m, low, middle, high in (row for row in curves if row[0].values is not None):
-        for row in places(m, middle, low, high):
-            value, model, lower, upper = row[3:7]
-            if m.use == "fit":
-                residuals.append([*row, value - model, (value - model) * deviations / max(upper - lower, 1e-300)])
-            else:
-                predictions.append([*row, "yes" if lower <= value <= upper else "no"])
-    return residuals, predictions
+    """Rows of what was measured and what stands for it: a line for each place."""
+    columns = [] if m.values is None else [[""] if m.x is None else m.x, m.values, *rows]
+    columns = [column if isinstance(column, list) else column.tolist() for column in columns]
+    return [[m.title, x, m.x_unit if m.x is not None else "", *line, m.unit] for x, *line in zip(*columns)]
 
 
 def said(fit, further, predictions):
@@ -123,12 +116,9 @@ def said(fit, further, predictions):
     if predictions:
         notes.append(say("left_out", inside=sum(row[-1] == "yes" for row in predictions), n=len(predictions)))
     for m in (m for m in fit.problem.measured if m.title in emulators and emulators[m.title].works.mean() < 0.95):
-        works, gates = emulators[m.title].works, fit.runs.gates(m.test)
-        notes.append(say("no_value", m=m, lost=(~works).sum(), n=len(works),
-                         fitted="the fit takes parameters there for impossible, and " * (m.use == "fit")))
-        if gates:
-            listed = ", ".join(f"{name} {n}" for name, n in gates.items())
-            notes.append(say("gates", test=m.test.name, n=sum(gates.values()), gates=listed))
+        works, is_fitted = emulators[m.title].works, m.use == "fit"
+        notes.append(say("no_value", m=m, lost=(~works).sum(), n=len(works), cause=textwrap.shorten(fit.runs.cause(m.test), 120),
+                         fitted="the fit takes parameters there for impossible, and " * is_fitted))
     return notes + surpluses(fit.runs)
 
 
@@ -153,7 +143,7 @@ def pressed(problem, u):
 
 
 def write_least_squares(problem, runs, u, residuals):
-    """All files of a fit by least squares, and what a terminal shows; whether the values of [expect] are met."""
+    """All files of a fit by least squares, and what a terminal shows; whether they lie where FILE expects them."""
     values = {p.name: float(p.value(x)) for p, x in zip(problem.parameters, u)}
     answers = ((m, runs.of(m)[runs.values.index(problem.rounded(u))]) for m in problem.measured if m.values is not None)
     best = [(m, np.nanmean(found, axis=0)) for m, found in answers if np.isfinite(found).any()]
@@ -161,31 +151,30 @@ def write_least_squares(problem, runs, u, residuals):
                [[p.name, p.unit, values[p.name]] for p in problem.parameters]),
               ("Measured and model", "residuals.csv",
                ["measured", "x", "unit of x", "value", "model", "unit", "residual"],
-               [[*row[:5], row[-1], row[3] - row[4]] for m, found in best for row in places(m, found)])]
+               [[*row, row[3] - row[4]] for m, found in best for row in places(m, found)])]
     known, square = all(m.scatter for m in problem.fitted), residuals @ residuals
     unknown = "" if known else " (without `scatter` 1 % of the largest value)"
     notes = [say("least", counted=runs.counted(), root=np.sqrt(square), unknown=unknown), *pressed(problem, u[None])]
     notes += [say("least_misses")] * bool(known and square > 4 * len(problem.fitted))
     print(*(f"{p.name} = {p.text(x)}" for p, x in zip(problem.parameters, u)), sep="\n")
     page(runs, notes, tables, [curves_over(runs, [(m, found, found, found) for m, found in best], "model")])
-    return meets(problem, values)
+    return meets(problem, values.values())
 
 
 def page(runs, notes, tables, pictures):
     """The notes on the terminal, the tables as csv, and report.html, one file: notes, the first table, pictures, the
     other tables, and how it was made."""
-    problem = runs.problem
+    problem, safe = runs.problem, html.escape
     for _, file, head, rows in tables:
         knap.write_csv(runs.directory / file, head, rows)
-    safe = html.escape
     blocks = [f"<h2>{safe(title)}</h2>\n{knap.html_table(head, rows)}" for title, _, head, rows in tables if rows]
     blocks[1:1] = [f"<h2>{title}</h2>\n{knap.image(file, title)}" for title, file in filter(None, pictures)]
     made = next((run.info for test in problem.tests for run in runs.answers(test) if hasattr(run, "info")), {})
     versions = [f"knap {made.get('version', '')} {made.get('git', {}).get('hash', '')}",
                 f"Python {platform.python_version()}"]
     versions += [f"{name} {sys.modules[name].__version__}" for name in _libraries if name in sys.modules]
-    blocks += ["<h2>How it was made</h2>", f"<p><code>{safe(shlex.join(map(str, sys.argv)))}</code></p>",
-               f"<p>{', '.join(versions)}</p>"]
+    blocks.append(f"<h2>How it was made</h2>\n<p><code>{safe(shlex.join(map(str, sys.argv)))}</code></p>\n"
+                  f"<p>{', '.join(versions)}</p>")
     files = [*filter(None, [problem.file]), *(test.scenario for test in problem.tests)]
     for file in dict.fromkeys(map(pathlib.Path, files)):
         text = file.read_text(encoding="utf-8") if file.is_file() else f"built into knap: knap new --from {file}"
@@ -211,36 +200,31 @@ def picture(out, title, name, draw, *arguments, size=(7, 3.2)):
 
 
 def corner(figure, fit):
-    """Histograms and pairs of the posterior, in the scales of the parameters."""
+    """Histograms and pairs of the posterior, in the scales of the parameters: over less than two decades with ticks at
+    few round numbers."""
     import matplotlib.ticker as ticker
     parameters, u = fit.problem.parameters, fit.posterior.u[:2000]
     values, k = fit.problem.values(u), len(parameters)
     limits = np.percentile(values, [0.5, 99.5], axis=0).T
     figure.set_size_inches(2.2 * k + 1, 2.2 * k + 1)
-    axes = figure.subplots(k, k, squeeze=False)
-
-    def scale(axis, i, label):
-        """Of one axis of a plot: ticks at few round numbers, on slanted labels; over two decades those of a log
-        scale."""
-        axis.axes.set(**{f"{axis.axis_name}scale": "log" if parameters[i].log else "linear",
-                         f"{axis.axis_name}lim": limits[i], f"{axis.axis_name}label": label})
-        if not parameters[i].log or limits[i][1] < 100 * limits[i][0]:
-            axis.set_major_locator(ticker.MaxNLocator(3))
-            axis.set_major_formatter("{x:.4g}")
-            axis.set_minor_locator(ticker.NullLocator())
-        axis.set_tick_params(rotation=45, labelsize="small")
-
-    for (i, j), axis in np.ndenumerate(axes):
+    for (i, j), axes in np.ndenumerate(figure.subplots(k, k, squeeze=False)):
         if j > i:
-            axis.axis("off")
-        elif i == j:
-            axis.hist(values[:, i], parameters[i].value(np.linspace(u[:, i].min(), u[:, i].max(), 31)), color="#4477aa")
-            axis.set_yticks([])
+            axes.axis("off")
+            continue
+        if i == j:
+            axes.hist(values[:, i], parameters[i].value(np.linspace(u[:, i].min(), u[:, i].max(), 31)), color=_of_model)
+            axes.set_yticks([])
         else:
-            axis.plot(values[:, j], values[:, i], ".", ms=2, color="#4477aa", alpha=0.3, mec="none")
-            scale(axis.yaxis, i, label(parameters[i].name, parameters[i].unit) if j == 0 else "")
-        if j <= i:
-            scale(axis.xaxis, j, label(parameters[j].name, parameters[j].unit) if i == k - 1 else "")
+            axes.plot(values[:, j], values[:, i], ".", ms=2, color=_of_model, alpha=0.3, mec="none")
+        for axis, n, is_outer in ((axes.xaxis, j, i == k - 1), *[(axes.yaxis, i, j == 0)] * (i != j)):
+            p, name = parameters[n], axis.axis_name
+            axes.set(**{f"{name}scale": "log" if p.log else "linear", f"{name}lim": limits[n],
+                        f"{name}label": label(p.name, p.unit) * is_outer})
+            if not p.log or limits[n][1] < 100 * limits[n][0]:
+                axis.set_major_locator(ticker.MaxNLocator(3))
+                axis.set_major_formatter("{x:.4g}")
+                axis.set_minor_locator(ticker.NullLocator())
+            axis.set_tick_params(rotation=45, labelsize="small")
 
 
 def curves_over(runs, curves, of_model):
@@ -250,11 +234,10 @@ def curves_over(runs, curves, of_model):
             x, number = (np.arange(2), 2) if m.x is None else (m.x, 1)  # a number is a line from 0 to 1
             low, middle, high = (np.tile(values, number) for values in found)
             axis.plot(x, np.tile(runs.of(m).reshape(-1, m.size), number).T, color="#cccccc", lw=0.5)
-            axis.fill_between(x, low, high, color="#4477aa", alpha=0.4, label=of_model)
-            axis.plot(x, middle, color="#4477aa")
+            axis.fill_between(x, low, high, color=_of_model, alpha=0.4, label=of_model)
+            axis.plot(x, middle, color=_of_model)
             if m.values is not None:
-                line = "o-" if number == 1 else "-"
-                axis.plot(x, np.tile(m.values, number), line, color="#cc3311", label="measured")
+                axis.plot(x, np.tile(m.values, number), "o-" if number == 1 else "-", color=_of_data, label="measured")
             axis.set(ylabel=label(m.name, m.unit))
             if number == 1:
                 axis.set(xlabel=label(m.columns[0].partition(".")[2], m.x_unit))

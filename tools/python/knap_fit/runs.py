@@ -1,5 +1,4 @@
 """Runs the tests of a problem at points of its parameters, with all seeds, and goes on where it was stopped."""
-import collections
 import hashlib
 import json
 import pathlib
@@ -25,7 +24,7 @@ class Stop(Exception):
 
 
 class Commands(Exception):
-    """The command lines of the runs that come next, which others are to start."""
+    """No run is started: the text has the command lines of those that remain."""
 
 
 class Runs:
@@ -55,24 +54,15 @@ class Runs:
         failed = [self.why[job] for job in self._jobs() if self.why.get(job)]
         return f"{len(self.why)} runs, {len(failed)} failed" + (f" (the first: {failed[0][:120]})" if failed else "")
 
-    def gates(self, test):
-        """{gate: runs of a test that it ended}."""
-        found = [re.match(r"gate (\w+)", why) for (_, of, _), why in self.why.items() if of is test]
-        return collections.Counter(gate[1] for gate in found if gate)
-
     def cause(self, test, k=None):
         """Why a point, or any, has no value of a test."""
         found = (why for (point, of, _), why in self.why.items() if why and of is test and k in (None, point))
-        return next(found, "the run ended before it had one; a later time.end?")
+        return next(found, "the run ended before it had one (a later time.end?)")
 
     def remedy(self, test):
         """Of a test without values: the cause, and what may help."""
         return (f"the first run without one: {self.cause(test)}\n = allowed: bounds around parameters with which the "
                 f"test works; a later time.end, a smaller step or a finer mesh, in `set` of [test.{test.name}]")
-
-    def names(self, test):
-        """Numbers of the summary of a test."""
-        return sorted({name for run in self.answers(test) if run for name in run.summary})
 
     def surplus_scatter(self):
         """Of each parameter, what its law "as measured" divides it by scatters by, over its mean: `knap check` at the
@@ -82,41 +72,39 @@ class Runs:
             if not any(np.isfinite(self.numbers(test, f"measured_{name}")).any() for name in ("sigma_c", "G_c")):
                 continue
             words = [knap.program(), "check", test.scenario, *self._sets(self.problem.set_of(test, [0.5] * len(found)))]
-            done = subprocess.run(words, capture_output=True, text=True)
+            said = subprocess.run(words, capture_output=True, text=True).stdout
             surplus = r"  law (\S+): a (crack|specimen).* surplus of this mesh is (\S+) \+- (\S+)"
-            for law, what, mean, deviation in re.findall(surplus, done.stdout):
+            for law, what, mean, deviation in re.findall(surplus, said):
                 i = self.problem.keys_of(test).get(f"interface.{law}.{'G_c' if what == 'crack' else 'sigma_c'}")
                 if i is not None:
                     found[i] = max(found[i], float(deviation) / float(mean))
         return found
 
     def _start(self, force):
+        """Finds the runs that the directory has. Other bounds, scales and measurements change none of them, but what
+        they say."""
         self.directory.mkdir(parents=True, exist_ok=True)
-        described = [self.own_seeds, *([p.name, p.keys, p.low, p.high, p.unit, p.log] for p in self.problem.parameters)]
-        for test in self.problem.tests:
-            file = pathlib.Path(test.scenario)
-            text = hashlib.sha256(file.read_bytes()).hexdigest() if file.exists() else test.scenario
-            described.append([test.name, text, test.set, test.seeds, test.first_seed])
-        data = [[m.title, m.n, m.scatter, m.noise, m.freedom, m.values.tolist()] for m in self.problem.measured
-                if m.values is not None]
-        data += [self.problem.options[key] for key in ("interval", "model_error", "seed")]
-        now, k = [described, data], len(self.problem.parameters)
+        tests, parameters, measured = self.problem.tests, self.problem.parameters, self.problem.measured
+        texts = {t.scenario: hashlib.sha256(pathlib.Path(t.scenario).read_bytes()).hexdigest() for t in tests
+                 if pathlib.Path(t.scenario).is_file()}
+        made = [self.own_seeds, [[p.name, p.keys, p.unit] for p in parameters],
+                [[t.name, texts.get(t.scenario, t.scenario), t.set, t.seeds, t.first_seed] for t in tests]]
+        data = [[[p.low, p.high, p.log, p.normal and p.normal.tolist()] for p in parameters],
+                [[m.title, m.n, m.scatter, m.noise, m.freedom, np.ravel(m.values).tolist()] for m in measured],
+                [self.problem.options[key] for key in ("interval", "model_error", "seed")]]
         mark, points = self.directory / "problem.json", self.directory / "points.csv"
-        old = json.loads(mark.read_text()) if mark.exists() else now
-        if points.exists() and not force:
-            self.values = list(zip(*(map(float, column) for column in knap.read_csv(points).values())))
-        # other bounds and scales change no run
-        one, other = ([[*row[:2], *row[4:5]] if 0 < i <= k else row for i, row in enumerate(rows)]
-                      for rows in (old[0], described))
-        if (one != other or (np.abs(self.points - 0.5) > 0.50001).any()) and not force:
-            raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these "
-                       "bounds; -o for another directory, --force to delete them and begin anew")
+        old = json.loads(mark.read_text()) if mark.exists() else [made, data]
         if force:
             points.unlink(missing_ok=True)
             shutil.rmtree(self.directory / "runs", ignore_errors=True)
-        if old != now or force:
-            (self.directory / "convergence.csv").unlink(missing_ok=True)  # of other measurements of the same runs
-        mark.write_text(json.dumps(now))
+        elif points.exists():
+            self.values = list(zip(*(map(float, column) for column in knap.read_csv(points).values())))
+        if not force and (old[0] != made or (np.abs(self.points - 0.5) > 0.50001).any()):
+            raise Stop(f"{self.directory} has runs of other parameters, scenarios or seeds, or outside of these "
+                       "bounds; -o for another directory, --force to delete them and begin anew")
+        if force or old != [made, data]:
+            (self.directory / "convergence.csv").unlink(missing_ok=True)
+        mark.write_text(json.dumps([made, data]))
 
     def add(self, points):
         """Adds points and does what remains to be done of all of them."""
@@ -174,17 +162,17 @@ class Runs:
             raise Commands("\n".join(shlex.join(self.command(*job)) for job in jobs))
         try:
             while jobs or running:
-                running.update((job, self._run(job)) for job in jobs[: self.jobs - len(running)])
-                jobs = [job for job in jobs if job not in running]
+                while jobs and len(running) < self.jobs:
+                    job = jobs.pop(0)
+                    running[job] = self._run(job)
                 for job in [job for job, child in running.items() if child.poll() is not None]:
-                    code, lines = running[job].returncode, running[job].communicate()[1].strip().splitlines()
-                    text = lines[0] if lines else "no message"
+                    child = running.pop(job)
+                    code, text = child.returncode, (child.communicate()[1].strip() or "no message").splitlines()[0]
                     if code == _interrupted:
                         raise KeyboardInterrupt
                     if code not in (0, 2, 3, 4) or text.startswith("error[run-"):  # of another process or program
                         raise Stop(f"a run ended with exit code {code}: {text}")
                     self.why[job] = "" if code in (0, 4) else self._recorded(job) or text
-                    del running[job]
                 time.sleep(0.01 * bool(running))
         finally:
             for child in running.values():
@@ -195,9 +183,8 @@ class Runs:
     def answers(self, test):
         """The Run of each point and seed of a test; None where it failed."""
         jobs = [job for job in self._jobs() if job[1] is test]
-        for job in jobs:
-            if job not in self._answers and self.why.get(job) == "":
-                self._answers[job] = knap.Run(self.folder(*job))
+        self._answers.update((job, knap.Run(self.folder(*job))) for job in jobs
+                             if job not in self._answers and self.why.get(job) == "")
         return [self._answers.get(job) for job in jobs]
 
     def of(self, measured):

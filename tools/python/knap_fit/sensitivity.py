@@ -56,7 +56,7 @@ def write(problem, runs):
     for test, name in sorted(names, key=lambda pair: (pair[0].name, pair[1])):
         y = runs.numbers(test, name)
         n, effects = np.isfinite(y).sum(), morris(y[place], points)
-        is_short = n < 3 * (k + 1) or not np.isfinite(effects).all()
+        is_short = bool(n < 3 * (k + 1) or not np.isfinite(effects).all())
         if is_short or not np.nanstd(y) > 1e-12 * np.nanmax(np.abs(y)):
             text = f"too few values: {n} of {len(y)} points have one (bounds, trajectories)" * is_short
             rows += [[test.name, name, p.name, text, text, *[""] * 7] for p in problem.parameters]
