@@ -1,8 +1,5 @@
 #include "stepper/islands.hpp"
 
-#include "base/display_unit.hpp"
-#include "base/error.hpp"
-#include "base/formatted.hpp"
 #include "base/parallel.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/mean_motions.hpp"
@@ -76,9 +73,7 @@ StepReport Islands::step(const State& begin, double h, State& end) {
             explicit_.reset();  // it has seen states that do not count
             continue;
         }
-        if (fails)
-            throw SimulationError("no steps of deformable pieces from t = " + readable(begin.time, "s", 9) + " at " +
-                                  place_text(report.where) + ": " + stuck_);
+        if (fails) return report;
         update_pieces(h, end, report);
         return report;
     }
@@ -225,9 +220,8 @@ StepReport Islands::take_micro_steps(double h) {
         const StepReport step = explicit_->step(now_, drift, next_);
         if (const auto cut = control.judge(now_, drift, step)) {
             if (!control.is_stuck()) continue;
-            stuck_ = describe(cut->reason);
-            works = {};
-            works.reject(Rejection::not_converged, cut->place.value_or(Vec2::Zero()));
+            works = step;
+            works.reject(Rejection::not_converged, cut->place.value_or(Vec2::Zero()), cut->value);
             return works;
         }
         advance(drift, step);
@@ -241,10 +235,8 @@ StepReport Islands::take_micro_steps(double h) {
     StepReport step = explicit_->step(now_, closing, next_);
     part_.model.histories = histories;
     if (step.rejection != Rejection::none && step.rejection != Rejection::contact_residual &&
-        step.rejection != Rejection::contact_speed) {
-        stuck_ = "their last step has no solution";
+        step.rejection != Rejection::contact_speed)
         return step;
-    }
     // a shorter one would not help; contact_injection judges what single contacts gain by it
     step.contact_residual = std::min(step.contact_residual, max_contact_residual);
     push((h - given) / kick);

@@ -35,7 +35,7 @@ public:
     }
 
     /// As StepScheme::step, from a state that moves as rigid pieces. Rejected as a blow where pieces that vibrated
-    /// until now are hit.
+    /// until now are hit, and as their own steps are where the deformable pieces have none.
     StepReport step(const State& begin, double h, State& end);
 
 private:
@@ -75,7 +75,6 @@ private:
     std::vector<Index> load_of_corner_;  // per corner of the part: where the model has them
     std::vector<Index> pushed_;          // corners on which they act now
     std::vector<Vec3> mean_reaction_;    // per obstacle, of the island
-    std::string stuck_;                  // why the last micro steps have no solution
     std::vector<double> struck_;         // [s] per triangle of the part: the last blow, or loss of cohesion
 };
 

@@ -121,7 +121,8 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
     return report.released > 0 ? std::optional(because(CutbackReason::release)) : std::nullopt;
 }
 
-/// A step of rigid pieces. What cannot be resolved with smaller ones is left to the deformable body.
+/// A step of rigid pieces. What cannot be resolved with smaller ones is left to the deformable body; what islands
+/// cannot resolve has the reason of their own steps.
 std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, const StepReport& report) {
     constexpr double aimed_motion = 0.04, largest_growth = 1.5, smallest_part = 1. / 64;
     const double motion = std::max(report.contact_motion, 1e-300), smallest = smallest_part * limits_.rigid.step;
@@ -133,12 +134,10 @@ std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, co
         if (report.micro_steps > 0) thawed_time_ += h;
         return std::nullopt;
     }
-    Cutback cut{.reason = CutbackReason::contact_speed,
-                .time = begin.time,
-                .from = h,
-                .to = h,
-                .place = report.where,
-                .value = report.rejected_value};
+    Cutback cut = reason_against(begin, h, report)
+                      .value_or(Cutback{.time = begin.time, .from = h, .to = h, .place = report.where});
+    cut.value = report.rejected_value;
+    if (report.contact_depth > limits_.contact_depth) cut.reason = CutbackReason::contact_depth;
     if (report.rejection == Rejection::blow) {
         cut.reason = CutbackReason::blow, cut.thaws = true, cut.to = step_;
         deformable_until_ = begin.time + h + limits_.rigid.hold;

@@ -76,13 +76,13 @@ public:
         at_most("change of area", deformation_.area_change().value, 0.9);
         if (scene_.rigid_step > 0) keeps_rigid_momentum(begin, end, report);
         else keeps_momentum(begin, end, report);
+        // what the program refuses by a gate
+        if (report.residual > max_residual) outcome_.refusal = "gate interface_residual";
+        if (deformation_.strain().value > max_strain) outcome_.refusal = "a strain far from small";
         if (scene_.rigid_step > 0 || outcome_.n_steps % search_every == 0) search(end);
         if (report.contact_depth > max_overlap && report.contact_depth > deepest_)
             at_most("depth of a contact where hardly anything overlaps", deepest_ = report.contact_depth,
                     2 * max_overlap + 4 * largest_overlap(model_, end).of_shortest);
-        // what the program refuses by a gate
-        if (report.residual > max_residual) outcome_.refusal = "gate interface_residual";
-        if (deformation_.strain().value > max_strain) outcome_.refusal = "a strain far from small";
     }
 
     void end(const State& state) {
@@ -197,7 +197,9 @@ private:
         at_most("change of angular momentum in a step", std::abs(moment) / (arm * scale), rigid_momentum);
     }
 
+    /// A body strained beyond what the model covers is refused, wherever its triangles lie.
     void search(const State& state) {
+        if (deformation_.strain().value > max_strain) return;
         const double found = largest_overlap(model_, state).of_longest;
         outcome_.overlap = std::max(outcome_.overlap, found);
         at_most("overlap of two triangles beyond what is reported",

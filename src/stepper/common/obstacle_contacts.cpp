@@ -17,6 +17,18 @@ double cleared(double gap, const Vec2& x, const ObstacleSurface& surface) {
     return without_rounding(gap, x.norm() + surface.position().norm());
 }
 
+/// Of a polygon in its place, with room for rounding.
+void find_box(const ObstacleSurface& surface, Vec2& low, Vec2& high) {
+    if (surface.outline().kind != Outline::Kind::polygon) return;
+    low = Vec2::Constant(infinity), high = -low;
+    for (const Vec2& p : surface.outline().points) {
+        const Vec2 x = surface.position() + surface.rotation().turned(p);
+        low = low.cwiseMin(x), high = high.cwiseMax(x);
+    }
+    const Vec2 room = Vec2::Constant(relative_tolerance * (low.norm() + high.norm()));
+    low -= room, high += room;
+}
+
 }  // namespace
 
 ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
@@ -57,10 +69,11 @@ void ObstacleContacts::add_edges(Index triangle, Index side, std::vector<Edge>& 
 /// Both faces of an interface near an obstacle whose sides are apart, if the vertices at both ends have split.
 void ObstacleContacts::add_open_faces(Index f, const State& begin) {
     const Vec2 x = place(model_.corners(model_.fans[f])[0], begin);
-    const auto is_near = [&](const ObstacleSurface& surface) {
-        return surface.outline().kind != Outline::Kind::half_plane && surface.may_reach(x, 2 * longest_edge_);
-    };
-    if (std::ranges::none_of(surfaces_, is_near)) return;
+    bool is_near = false;
+    for (std::size_t o = 0; o < surfaces_.size() && !is_near; ++o)
+        is_near = surfaces_[o].outline().kind != Outline::Kind::half_plane &&
+                  at_most_[o].may_reach(x, 2 * longest_edge_) && surfaces_[o].may_reach(x, 2 * longest_edge_);
+    if (!is_near) return;
     for (const FanPoint& point : model_.points(model_.fans[f])) {
         if (point.on_support() || point.point % 2 != 0) continue;  // each interface once
         if (begin.displacement_of(point.after) == begin.displacement_of(point.before)) continue;
@@ -100,7 +113,10 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
     for (std::size_t o = 0; o < model_.obstacles.size(); ++o) {
         const Vec3 &start = begin.obstacles[o].velocity, &end = end_velocity[o];
         at_most_.push_back({.speed = start.head<2>().lpNorm<1>() + end.head<2>().lpNorm<1>(),
-                            .spin = std::abs(start.z()) + std::abs(end.z())});
+                            .spin = std::abs(start.z()) + std::abs(end.z()),
+                            .low = Vec2::Constant(-infinity),
+                            .high = Vec2::Constant(infinity)});
+        find_box(surfaces_[o], at_most_.back().low, at_most_.back().high);
         for (int k = 0; k < 3; ++k)
             if (model_.obstacles[o].is_free(k)) predicted_[o][k] = start[k];
     }
@@ -109,27 +125,32 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
     for (const Index f : begin.split_fans) add_pieces(f, begin);
     if (candidates_.size() > boundary_.size())
         std::ranges::sort(candidates_, {}, [](const Candidate& c) { return (std::int64_t(c.fan) << 32) + c.place; });
-    for (const Candidate& candidate : candidates_)
-        for (Index o = 0; o < static_cast<Index>(surfaces_.size()); ++o)
-            find_at_corner(candidate, o, begin, h, end_velocity, corner_force);
+    for (const Candidate& candidate : candidates_) {
+        const MovingCorner at = moving(candidate, begin, h, corner_force);
+        for (Index o = 0; o < static_cast<Index>(surfaces_.size()); ++o) find_at_corner(at, o, begin, h, end_velocity);
+    }
     n_at_corners_ = contacts_.size();
     open_faces_.clear();
     for (const Index f : begin.split_fans) add_open_faces(f, begin);
+    starts_.clear();
+    for (const std::vector<Edge>* edges : {&edges_, &open_faces_})
+        for (const Edge& edge : *edges) starts_.push_back(place(edge.a, begin));
     for (Index o = 0; o < static_cast<Index>(model_.obstacles.size()); ++o) {
         if (model_.obstacles[o].outline.kind == Outline::Kind::half_plane) continue;  // an end of an edge is nearest
+        const Vec2* start = starts_.data();
         for (const std::vector<Edge>* edges : {&edges_, &open_faces_})
-            for (const Edge& edge : *edges) find_on_edge(edge, o, begin, h);
+            for (const Edge& edge : *edges) find_on_edge(edge, *start++, o, begin, h);
     }
 }
 
 /// The obstacle meets an edge beside the corner of the body: the centre of a disc lies beside the edge, or a corner of
 /// a polygon in no direction out of the body.
-bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x, const SurfaceDistance& distance,
+bool ObstacleContacts::meets_beside(Index fan, Index o, const Vec2& x, const SurfaceDistance& distance,
                                     const State& begin) const {
     const ObstacleSurface& surface = surfaces_[o];
     const Outline& outline = surface.outline();
-    if (!outline.is_bounded() || outline.line || begin.split_rank[at.fan] >= 0) return false;
-    const auto corners = model_.corners(model_.fans[at.fan]);
+    if (!outline.is_bounded() || outline.line || begin.split_rank[fan] >= 0) return false;
+    const auto corners = model_.corners(model_.fans[fan]);
     const Index next = next_[corners.front()], previous = previous_[corners.back()];
     if (next < 0 || previous < 0) return false;
     const PlacedEdge out = placed_edge(x, place(next, begin)), in = placed_edge(place(previous, begin), x);
@@ -148,31 +169,43 @@ bool ObstacleContacts::meets_beside(const Candidate& at, Index o, const Vec2& x,
     return at_corner && !VertexCone(in.along, out.along).accepts(distance.normal);
 }
 
-void ObstacleContacts::find_at_corner(const Candidate& at, Index o, const State& begin, double h,
-                                      const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force) {
+ObstacleContacts::MovingCorner ObstacleContacts::moving(const Candidate& at, const State& begin, double h,
+                                                        const std::vector<Vec2>& corner_force) const {
     const Index c = at.corner, node = begin.node_of_corner[c];
-    const Vec2 x = model_.mesh.corner(c) + begin.displacement[node];
     const Vec2& v = begin.velocity[node];
     const double kick = corner_force.empty() ? 0 : h / model_.corner_mass[c];
     const Vec2 force = corner_force.empty() ? Vec2::Zero() : corner_force[c];
-    const double nearest = near_contact * corner_size_[c], in_steps = contact_reach_in_steps * h,
-                 most = v.lpNorm<1>() + kick * force.lpNorm<1>();  // [m/s] at least its speed
+    return {.corner = c,
+            .fan = at.fan,
+            .x = model_.mesh.corner(c) + begin.displacement[node],
+            .v = v,
+            .size = corner_size_[c],
+            .kicked = kick * force.norm(),
+            .nearest = near_contact * corner_size_[c],
+            .most = v.lpNorm<1>() + kick * force.lpNorm<1>()};
+}
+
+void ObstacleContacts::find_at_corner(const MovingCorner& at, Index o, const State& begin, double h,
+                                      const std::vector<Vec3>& end_velocity) {
+    const Index c = at.corner;
+    const Vec2 &x = at.x, &v = at.v;
+    const double in_steps = contact_reach_in_steps * h;
     const ObstacleSurface& surface = surfaces_[o];
     const Vec2 arm = x - surface.position();
     // in front of a line as deep as an edge
-    const double depth = surface.outline().line ? corner_size_[c] : 0;
+    const double depth = surface.outline().line ? at.size : 0;
     // nearly all corners are far, so at first without roots
-    const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>();
-    if (!surface.may_reach(x, (1 + relative_tolerance) * (nearest + in_steps * (most + most_of_obstacle)) + depth))
-        return;
-    const double speed = v.norm() + kick * force.norm();
+    const double most_of_obstacle = at_most_[o].speed + at_most_[o].spin * arm.lpNorm<1>(),
+                 furthest = (1 + relative_tolerance) * (at.nearest + in_steps * (at.most + most_of_obstacle)) + depth;
+    if (!at_most_[o].may_reach(x, furthest) || !surface.may_reach(x, furthest)) return;
+    const double speed = v.norm() + at.kicked;
     const double obstacle_speed =
         velocity_at(begin.obstacles[o].velocity, arm).norm() + velocity_at(end_velocity[o], arm).norm();
-    const double reach = near_contact * corner_size_[c] + contact_reach_in_steps * h * (speed + obstacle_speed);
+    const double reach = at.nearest + contact_reach_in_steps * h * (speed + obstacle_speed);
     if (!surface.may_reach(x, reach + depth)) return;
-    const Vec2 motion = h * (begin.velocity[node] - velocity_at(predicted_[o], arm));
+    const Vec2 motion = h * (v - velocity_at(predicted_[o], arm));
     const auto add = [&](const SurfaceDistance& distance) {
-        if (distance.gap > reach || meets_beside(at, o, x, distance, begin)) return;
+        if (distance.gap > reach || meets_beside(at.fan, o, x, distance, begin)) return;
         contacts_.push_back({.corner = c,
                              .fan = at.fan,
                              .obstacle = o,
@@ -183,9 +216,9 @@ void ObstacleContacts::find_at_corner(const Candidate& at, Index o, const State&
         // a surface that turns is taken at the middle of the step: of second order, so that a corner that rides or
         // slides on it does not sink in
         contacts_.back().normal = Rotation::by(0.5 * h * predicted_[o].z()).turned(distance.normal);
-        contacts_.back().arm += 0.5 * h * (begin.velocity[node] - predicted_[o].head<2>());
+        contacts_.back().arm += 0.5 * h * (v - predicted_[o].head<2>());
     };
-    surface.visit_planes(x, motion, touching_part * corner_size_[c], reach, depth, add);
+    surface.visit_planes(x, motion, touching_part * at.size, reach, depth, add);
 }
 
 /// Corners of rigid pieces where they protrude, and their edges.
@@ -271,7 +304,7 @@ void ObstacleContacts::find_of_pieces(const State& begin, double h, const std::v
             const double reach = reach_of(p, o, begin, h);
             if (!surfaces_[o].may_reach(begin.rigid_pieces[p].centre, reach)) continue;
             for (std::size_t k = pieces_[p].first_corner; k < pieces_[p].last_corner; ++k)
-                find_at_corner(candidates_[k], o, begin, h, end_velocity, {});
+                find_at_corner(moving(candidates_[k], begin, h, {}), o, begin, h, end_velocity);
             const Outline::Kind kind = surfaces_[o].outline().kind;
             bool any = kind == Outline::Kind::disc;
             if (kind == Outline::Kind::polygon || kind == Outline::Kind::polyline)
@@ -284,7 +317,7 @@ void ObstacleContacts::find_of_pieces(const State& begin, double h, const std::v
     n_at_corners_ = contacts_.size();
     for (const auto& [o, p] : meets_edges)
         for (std::size_t k = pieces_[p].first_edge; k < pieces_[p].last_edge; ++k)
-            find_on_edge(piece_edges_[k], o, begin, h);
+            find_on_edge(piece_edges_[k], place(piece_edges_[k].a, begin), o, begin, h);
 }
 
 /// A contact at a corner of the body is as near as `gap`.
@@ -296,10 +329,9 @@ bool ObstacleContacts::is_carried(Index corner, double gap, const State& begin) 
 }
 
 /// Corners and arcs of an obstacle against the inside of an edge.
-void ObstacleContacts::find_on_edge(const Edge& edge, Index o, const State& begin, double h) {
+void ObstacleContacts::find_on_edge(const Edge& edge, const Vec2& x_a, Index o, const State& begin, double h) {
     const ObstacleSurface& surface = surfaces_[o];
-    const Vec2 x_a = place(edge.a, begin);
-    if (!surface.may_reach(x_a, 2 * longest_edge_)) return;
+    if (!at_most_[o].may_reach(x_a, 2 * longest_edge_) || !surface.may_reach(x_a, 2 * longest_edge_)) return;
     const PlacedEdge at = placed_edge(x_a, place(edge.b, begin));
     if (!(at.length > 0) || !surface.may_reach(x_a, 2 * at.length)) return;
     if (surface.outline().kind == Outline::Kind::disc) find_on_arc(edge, at, o, begin, h);

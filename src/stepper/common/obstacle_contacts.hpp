@@ -116,9 +116,23 @@ private:
         Index a, b;    // corners
         double depth;  // [m] largest penetration: that of a corner which meets this edge and not the opposite one
     };
-    /// Bounds of the motion of an obstacle, start and end of the step together.
+    /// Bounds of the motion of an obstacle, start and end of the step together, and of the place of a polygon.
     struct AtMost {
         double speed, spin;  // [m/s], [rad/s]
+        Vec2 low, high;      // [m] infinite of other outlines
+
+        bool may_reach(const Vec2& x, double reach) const {
+            return x.x() - reach <= high.x() && x.x() + reach >= low.x() && x.y() - reach <= high.y() &&
+                   x.y() + reach >= low.y();
+        }
+    };
+    /// What all obstacles ask of a corner of the body.
+    struct MovingCorner {
+        Index corner, fan;
+        Vec2 x, v;
+        double size;           // [m] corner_size_
+        double kicked;         // [m/s] by its force
+        double nearest, most;  // [m] near_contact of its size, [m/s] at least its speed and what its force adds
     };
     /// A rigid piece: its corners and edges, in candidates_ and piece_edges_.
     struct Piece {
@@ -129,11 +143,12 @@ private:
     void read_pieces(const State& begin);
     void find_of_pieces(const State& begin, double h, const std::vector<Vec3>& end_velocity);
     double reach_of(Index piece, Index obstacle, const State& begin, double h) const;
-    void find_at_corner(const Candidate& at, Index obstacle, const State& begin, double h,
-                        const std::vector<Vec3>& end_velocity, const std::vector<Vec2>& corner_force);
+    MovingCorner moving(const Candidate& at, const State& begin, double h, const std::vector<Vec2>& corner_force) const;
+    void find_at_corner(const MovingCorner& at, Index obstacle, const State& begin, double h,
+                        const std::vector<Vec3>& end_velocity);
     void add_edges(Index triangle, Index side, std::vector<Edge>& edges) const;
     void add_open_faces(Index fan, const State& begin);
-    void find_on_edge(const Edge& edge, Index obstacle, const State& begin, double h);
+    void find_on_edge(const Edge& edge, const Vec2& x_a, Index obstacle, const State& begin, double h);
     void find_on_arc(const Edge& edge, const PlacedEdge& at, Index obstacle, const State& begin, double h);
     void find_at_corners_of(const Edge& edge, const PlacedEdge& at, Index obstacle, const State& begin, double h);
     void find_at_corner_of(const Edge& edge, const PlacedEdge& at, Index obstacle, std::size_t corner,
@@ -142,7 +157,7 @@ private:
     void add_on_edge(const ObstacleContact& contact, double length, const State& begin, double h);
     Vec2 place(Index corner, const State& begin) const { return place_of(model_, begin, corner); }
     bool is_carried(Index corner, double gap, const State& begin) const;
-    bool meets_beside(const Candidate& at, Index obstacle, const Vec2& x, const SurfaceDistance& distance,
+    bool meets_beside(Index fan, Index obstacle, const Vec2& x, const SurfaceDistance& distance,
                       const State& begin) const;
 
     const Model& model_;
@@ -156,6 +171,7 @@ private:
     SharedFrozenBody body_;                  // null: a deformable one
     std::vector<Piece> pieces_;              // of rigid ones, once they are read
     std::vector<Edge> piece_edges_;          // piece by piece
+    std::vector<Vec2> starts_;               // [m] of edges, in a search
     std::vector<ObstacleSurface> surfaces_;  // in their places at the start of the step
     std::vector<AtMost> at_most_;            // likewise
     std::vector<Vec3> predicted_;  // [m/s, m/s, rad/s] of the obstacles over the step: of free components that

@@ -1,6 +1,7 @@
-// Rigid stones fall on a ground in Box2D: rubble STONES GROUND STEP END FRICTION DAMPING DENSITY
+// Rigid stones fall on a ground in Box2D: rubble STONES GROUND STEP END FRICTION DAMPING DENSITY [UNITS]
 // STONES: lines "vx vy spin n x1 y1 x2 y2 ..." of outlines that are simple, counterclockwise; those that are not convex, or
-// have more than 8 corners, become triangles. GROUND: lines "x1 y1 x2 y2 ..." of open polylines. SI units.
+// have more than 8 corners, become triangles. GROUND: lines "x1 y1 x2 y2 ..." of open polylines. SI units. UNITS (1): of
+// Box2D in a metre; its skin is 0.01 of them, and overlaps of 0.005 of them stay. It moves nothing by more than 2 in a step.
 // Prints as CSV: processor time [s], time at rest [s] (kinetic energy below 1e-6 of its largest value), deepest penetration
 // until then and at the end [m], mean x and height at the end [m], energy lost per mass [J/kg].
 #include <box2d/box2d.h>
@@ -67,14 +68,15 @@ float deepest(b2World& world) {
 struct Energy {
     double kinetic = 0, total = 0;
 };
-Energy energy(const std::vector<b2Body*>& stones) {
+Energy energy(const std::vector<b2Body*>& stones, float units) {
     Energy sum;
     for (const b2Body* s : stones) {
         const float about_centre = s->GetInertia() - s->GetMass() * s->GetLocalCenter().LengthSquared();
         sum.kinetic += 0.5 * (s->GetMass() * s->GetLinearVelocity().LengthSquared() +
                               about_centre * s->GetAngularVelocity() * s->GetAngularVelocity());
-        sum.total += s->GetMass() * gravity * s->GetWorldCenter().y;
+        sum.total += s->GetMass() * gravity * units * s->GetWorldCenter().y;
     }
+    sum.kinetic /= units * units, sum.total /= units * units;
     sum.total += sum.kinetic;
     return sum;
 }
@@ -82,14 +84,15 @@ Energy energy(const std::vector<b2Body*>& stones) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc != 8) return 2;
+    if (argc != 8 && argc != 9) return 2;
     const auto number = [&](int i) { return std::strtof(argv[i], nullptr); };
-    const float step = number(3), end = number(4), friction = number(5), damping = number(6), density = number(7);
-    b2World world({0, -gravity});
+    const float step = number(3), end = number(4), friction = number(5), damping = number(6), density = number(7),
+                units = argc > 8 ? number(8) : 1;
+    b2World world({0, -gravity * units});
     world.SetAllowSleeping(false);
     const auto add_shape = [&](b2Body* body, const b2Shape& shape) {
         b2FixtureDef fixture;
-        fixture.shape = &shape, fixture.density = density, fixture.friction = friction;
+        fixture.shape = &shape, fixture.density = density / (units * units), fixture.friction = friction;
         body->CreateFixture(&fixture);
     };
     b2BodyDef definition;
@@ -100,7 +103,7 @@ int main(int argc, char** argv) {
         b2Vec2 a, b;
         for (values >> a.x >> a.y; values >> b.x >> b.y; a = b) {
             b2EdgeShape edge;
-            edge.SetTwoSided(a, b);
+            edge.SetTwoSided(units * a, units * b);
             add_shape(ground, edge);
         }
     }
@@ -117,17 +120,18 @@ int main(int argc, char** argv) {
         b2Vec2 middle(0, 0);  // single precision: places relative to it
         for (b2Vec2& p : points) values >> p.x >> p.y, middle += (1.f / static_cast<float>(n)) * p;
         for (b2Vec2& p : points) p -= middle;
-        definition.position = middle;
+        definition.position = units * middle;
         b2Body* body = world.CreateBody(&definition);
-        for (const Outline& part : convex_parts(points)) {
+        for (Outline part : convex_parts(points)) {
+            for (b2Vec2& p : part) p *= units;
             b2PolygonShape shape;
             shape.Set(part.data(), static_cast<int>(part.size()));
             add_shape(body, shape);
         }
-        body->SetLinearVelocity(velocity), body->SetAngularVelocity(spin);
+        body->SetLinearVelocity(units * velocity), body->SetAngularVelocity(spin);
         stones.push_back(body);
     }
-    const double start = energy(stones).total;
+    const double start = energy(stones, units).total;
     double largest = 0, rest = 0;
     float depth = 0;
     double seconds = 0;
@@ -135,7 +139,7 @@ int main(int argc, char** argv) {
         const std::clock_t before = std::clock();
         world.Step(step, 8, 3);
         seconds += static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
-        const double now = energy(stones).kinetic;
+        const double now = energy(stones, units).kinetic;
         largest = std::max(largest, now);
         if (now > 1e-6 * largest) rest = t + step;
         depth = std::max(depth, deepest(world));
@@ -143,6 +147,6 @@ int main(int argc, char** argv) {
     double mass = 0, x = 0, height = 0;
     for (const b2Body* s : stones)
         mass += s->GetMass(), x += s->GetMass() * s->GetWorldCenter().x, height += s->GetMass() * s->GetWorldCenter().y;
-    std::printf("%.3g,%.3g,%.3g,%.3g,%.4g,%.4g,%.4g\n", seconds, rest, depth, deepest(world), x / mass, height / mass,
-                (start - energy(stones).total) / mass);
+    std::printf("%.3g,%.3g,%.3g,%.3g,%.4g,%.4g,%.4g\n", seconds, rest, depth / units, deepest(world) / units,
+                x / mass / units, height / mass / units, (start - energy(stones, units).total) / mass);
 }
