@@ -23,7 +23,7 @@ FanProblem with_norm(FanProblem fan, std::vector<FrictionOverPressure>& tables) 
             link.pressed.law = &tables.back();
         }
         link.coupling = Coupling::norm;
-        link.gamma = std::max(link.gamma, 0.2);
+        link.gamma = link.cohesive > 0 ? std::max(link.gamma, 0.2) : 0;  // 0: a surface, or what is broken, too
         link.friction = std::min(link.friction, 1.0);
         if (link.cohesive > 0) link.restitution = 0;
     }
