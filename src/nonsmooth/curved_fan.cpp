@@ -226,11 +226,10 @@ void CurvedFan::approach() {
     find_velocities();
 }
 
-/// A solution with friction that is bounded by the mean of the pressures found last and of those that bounded it before:
-/// by the last ones alone it may go to and fro.
+/// A solution with friction that is bounded by the mean of the pressures found last and of those that bounded it
+/// before: by the last ones alone it may go to and fro.
 void CurvedFan::lag_friction() {
-    for (Row& row : rows_)
-        row.law.pressed = row.pressed = 0.5 * (row.pressed + std::max(0.0, row.impulse.x()));
+    for (Row& row : rows_) row.law.pressed = row.pressed = 0.5 * (row.pressed + std::max(0.0, row.impulse.x()));
     approach();
     for (Row& row : rows_) row.law.pressed = -1;
 }

@@ -53,10 +53,6 @@ std::span<const Exclusion> exclusions() {
          "normals of one face turn apart, and the points of a vertex then share their pressure in no way that is "
          "known, on which the sum of concave thresholds depends (with [contact] a vertex even bears its impulse on no "
          "area)"},
-        {"coupling = \"norm\"", "strength = \"as measured\"",
-         "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
-        {"coupling = \"norm\"", "toughness = \"as measured\"",
-         "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"scatter", "strength = \"as measured\"", "the measured strength is one number"},
         {"strength_over_bedding", "strength = \"as measured\"",
          "the measured strength is one number, for all directions"},
