@@ -3,6 +3,7 @@
 #include "app/check/findings.hpp"
 #include "app/check/heat_scales.hpp"
 #include "app/check/law_table.hpp"
+#include "app/check/mesh_surplus.hpp"
 #include "app/check/stress_balance.hpp"
 #include "app/commands.hpp"
 #include "app/ensemble/ensemble.hpp"
@@ -77,7 +78,8 @@ bool cracks_anywhere(const Scenario& scenario) {
 }
 
 /// `step`: [s] that in which cohesion may decrease.
-void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
+void print_resolution(const ReadResult& read, const Mesh& mesh, double step) {
+    const Scenario& scenario = read.scenario;
     const std::vector<Resolution> found = judge_resolution(scenario, mesh);
     std::printf("interfaces\n");
     const double fine = scenario.finest_edge(mean_edge(mesh)), coarse = scenario.mesh.size / scenario.order;
@@ -103,6 +105,7 @@ void print_resolution(const Scenario& scenario, const Mesh& mesh, double step) {
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
             "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness write toughness = \"as "
             "measured\" (above all tables)\n");
+    std::fputs(mesh_surplus_text(read).c_str(), stdout);
     for (const NamedLaw& law : scenario.laws)
         if (law.measured_sigma_c > 0)
             std::printf(
@@ -379,7 +382,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     std::fputs(placed_sets_text(scenario, model.mesh).c_str(), stdout);
     print_materials(scenario);
     std::fputs(laws_text(read, model).c_str(), stdout);
-    print_resolution(scenario, model.mesh, plan.limits.cracking);
+    print_resolution(read, model.mesh, plan.limits.cracking);
     print_methods(scenario, model);
     std::fputs(initial_stress_text(scenario, model).c_str(), stdout);
     std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);

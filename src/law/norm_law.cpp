@@ -161,7 +161,7 @@ NormLaw::Response NormLaw::respond(const Vec2& Q, double r) const {
     }
     const double S = size(W);
     const bool is_held = S == 0 && k > 0;  // by cohesion, along T
-    if (S > 0) {
+    if (S > 0 && k > 0) {
         found.cohesion = -cohesive * rho(S) * along(W);
         found.at.slope = slope(W, k * rho(S) / S, k * slope_of_rho(S), found.closed);
     } else {

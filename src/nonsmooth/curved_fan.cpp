@@ -17,6 +17,12 @@ constexpr double multiplier_weights[] = {10,  10,  10,  30,  30,
                                          100, 100, 1e3, 1e4, 1e5};  // [-] of the method of multipliers
 constexpr Eigen::Index max_unknowns = 32;
 constexpr int most_lags = 56, lags_between = 4;  // of friction, before Newton's steps
+constexpr int most_sweeps = 40, sweeps_between = 4, most_sweep_rounds = 28;
+struct Start {
+    double impulse, pressed;  // of those of the step before; impulse -1: of what was found
+};
+constexpr Start starts[] = {{-1, 0}, {0, 0.25}, {1, 0.5}, {0, 0.75}, {2, 1}};
+constexpr double largest_stretch = 1e7, may_worsen[] = {1.01, 1.5};  // [-] of the distance from the laws
 
 }  // namespace
 
@@ -48,6 +54,7 @@ void CurvedFan::start() {
         row.unbreakable = link.unbreakable;
         row.r = W.trace() > 0 ? 1 / W.trace() : scales_.impulse / scales_.speed;
         row.impulse = W.trace() > 0 ? link.last_impulse : Vec2::Zero();
+        row.pressed = 0;
         if (link.unbreakable) continue;
         const Vec2 before = problem_->velocity_before(link.after) - problem_->velocity_before(link.before);
         row.law = norm_law(link, before, problem_->drift_time, scales_.rest);
@@ -198,11 +205,44 @@ void CurvedFan::approach() {
     find_velocities();
 }
 
-/// A solution with friction that is bounded by the pressures found last.
+/// A solution with friction that is bounded by the mean of the pressures found last and of those that bounded it
+/// before: by the last ones alone it may go to and fro.
 void CurvedFan::lag_friction() {
-    for (Row& row : rows_) row.law.pressed = std::max(0.0, row.impulse.x());
+    for (Row& row : rows_) row.law.pressed = row.pressed = 0.5 * (row.pressed + std::max(0.0, row.impulse.x()));
     approach();
     for (Row& row : rows_) row.law.pressed = -1;
+}
+
+/// Link after link meets its law, the others given. Where some slide in a closed fan whose others stick, every sweep
+/// adds the same self-stress until one of these gives way: it is stretched while no link meets its law much worse.
+void CurvedFan::sweep(double worse) {
+    const auto add = [&](double times) {
+        for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].impulse += times * impulse_[i];
+        find_velocities();
+    };
+    for (int k = 1; k <= most_sweeps; ++k) {
+        impulse_.clear();
+        for (const Row& row : rows_) impulse_.push_back(-row.impulse);
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            Row& row = rows_[i];
+            const Eigen::Matrix2d W = mobility(i);
+            if (W.determinant() <= relative_tolerance * W.trace() * W.trace()) continue;  // driven
+            const Vec2 free = rate(i) - W * row.impulse;
+            const Vec2 P = row.unbreakable ? Vec2(-W.inverse() * free) : row.law.impulse(W, free, row.impulse);
+            apply(i, P - row.impulse);
+            row.impulse = P;
+        }
+        if (k % sweeps_between != 0) continue;
+        for (std::size_t i = 0; i < rows_.size(); ++i) impulse_[i] += rows_[i].impulse;
+        const double gap = find_gaps(1);
+        for (double times = 1; times < largest_stretch; times *= 2) {
+            add(times);
+            if (find_gaps(1) <= worse * gap) continue;
+            add(-times);
+            break;
+        }
+    }
+    find_velocities();
 }
 
 /// Newton's steps to rounding; the best impulses of them stay.
@@ -253,10 +293,24 @@ CurvedFan::Found CurvedFan::solve(const FanProblem& problem, const FanScales& sc
     bool settled = false;
     for (int round = 0; !(settled = settle(round_weights[round], found.iterations)) && round + 1 < n_rounds; ++round)
         approach();
-    for (int round = 0; !settled && round < most_lags; ++round) {
-        lag_friction();
-        if (round % lags_between == lags_between - 1)
-            settled = settle(round_weights[round / lags_between % n_rounds], found.iterations);
+    // friction has no potential that leads to a solution: other starts find other ones
+    for (const Start& start : starts) {
+        if (settled) break;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            const Vec2& last = problem.links[i].last_impulse;
+            if (start.impulse >= 0) rows_[i].impulse = start.impulse * last;
+            rows_[i].pressed = start.pressed * std::max(0.0, last.x());
+        }
+        find_velocities();
+        for (int round = 0; !settled && round < most_lags; ++round) {
+            lag_friction();
+            if (round % lags_between == lags_between - 1)
+                settled = settle(round_weights[round / lags_between % n_rounds], found.iterations);
+        }
+        for (int round = 0; !settled && round < most_sweep_rounds; ++round) {
+            sweep(may_worsen[round % 2]);
+            settled = settle(round_weights[round % n_rounds], found.iterations);
+        }
     }
     join_what_sticks();
     result.velocity = motion_.velocity;

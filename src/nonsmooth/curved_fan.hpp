@@ -7,8 +7,8 @@
 // The impulses are eliminated link by link. eps keeps the matrix definite where links that stick are redundant, as all
 // round a vertex: it leaves a part eps of their errors from step to step, and what is undetermined in their impulses
 // stays near that of the last step. Where these steps do not settle, the method of multipliers comes nearer, and where
-// friction keeps it from that, friction bounded by the pressure found last (Tresca), which has a potential. At last
-// bodies that links hold together get one velocity, to the bit.
+// friction keeps it from that, friction bounded by the pressures found before (Tresca), which has a potential, and then
+// sweeps over the links. At last bodies that links hold together get one velocity, to the bit.
 #include "nonsmooth/fan_clusters.hpp"
 #include "nonsmooth/link_state.hpp"
 
@@ -33,6 +33,7 @@ private:
         bool unbreakable = false;
         double r = 0;                 // [kg] of its projection
         Vec2 impulse = Vec2::Zero();  // [N s] (N, T)
+        double pressed = 0;           // [N s] the compression that a lagging friction sees
     };
 
     void start();
@@ -43,6 +44,7 @@ private:
     bool step(double weight);
     void approach();
     void lag_friction();
+    void sweep(double worse);
     double find_gaps(double weight);
     void find_lack(double weight);
     void add_force(std::size_t i, const Vec2& impulse);

@@ -47,10 +47,6 @@ std::span<const Exclusion> exclusions() {
         {"slip_distance", "friction_over_pressure",
          "each of them is the friction, over the slip and over the pressure, and together they would be a table of "
          "both"},
-        {"coupling = \"norm\"", "strength = \"as measured\"",
-         "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
-        {"coupling = \"norm\"", "toughness = \"as measured\"",
-         "the table of the program was measured with the sum (`knap calibrate` measures another one)"},
         {"scatter", "strength = \"as measured\"", "the measured strength is one number"},
         {"strength_over_bedding", "strength = \"as measured\"",
          "the measured strength is one number, for all directions"},

@@ -13,7 +13,8 @@ namespace {
 
 constexpr CalibrationFormat toughness_format{
     "toughness", "softening,unloading,order,gamma,edges,load,through,seeds,speed_over_cR,surplus,deviation", 2};
-constexpr double beyond_edges = 2;  // of the table: from 3 to 30 edges the surplus changes by 0.06
+constexpr std::string_view of_norm = " norm";  // behind the softening
+constexpr double beyond_edges = 2;             // of the table: from 3 to 30 edges the surplus changes by 0.06
 
 ToughnessRow toughness_row(const CalibrationLine& line) {
     const std::vector<double>& numbers = line.numbers;
@@ -39,8 +40,15 @@ std::string softening_words(const Node& law) {
     std::string text = softening && softening->valid ? softening->text : "linear";
     for (const char* parameter : {"plateau", "exponent"})
         if (const Node* node = law.find(parameter); node && node->valid) text += formatted(" %.4g", node->number);
-    if (coupling && coupling->valid && coupling->text == "norm") text += " norm";
+    if (coupling && coupling->valid && coupling->text == "norm") text += of_norm;
     return text;
+}
+
+MeshedLaw MeshedLaw::with(Coupling coupling) const {
+    MeshedLaw law = *this;
+    if (law.softening.ends_with(of_norm)) law.softening.resize(law.softening.size() - of_norm.size());
+    if (coupling == Coupling::norm) law.softening += of_norm;
+    return law;
 }
 
 std::string toughness_csv(const std::vector<ToughnessRow>& rows) {

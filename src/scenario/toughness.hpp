@@ -3,6 +3,7 @@
 // of these interfaces. `knap calibrate` measures it on strips and writes a table; with toughness = "as measured" a
 // scenario gives the fracture energy of a specimen, and its interfaces get that over the surplus.
 #include "base/vec.hpp"
+#include "material/cohesive_law.hpp"
 #include "scenario/surplus.hpp"
 
 namespace knap {
@@ -17,6 +18,9 @@ struct MeshedLaw {
     Index order = 1;                   // of the triangles
     double gamma = 1;
     double edges = 0;  // in the steep part of the process zone of a crack at rest
+
+    /// The same law with another coupling.
+    MeshedLaw with(Coupling coupling) const;
 };
 
 /// A law with cohesion that acts within a material: there cracks run along any edge.

@@ -39,6 +39,16 @@ TEST_CASE("check says what would happen") {
     const std::string surplus = "a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length";
     CHECK(command("check edge_cracked_block -s 'mesh.size=4 mm'").has(surplus));
     CHECK_FALSE(command("check bar_pulled_apart").has(surplus));  // it breaks along one line only
+    const Answer slow = command("check mesh_toughness -s time.bulk=implicit");
+    for (const char* words :
+         {"coupling = \"sum\": the slowest crack that runs costs 1.14 +- 0.01 G_c, a slow notched structure bears 1.0",
+          "coupling = \"norm\": the slowest crack that runs costs 1.11 +- 0.01 G_c",
+          "this run is slow (large implicit steps): coupling = \"norm\" fits it"})
+        CHECK_MESSAGE(slow.has(words), words, slow.text);
+    const Answer fast =
+        command("check mesh_toughness -s interface.free-free.coupling=norm -s interface.free-start.coupling=norm");
+    CHECK_MESSAGE(fast.has("cracks above 0.6 c_R cost less with coupling = \"sum\""), fast.text);
+    CHECK_FALSE(command("check mesh_toughness").has("fits it"));
     CHECK(command("check edge_cracked_block --time -s 'mesh.size=2 mm'").has("now (measured)"));
     const Answer contact = command("check block_toppling -s 'contact.friction=0.7'");
     CHECK_MESSAGE(contact.has("contact of free faces, rock on rock: friction 0.7, restitution 0"), contact.text);

@@ -23,7 +23,7 @@ FanProblem with_norm(FanProblem fan, std::vector<FrictionOverPressure>& tables) 
             link.pressed.law = &tables.back();
         }
         link.coupling = Coupling::norm;
-        link.gamma = std::max(link.gamma, 0.2);
+        link.gamma = link.cohesive > 0 ? std::max(link.gamma, 0.2) : 0;  // 0: a surface, or what is broken, too
         link.friction = std::min(link.friction, 1.0);
         if (link.cohesive > 0) link.restitution = 0;
     }
@@ -80,7 +80,7 @@ TEST_CASE("random fans with the norm law and friction over pressure meet every l
                         fan.links[i].pressed.line_at(found.links[i].impulse.dot(fan.links[i].normal)) > 0;
     }
     MESSAGE(n_unsolved, " of 3000 not solved, ", n_beyond, " links beyond the first line");
-    CHECK(n_unsolved <= 20);
+    CHECK(n_unsolved <= 5);
     CHECK(n_beyond > 300);
 }
 
@@ -103,7 +103,7 @@ TEST_CASE("random fans with the norm law meet every law") {
             for (std::size_t i = 0; i < fan.links.size(); ++i) n_open += found.links[i].stuck ? 0 : 1;
         }
     MESSAGE(n_unsolved, " of 6000 not solved, ", iterations, " iterations");
-    CHECK(n_unsolved <= 20);  // masses over four decades; residuals of 1e-10 to 5e-4, which the gate of a run tells
+    CHECK(n_unsolved <= 5);  // masses over four decades; residuals of 1e-10 to 5e-4, which the gate of a run tells
     CHECK(n_open > 1000);
 }
 

@@ -121,6 +121,19 @@ TEST_CASE("toughness: interfaces within a material get the measured energy over 
     CHECK(measured.laws[2].measured_G_c == 0);
 }
 
+TEST_CASE("toughness: the coupling is part of the law of a table") {
+    const MeshedLaw sum = law_with(1, 6), norm = sum.with(Coupling::norm);
+    CHECK(norm.softening == "linear norm");
+    CHECK(norm.with(Coupling::norm).softening == "linear norm");
+    CHECK(norm.with(Coupling::sum).softening == "linear");
+    const Scenario measured =
+        read_scenario_text(plate("toughness = \"as measured\""), "plate.toml",
+                           {"interface.glass-glass.coupling=norm", "interface.glass-steel.coupling=norm"})
+            .scenario;
+    CHECK(measured.laws[1].surplus.mean > 1.10);
+    CHECK(measured.laws[1].surplus.mean < 1.13);
+}
+
 TEST_CASE("toughness: a mesh without calibration is an error with its cure") {
     const auto codes = [](const std::string& more, const std::vector<std::string>& set) {
         try {
@@ -135,7 +148,7 @@ TEST_CASE("toughness: a mesh without calibration is an error with its cure") {
     const std::string measured = "toughness = \"as measured\"";
     CHECK(codes(measured, {"mesh.size=2 um"}) == "no-calibration");
     CHECK(codes(measured, {"interface.glass-glass.gamma=50"}) == "no-calibration");
-    CHECK(codes(measured, {"interface.glass-glass.softening=exponential"}) == "no-calibration");
+    CHECK(codes(measured, {"interface.glass-glass.softening=mc2010"}) == "no-calibration");
     CHECK(codes("", {"mesh.size=2 um"}).empty());
 }
 
