@@ -155,15 +155,15 @@ TEST_CASE("implicit stepper: with friction random small bodies move as the full 
 
 TEST_CASE("implicit stepper: with friction over pressure bodies move as the full complementarity problem says") {
     Tally tally;
-    for (int seed = 1500; seed < 1560; ++seed) compare(seed, {.over_pressure = true}, 8, tally);
+    for (int seed = 1500; seed < 1580; ++seed) compare(seed, {.over_pressure = true}, 8, tally);
     CHECK(tally.n_several <= 3);
     CHECK(tally.n_wrong == 0);
     CHECK(tally.n_not_converged + tally.n_refused + tally.n_inexact == 0);
-    CHECK(tally.n_unsolved <= 7);  // by Lemke's method: bends of points with little of the area of a vertex
+    CHECK(tally.n_unsolved <= 10);  // by Lemke's method: bends of points with little of the area of a vertex
     CHECK(tally.n_steps > 350);
     CHECK(tally.n_damaged > 2000);
     CHECK(tally.n_broken > 150);
-    CHECK(tally.n_closed > 25);
+    CHECK(tally.n_closed > 15);
 }
 
 TEST_CASE("implicit stepper: bodies of second order move as the full complementarity problem says") {
