@@ -72,6 +72,8 @@ std::span<const Exclusion> exclusions() {
         {"[rigid]", "[[excavation]]", "the forces that fade stress what stays, and a rigid piece has no stresses"},
         {"[rigid]", "[[absorb]]", "waves that leave the body are those of a deformable one"},
         {"[rigid]", "[specimen]", "its gauges and its stress are those of a body under load, which is not rigid"},
+        {"[rigid]", "friction_over_pressure",
+         "a rigid piece bears on corners, and nobody knows the pressure of its faces"},
         {"[rigid]", "unloading = \"vertical\"",
          "at its largest opening a damaged point bears what the stresses ask for, and a rigid piece has no stresses"},
         {"[rigid]", "incubation_time", "its memory follows the stress at every time, and a rigid piece has none"},

@@ -64,6 +64,8 @@ void read_rigid(Reading& reading) {
     };
     exclude(any_law([](const CohesiveLaw& law) { return law.incubation_time > 0; }), "incubation_time",
             "incubation_time = 0");
+    exclude(any_law([](const CohesiveLaw& law) { return law.over_pressure != nullptr; }), "friction_over_pressure",
+            "friction, the chord at the pressure in question");
     exclude(any_law([](const CohesiveLaw& law) { return law.unloading == Unloading::vertical; }),
             "unloading = \"vertical\"", "unloading = \"secant\"");
     refuse_loads(reading);

@@ -43,7 +43,9 @@ void follow_slip(const Model& model, const State& begin, State& end) {
             if (model.laws[at.law].slip_distance == 0) continue;
             const Rotation frame = point_frame(model, begin, at);
             const double slip = end.opening_of(at, frame).y() - begin.opening_of(at, frame).y();
-            now.slid = std::max(now.slid, slid + std::abs(slip));  // of an island, which took smaller steps: its own
+            // islands took smaller steps than the rigid one, and have the ways of theirs
+            const double own = begin.motion == Motion::rigid ? now.slid : 0;
+            now.slid = std::max(own, slid + std::abs(slip));
         }
     }
 }

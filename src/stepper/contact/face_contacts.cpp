@@ -51,10 +51,10 @@ std::span<const FaceContactState> contacts_before(const State& begin, Index vert
             std::ranges::upper_bound(all, vertex, {}, &FaceContactState::vertex)};
 }
 
-/// [m] The longest way between the two sides of the points that retired at these corners of a vertex.
-double slid_at(const Model& model, const State& begin, std::span<const Index> corners) {
+/// [m] The longest way between the two sides of the points that retired at the corners of a contact.
+double slid_at(const Model& model, const State& begin, const FaceContact& contact) {
     double longest = 0;
-    for (const Index corner : corners) {
+    for (const Index corner : {contact.vertex[0], contact.vertex[1], contact.edge[0], contact.edge[1]}) {
         if (model.ground_at(corner)) continue;
         const Index fan = model.fan_of_corner[corner], rank = begin.split_rank[fan];
         if (rank < 0) continue;
@@ -86,7 +86,7 @@ ContactLaw law_between_faces(const Model& model, const State& begin, const FaceC
     };
     ContactLaw law = constant();
     if (law.changing >= 0)
-        law.friction = model.laws[law.changing].friction_at(slid_at(model, begin, contact.vertex), contact.pressure);
+        law.friction = model.laws[law.changing].friction_at(slid_at(model, begin, contact), contact.pressure);
     return law;
 }
 
@@ -124,16 +124,15 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
 /// A vertex has no area, but a face has: its share of the whole is what the contacts on it bear, and half of what the
 /// vertices at its ends bear.
 void FaceContacts::find_pressures(const State& begin) {
-    std::map<Index, double> impulse;  // [N s] per face
+    std::map<Index, double> force;  // [N] per face
     for (const FaceContactState& at : begin.face_contacts) {
-        impulse[at.edge] += at.contact;
-        impulse[at.vertex] += 0.5 * at.contact;
-        if (!model_.ground_at(at.entering)) impulse[previous_in_triangle(at.entering)] += 0.5 * at.contact;
+        force[at.edge] += at.lasting;
+        force[at.vertex] += 0.5 * at.lasting;
+        if (!model_.ground_at(at.entering)) force[previous_in_triangle(at.entering)] += 0.5 * at.lasting;
     }
-    const double time = begin.last_step > 0 ? begin.last_step : 1;  // a search of equilibrium has forces
     for (FaceContact& contact : contacts_)
-        if (const auto at = impulse.find(contact.face); at != impulse.end())
-            contact.pressure = at->second / (time * contact.face_length * model_.thickness);
+        if (const auto at = force.find(contact.face); at != force.end())
+            contact.pressure = at->second / (contact.face_length * model_.thickness);
 }
 
 void FaceContacts::find_deformable(const State& begin, double h) {
@@ -333,6 +332,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                      .depth = depth,
                      .contact = before ? before->contact : 0,
                      .tangential = before ? before->tangential : 0,
+                     .lasting = before ? before->lasting : 0,
                      .face = own_length < length ? own_face : edge.start,
                      .face_length = std::min(own_length, length)},
          .vertex = pair.vertex,

@@ -1,7 +1,6 @@
 #include "stepper/rigid/rigid_contacts.hpp"
 
 #include "base/parallel.hpp"
-#include "stepper/common/changing_friction.hpp"
 #include "stepper/common/contact_search.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/rigid/freeze.hpp"
@@ -209,12 +208,9 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
             add_term(row, term_on(piece, sign * n, row.place - bodies[piece].centre));
         };
         add(point.after, 1), add(point.before, -1);
-        const double pressure = std::max(0.0, state.traction.x()) * point.area /
-                                pressed_area(model_, begin, model_.fans[points_[i].fan], point);
-        row.law = law_for({.friction = law.friction_at(state.slid, pressure),
-                           .restitution = law.restitution,
-                           .gives_restitution = true},
-                          breaks);
+        row.law = law_for(
+            {.friction = law.friction_after(state.slid), .restitution = law.restitution, .gives_restitution = true},
+            breaks);
         add_row(row, bodies);
     }
 }
@@ -463,7 +459,7 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
         const FaceContact& c = faces_.all()[i];
         if (is_deformable(c, bodies)) continue;
         const Vec2 P = row_of_face_[i] < 0 ? Vec2(Vec2::Zero()) : Vec2(lasting * rows_[row_of_face_[i]].impulse);
-        end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], P.x(), P.y()});
+        end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], P.x(), P.y(), 0});
     }
     report.face_contacts = static_cast<std::int64_t>(row_of_face_.size());
 }
