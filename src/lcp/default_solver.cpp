@@ -30,9 +30,9 @@ double sweeps_per_solve(const BoxLcp& box) {
 
 /// Where redundant conditions contradict each other by a rounding (contacts round a vertex that still move), sweeps
 /// drift along a ray by equal steps until one condition is released. This goes to the first bound at once.
-void follow_ray(const BoxLcp& box, Eigen::VectorXd& x) {
+void follow_ray(const BoxLcp& box, const Sweeps& sweeps, Eigen::VectorXd& x) {
     const Eigen::VectorXd from = x;
-    sweep(box, x, 1);
+    sweeps.run(x);
     const Eigen::VectorXd step = x - from;
     double length = infinity;
     const auto limit = [&](double distance, double speed) {
@@ -47,23 +47,25 @@ void follow_ray(const BoxLcp& box, Eigen::VectorXd& x) {
     if (std::isfinite(length)) x += length * step;
 }
 
-/// Sweeps until x is a solution, or until linear solves promise to be cheaper. Returns whether x is a solution.
-bool sweep_while_it_pays(const BoxLcp& box, double tolerance, Eigen::VectorXd& x, int& n_sweeps) {
+/// Sweeps until x is a solution, or until linear solves promise to be cheaper. Returns whether x is a solution; F is
+/// then its value.
+bool sweep_while_it_pays(const BoxLcp& box, double tolerance, Eigen::VectorXd& x, Eigen::VectorXd& F, int& n_sweeps) {
+    const Sweeps sweeps(box);
     const double budget = sweeps_per_solve(box);
     double before = 0;  // change of x at the last check
     int n_rays = 0;
     for (int done = 1;; ++done) {
-        const double change = sweep(box, x, 1);
+        const double change = sweeps.run(x);
         ++n_sweeps;
         if (!std::isfinite(change)) return false;
-        if (change <= 10 * tolerance && box.residual(x) <= tolerance) return true;
+        if (change <= 10 * tolerance && box.residual(x, F = box.value(x)) <= tolerance) return true;
         if (done % sweeps_between_checks != 0) continue;
         // sweeps still needed at the present rate
         const double left = change < before
                                 ? sweeps_between_checks * std::log(tolerance / change) / std::log(change / before)
                                 : infinity;
         if (change > steady * before && change < before / steady && n_rays < max_iterations)
-            follow_ray(box, x), ++n_sweeps, ++n_rays;
+            follow_ray(box, sweeps, x), ++n_sweeps, ++n_rays;
         else if ((done >= budget && left > 2 * budget) || done >= 20 * budget) return false;
         before = change;
     }
@@ -113,24 +115,24 @@ private:
         return lcp_solution(problem_, status, box_.lcp_point(x), count_);
     }
 
-    /// The rank of an answer, whose status is set according to its residual.
-    Rank judge(LcpSolution& solution) {
-        if (!scaling_) scaling_ = scaling_of(problem_), layout_ = cohesive_layout(problem_);
+    /// The rank of an answer, whose status is set according to its residual. Without `with_bonds` no bond is looked at.
+    Rank judge(LcpSolution& solution, bool with_bonds = true) {
+        if (!scaling_) scaling_ = scaling_of(problem_);
+        if (with_bonds && !layout_) layout_ = cohesive_layout(problem_);
         const double residual = scaled_residual(*scaling_, solution.z, solution.w);
         const bool inaccurate = !(residual <= max_residual);
         if (!inaccurate) solution.status = LcpStatus::solved;
         else if (solution.status == LcpStatus::solved) solution.status = LcpStatus::stalled;
-        const bool spurious =
-            !inaccurate && layout_ && spurious_breaking(problem_, *scaling_, solution.z, *layout_).n_spurious > 0;
+        const bool spurious = !inaccurate && with_bonds && *layout_ &&
+                              spurious_breaking(problem_, *scaling_, solution.z, **layout_).n_spurious > 0;
         return {inaccurate, spurious, residual};
     }
 
     /// The residual of the box form is not strict where sweeps diverge. Within Assumption 1 no bond breaks spuriously.
-    bool is_accepted(const Eigen::VectorXd& x) {
+    bool is_accepted(const Eigen::VectorXd& x, const Eigen::VectorXd& F) {
         if (!options_.exhaustive) return true;
-        LcpSolution solution = result(LcpStatus::solved, x);
-        const Rank rank = judge(solution);
-        const bool is_accepted = can_sweep_ ? !rank.inaccurate : rank.is_accepted();
+        LcpSolution solution = lcp_solution(problem_, LcpStatus::solved, box_.lcp_point(x, F), count_);
+        const bool is_accepted = judge(solution, !can_sweep_).is_accepted();
         if (is_accepted) accepted_ = std::move(solution);
         return is_accepted;
     }
@@ -142,21 +144,21 @@ private:
     bool newton_from(Eigen::VectorXd x) {
         const LcpStatus status = solve_box_by_newton(box_, options_.tolerance, max_newton_steps, x, count_);
         remember(x);
-        return status == LcpStatus::solved && is_accepted(best_x_);
+        return status == LcpStatus::solved && is_accepted(best_x_, box_.value(best_x_));
     }
 
     /// Whether best_x_ is an accepted solution.
     bool solve_box_form() {
         const Eigen::VectorXd start = best_x_;
-        Eigen::VectorXd x = start;
-        if (can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, x, count_) && is_accepted(x)) {
+        Eigen::VectorXd x = start, F;
+        if (can_sweep_ && sweep_while_it_pays(box_, options_.tolerance, x, F, count_) && is_accepted(x, F)) {
             best_x_ = x;
             return true;
         }
         remember(x);
         if (newton_from(x.allFinite() ? x : start)) return true;
         const LcpStatus status = solve_box_by_proximal_points(box_, options_.tolerance, x, count_);
-        if (status == LcpStatus::solved && is_accepted(x)) {
+        if (status == LcpStatus::solved && is_accepted(x, box_.value(x))) {
             best_x_ = x;
             return true;
         }
@@ -169,7 +171,7 @@ private:
     BoxLcp box_;
     bool can_sweep_;
     std::optional<LcpScaling> scaling_;  // what judges need is found with the first answer
-    std::optional<CohesiveLayout> layout_;
+    std::optional<std::optional<CohesiveLayout>> layout_;
     std::optional<LcpSolution> accepted_;
     Eigen::VectorXd best_x_;
     double smallest_ = infinity;  // residual of best_x_ in the box form

@@ -5,26 +5,41 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace knap {
 namespace {
 
-/// Row i of M x + q, and its entry in the column `other`.
-double row_value(const BoxLcp& box, int i, const Eigen::VectorXd& x, int other, double& entry) {
-    const LcpRow row = row_of(box.M, i);
-    const int size = static_cast<int>(row.size());
-    const int* columns = row.columns.data();
-    const double* values = row.values.data();
-    if (size > 0 && columns[size - 1] - columns[0] == size - 1) {  // without gaps, as in a dense matrix
-        if (const int place = other - columns[0]; place >= 0 && place < size) entry = values[place];
-        return box.q[i] + Eigen::Map<const Eigen::VectorXd>(values, size).dot(x.segment(columns[0], size));
-    }
-    double sum = box.q[i];
-    for (int e = 0; e < size; ++e) {
-        sum += values[e] * x[columns[e]];
-        if (columns[e] == other) entry = values[e];
-    }
+bool is_without_gaps(const LcpRow& row) {  // as in a dense matrix
+    return row.size() > 0 && row.columns.back() - row.columns.front() == static_cast<int>(row.size()) - 1;
+}
+
+/// q_i + the sum of the entries from `first` on, which is `sum` so far.
+double continued(double sum, const LcpRow& row, std::size_t first, const double* x) {
+    for (std::size_t e = first; e < row.size(); ++e) sum += row.values[e] * x[row.columns[e]];
     return sum;
+}
+
+/// Row i of M x + q.
+double row_value(const BoxLcp& box, int i, const Eigen::VectorXd& x) {
+    const LcpRow row = row_of(box.M, i);
+    if (!is_without_gaps(row)) return continued(box.q[i], row, 0, x.data());
+    const auto size = static_cast<Eigen::Index>(row.size());
+    return box.q[i] + Eigen::Map<const Eigen::VectorXd>(row.values.data(), size).dot(x.segment(row.columns[0], size));
+}
+
+/// Rows i and j of M x + q: the two sums do not wait for each other.
+std::pair<double, double> row_values(const BoxLcp& box, int i, int j, const Eigen::VectorXd& x) {
+    const LcpRow a = row_of(box.M, i), b = row_of(box.M, j);
+    if (is_without_gaps(a) || is_without_gaps(b)) return {row_value(box, i, x), row_value(box, j, x)};
+    const std::size_t shared = std::min(a.size(), b.size());
+    const double* const values = x.data();
+    double of_a = box.q[i], of_b = box.q[j];
+    for (std::size_t e = 0; e < shared; ++e) {
+        of_a += a.values[e] * values[a.columns[e]];
+        of_b += b.values[e] * values[b.columns[e]];
+    }
+    return {continued(of_a, a, shared, values), continued(of_b, b, shared, values)};
 }
 
 /// Moves x_i, whose row has the value F, to the zero of its row within its bounds. Returns the step.
@@ -36,34 +51,32 @@ double relax(const BoxLcp& box, int i, double F, double diagonal, Eigen::VectorX
 
 }  // namespace
 
-double sweep(const BoxLcp& box, Eigen::VectorXd& x, int n_sweeps) {
-    struct Feeding {
-        int unknown;
-        double F, coupling;  // of its row to the unknown that it feeds
-    };
-    std::vector<Feeding> feeding;
+Sweeps::Sweeps(const BoxLcp& box) : box_(box), diagonal_(box.M.diagonal()), coupling_(box.size()) {
+    for (int t = 0; t < box.size(); ++t)
+        coupling_[t] = box.unknowns[t].feeds >= 0 ? box.M.coeff(t, box.unknowns[t].feeds) : 0;
+}
+
+double Sweeps::run_once(Eigen::VectorXd& x) const {
     double largest = 0;
-    for (int count = 0; count < n_sweeps; ++count) {
-        largest = 0;
-        for (int i = 0; i < box.size(); ++i) {
-            if (box.unknowns[i].feeds >= 0) continue;  // moves together with the unknown that it feeds
-            feeding.clear();
-            double diagonal = 1;
-            double F = row_value(box, i, x, i, diagonal);
-            for (const int t : box.fed_by[i]) {
-                Feeding& one = feeding.emplace_back(Feeding{t, 0, 0});
-                one.F = row_value(box, t, x, i, one.coupling);
-                F += box.unknowns[t].feed_factor * std::abs(one.F);
-            }
-            const double step = relax(box, i, F, diagonal, x);
-            largest = std::max(largest, std::abs(step) * diagonal);
-            for (const auto& [t, F_before, coupling] : feeding) {
-                const double own = box.M.coeff(t, t);
-                double unused = 0;
-                const double F_t = feeding.size() == 1 ? F_before + coupling * step : row_value(box, t, x, t, unused);
-                largest = std::max(largest, std::abs(relax(box, t, F_t, own, x)) * own);
-            }
+    const auto move = [&](int i, double F) {
+        const double step = relax(box_, i, F, diagonal_[i], x);
+        largest = std::max(largest, std::abs(step) * diagonal_[i]);
+        return step;
+    };
+    for (int i = 0; i < box_.size(); ++i) {
+        if (box_.unknowns[i].feeds >= 0) continue;  // moves together with the unknown that it feeds
+        const std::vector<int>& fed_by = box_.fed_by[i];
+        if (fed_by.size() == 1) {
+            const int t = fed_by[0];
+            const auto [F, F_t] = row_values(box_, i, t, x);
+            const double step = move(i, F + box_.unknowns[t].feed_factor * std::abs(F_t));
+            move(t, F_t + coupling_[t] * step);
+            continue;
         }
+        double F = row_value(box_, i, x);
+        for (const int t : fed_by) F += box_.unknowns[t].feed_factor * std::abs(row_value(box_, t, x));
+        move(i, F);
+        for (const int t : fed_by) move(t, row_value(box_, t, x));
     }
     return largest;
 }

@@ -18,14 +18,25 @@ LcpMatrix submatrix(const LcpMatrix& M, const std::vector<int>& indices) {
     std::vector<int> place(M.cols(), -1);
     for (int k = 0; k < size; ++k) place[indices[k]] = k;
     LcpMatrix A(size, size);
-    A.reserve(M.nonZeros());
+    std::size_t most_entries = 0, n_entries = 0;
+    for (const int row : indices) most_entries += std::min<std::size_t>(row_of(M, row).size(), size);
+    A.resizeNonZeros(static_cast<Eigen::Index>(most_entries) + 1);  // the last one is written to and never counted
+    int* const columns_of_A = A.innerIndexPtr();
+    double* const values_of_A = A.valuePtr();
+    const int* const places = place.data();
     for (int k = 0; k < size; ++k) {
-        A.startVec(k);
-        const auto [columns, values] = row_of(M, indices[k]);
-        for (std::size_t e = 0; e < columns.size(); ++e)
-            if (place[columns[e]] >= 0) A.insertBack(k, place[columns[e]]) = values[e];
+        const LcpRow row = row_of(M, indices[k]);
+        const int* const columns = row.columns.data();
+        const double* const values = row.values.data();
+        for (std::size_t e = 0, n = row.size(); e < n; ++e) {  // without a branch on what may alternate
+            const int column = places[columns[e]];
+            columns_of_A[n_entries] = column;
+            values_of_A[n_entries] = values[e];
+            n_entries += column >= 0 ? 1 : 0;
+        }
+        A.outerIndexPtr()[k + 1] = static_cast<int>(n_entries);
     }
-    A.finalize();
+    A.resizeNonZeros(static_cast<Eigen::Index>(n_entries));
     return A;
 }
 

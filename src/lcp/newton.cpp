@@ -126,7 +126,7 @@ LcpSolution solve_by_newton(const LcpProblem& problem, const LcpOptions& options
     for (int i = 0; !can_sweep && i < box.size(); ++i)
         if (box.unknowns[i].is_capped()) start[i] = box.unknowns[i].upper;
     if (!is_warm) {
-        if (can_sweep) sweep(box, start, first_sweeps);
+        if (can_sweep) Sweeps(box).run(start, first_sweeps);
         x = whole.box_start(box.lcp_point(start));
     }
     int n_solves = 0;

@@ -2,6 +2,7 @@
 
 #include "base/vec.hpp"
 #include "lcp/linear_system.hpp"
+#include "lcp/rows.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,25 +15,20 @@ constexpr double equal_numbers = 1e-13;  // relative difference of numbers that 
 using Entries = std::vector<std::pair<int, double>>;  // index and value
 constexpr std::size_t max_entries = 3;                // of a row that states a bound, and of its column
 
-/// The entries of a row, or the first ones where it has more than three.
-Entries few_entries(const LcpMatrix& M, int row) {
-    Entries entries;
-    const auto [columns, values] = row_of(M, row);
-    for (std::size_t e = 0; e < std::min(columns.size(), max_entries + 1); ++e)
-        entries.emplace_back(columns[e], values[e]);
-    return entries;
-}
-
 /// Whether rows i and j have the same pattern and opposite entries, apart from the column `ignored`.
 bool are_opposite_rows(const LcpMatrix& M, int i, int j, int ignored) {
     const LcpRow a = row_of(M, i), b = row_of(M, j);
     if (!std::ranges::equal(a.columns, b.columns)) return false;
     double scale = 0, largest_sum = 0;
-    for (std::size_t e = 0; e < a.size(); ++e) {
-        if (a.columns[e] == ignored) continue;
-        scale = std::max(scale, std::abs(a.values[e]));
-        largest_sum = std::max(largest_sum, std::abs(a.values[e] + b.values[e]));
-    }
+    const auto compare = [&](std::ptrdiff_t first, std::ptrdiff_t end) {
+        if (first >= end) return;
+        const RowValues in_a(a.values.data() + first, end - first), in_b(b.values.data() + first, end - first);
+        scale = std::max(scale, in_a.abs().maxCoeff());
+        largest_sum = std::max(largest_sum, (in_a + in_b).abs().maxCoeff());
+    };
+    const auto place = std::ranges::lower_bound(a.columns, ignored) - a.columns.begin(), size = std::ssize(a.columns);
+    compare(0, place);
+    compare(place < size && a.columns[place] == ignored ? place + 1 : place, size);
     return largest_sum <= equal_numbers * scale;
 }
 
@@ -71,24 +67,27 @@ private:
 
     struct Candidate {
         int k;  // may state a bound: has no diagonal entry, and at most three others
-        Entries row, column;
+        Entries row = {}, column = {};
     };
 
     void find_candidates() {
         std::vector<int> place(q_.size(), -1);
         for (int k = 0; k < q_.size(); ++k) {
-            Entries row = few_entries(M_, k);
-            if (row.empty() || row.size() > max_entries || q_[k] < 0) continue;
-            if (std::ranges::any_of(row, [k](const auto& entry) { return entry.first == k; })) continue;
+            const auto [columns, values] = row_of(M_, k);
+            if (columns.empty() || columns.size() > max_entries || q_[k] < 0) continue;
+            if (std::ranges::find(columns, k) != columns.end()) continue;
             place[k] = static_cast<int>(candidates_.size());
-            candidates_.push_back({k, std::move(row), {}});
+            Candidate& candidate = candidates_.emplace_back(Candidate{.k = k});
+            for (std::size_t e = 0; e < columns.size(); ++e) candidate.row.emplace_back(columns[e], values[e]);
         }
         if (candidates_.empty()) return;
+        const ColumnSet of_candidates(static_cast<int>(q_.size()), [&](int k) { return place[k] >= 0; });
         for (int i = 0; i < q_.size(); ++i) {
-            const auto [columns, values] = row_of(M_, i);
-            for (std::size_t e = 0; e < columns.size(); ++e)
-                if (const int at = place[columns[e]]; at >= 0 && candidates_[at].column.size() <= max_entries)
-                    candidates_[at].column.emplace_back(i, values[e]);
+            const LcpRow row = row_of(M_, i);
+            of_candidates.for_each(row, [&](int e) {
+                if (Entries& column = candidates_[place[row.columns[e]]].column; column.size() <= max_entries)
+                    column.emplace_back(i, row.values[e]);
+            });
         }
     }
 
@@ -139,29 +138,40 @@ private:
 
     bool is_pair(int i) const { return role_[i] == first && unknown_of_[i].two_sided; }
 
-    /// Undoes pairs whose columns i and j are not opposite, apart from the row of their bound.
+    /// Undoes pairs whose columns i and j are not opposite, apart from the row of their bound. Rows j say what rows i
+    /// say.
     void undo_pairs_with_other_columns() {
         const auto n = q_.size();
         std::vector<int> pair_of(n, -1);  // of a column: i of its pair
         for (int i = 0; i < n; ++i)
             if (is_pair(i)) pair_of[i] = pair_of[unknown_of_[i].opposite] = i;
+        const ColumnSet of_pairs(static_cast<int>(n), [&](int c) { return pair_of[c] >= 0; });
         // The entry in the column of a pair that comes first in a row waits for that in the other one.
         Eigen::VectorXd scale = Eigen::VectorXd::Zero(n), largest_sum = scale, waiting = scale;
         for (int r = 0; r < n; ++r) {
-            const auto [columns, values] = row_of(M_, r);
+            if (role_[r] == second) continue;
+            const LcpRow row = row_of(M_, r);
+            const auto [columns, values] = row;
+            const auto size = static_cast<int>(row.size());
             const auto settle = [&](int i, double sum) {
                 if (unknown_of_[i].slack != r) largest_sum[i] = std::max(largest_sum[i], std::abs(sum));
                 waiting[i] = 0;
             };
             int n_waiting = 0;
-            for (std::size_t e = 0; e < columns.size(); ++e) {
+            for (int e = of_pairs.first(row, 0); e < size; e = of_pairs.first(row, e + 1)) {
                 const int i = pair_of[columns[e]];
-                if (i < 0 || values[e] == 0) continue;
+                if (role_[r] != slack && e + 1 < size && pair_of[columns[e + 1]] == i) {  // most are neighbours
+                    const double a = values[e++], b = values[e];
+                    scale[i] = std::max(scale[i], std::max(std::abs(a), std::abs(b)));
+                    largest_sum[i] = std::max(largest_sum[i], std::abs(a + b));
+                    continue;
+                }
+                if (values[e] == 0) continue;
                 if (unknown_of_[i].slack != r) scale[i] = std::max(scale[i], std::abs(values[e]));
                 if (waiting[i] != 0) settle(i, waiting[i] + values[e]), --n_waiting;
                 else waiting[i] = values[e], ++n_waiting;
             }
-            for (std::size_t e = 0; e < columns.size() && n_waiting > 0; ++e)  // the other entry is 0
+            for (int e = 0; e < size && n_waiting > 0; ++e)  // the other entry is 0
                 if (const int i = pair_of[columns[e]]; i >= 0 && waiting[i] != 0) settle(i, waiting[i]), --n_waiting;
         }
         for (int i = 0; i < n; ++i)
@@ -222,7 +232,7 @@ BoxLcp without_presolve(const LcpProblem& problem) { return box_form(problem, fa
 bool BoxLcp::has_positive_diagonal() const { return size() == 0 || Eigen::VectorXd(M.diagonal()).minCoeff() > 0; }
 
 Eigen::VectorXd BoxLcp::value(const Eigen::VectorXd& x) const {
-    Eigen::VectorXd F = M * x + q;
+    Eigen::VectorXd F = product(M, x) + q;
     for (int i = 0; i < size(); ++i)
         if (unknowns[i].feeds >= 0) F[unknowns[i].feeds] += unknowns[i].feed_factor * std::abs(F[i]);
     return F;
@@ -237,9 +247,9 @@ Eigen::VectorXd BoxLcp::natural_map(const Eigen::VectorXd& x, const Eigen::Vecto
     return map;
 }
 
-double BoxLcp::residual(const Eigen::VectorXd& x) const {
+double BoxLcp::residual(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const {
     if (size() == 0) return 0;
-    return x.allFinite() ? natural_map(x, value(x)).cwiseAbs().maxCoeff() : infinity;
+    return x.allFinite() ? natural_map(x, F).cwiseAbs().maxCoeff() : infinity;
 }
 
 Eigen::VectorXd BoxLcp::box_start(const Eigen::VectorXd& z) const {
@@ -250,8 +260,7 @@ Eigen::VectorXd BoxLcp::box_start(const Eigen::VectorXd& z) const {
     return scaling.scaled_z(x);
 }
 
-Eigen::VectorXd BoxLcp::lcp_point(const Eigen::VectorXd& x) const {
-    const Eigen::VectorXd F = value(x);
+Eigen::VectorXd BoxLcp::lcp_point(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const {
     Eigen::VectorXd z = Eigen::VectorXd::Zero(n_original);
     for (int i = 0; i < size(); ++i) {
         const BoxUnknown& u = unknowns[i];

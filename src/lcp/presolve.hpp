@@ -49,13 +49,15 @@ struct BoxLcp {
     Eigen::VectorXd natural_map(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const;
 
     /// The largest entry of the natural map; infinite where x is not finite.
-    double residual(const Eigen::VectorXd& x) const;
+    double residual(const Eigen::VectorXd& x) const { return residual(x, value(x)); }
+    double residual(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const;
 
     /// x of a solution z of the LCP; zero where z has another size (no warm start).
     Eigen::VectorXd box_start(const Eigen::VectorXd& z) const;
 
     /// z >= 0 of the LCP, for any x.
-    Eigen::VectorXd lcp_point(const Eigen::VectorXd& x) const;
+    Eigen::VectorXd lcp_point(const Eigen::VectorXd& x) const { return lcp_point(x, value(x)); }
+    Eigen::VectorXd lcp_point(const Eigen::VectorXd& x, const Eigen::VectorXd& F) const;
 };
 
 BoxLcp presolve(const LcpProblem& problem);
@@ -66,10 +68,25 @@ BoxLcp without_presolve(const LcpProblem& problem);
 // Methods on the box form, of which the solvers of solvers.hpp are made. Each takes x as the starting point and leaves
 // the last iterate in it, for every status; `count` is increased by the sweeps or linear solves.
 
-/// n projected Gauss-Seidel sweeps, for a positive diagonal: one unknown after the other moves to the zero of its row
-/// within its bounds. Returns the largest |change of x| of the last sweep, in units of the diagonal. In
-/// gauss_seidel.cpp.
-double sweep(const BoxLcp& box, Eigen::VectorXd& x, int n_sweeps);
+/// Projected Gauss-Seidel sweeps, for a positive diagonal: one unknown after the other moves to the zero of its row
+/// within its bounds. The matrix of the box form may not change while they are used. In gauss_seidel.cpp.
+class Sweeps {
+public:
+    explicit Sweeps(const BoxLcp& box);
+
+    /// Returns the largest |change of x| of the last sweep, in units of the diagonal.
+    double run(Eigen::VectorXd& x, int n_sweeps = 1) const {
+        double largest = 0;
+        for (int count = 0; count < n_sweeps; ++count) largest = run_once(x);
+        return largest;
+    }
+
+private:
+    double run_once(Eigen::VectorXd& x) const;
+
+    const BoxLcp& box_;
+    Eigen::VectorXd diagonal_, coupling_;  // coupling: of the row of an unknown to the unknown that it feeds
+};
 
 inline constexpr int max_newton_steps = 60;  // on the box form; more of them hardly ever end at a solution
 

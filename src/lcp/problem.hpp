@@ -35,6 +35,9 @@ struct LcpProblem {
 /// A dense matrix is stored without its zeros.
 inline LcpProblem lcp_problem(const Eigen::MatrixXd& M, const Eigen::VectorXd& q) { return {M.sparseView(0, 0), q}; }
 
+/// M x. Every row is summed in the order of its entries.
+Eigen::VectorXd product(const LcpMatrix& M, const Eigen::VectorXd& x);
+
 enum class LcpStatus {
     solved,  // the criterion of the solver holds; scaled_residual (scaling.hpp) is the independent measure
     ray,     // the pivots ended on a ray, which leads to no solution; of the default solver: a proof that there is none
@@ -66,7 +69,7 @@ struct LcpSolution {
 };
 
 inline LcpSolution lcp_solution(const LcpProblem& problem, LcpStatus status, const Eigen::VectorXd& z, int iterations) {
-    return {.status = status, .z = z, .w = problem.M * z + problem.q, .iterations = iterations};
+    return {.status = status, .z = z, .w = product(problem.M, z) + problem.q, .iterations = iterations};
 }
 
 }  // namespace knap

@@ -44,6 +44,7 @@ LcpStatus solve_box_by_proximal_points(const BoxLcp& box, double tolerance, Eige
     }
     if (std::ranges::none_of(box.unknowns, &BoxUnknown::is_capped) || !convex.has_positive_diagonal())
         return LcpStatus::stalled;
+    const Sweeps sweeps(convex);
     const auto newton = [&](const BoxLcp& problem, double until) {  // keeps only solutions
         Eigen::VectorXd exact = x;
         if (solve_box_by_newton(problem, until, max_newton_steps, exact, count) != LcpStatus::solved) return false;
@@ -52,7 +53,7 @@ LcpStatus solve_box_by_proximal_points(const BoxLcp& box, double tolerance, Eige
     };
     for (int round = 0; round < max_rounds; ++round) {
         convex.q = box.q - D.cwiseProduct(x);
-        sweep(convex, x, sweeps_per_round);
+        sweeps.run(x, sweeps_per_round);
         count += sweeps_per_round;
         newton(convex, max_residual);  // a round whose problem is not solved leads hardly nearer
         if (!x.allFinite()) return LcpStatus::stalled;

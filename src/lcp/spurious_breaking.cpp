@@ -43,7 +43,7 @@ SpuriousBreaking spurious_breaking(const LcpProblem& problem, const LcpScaling& 
     // all numbers are those of the equilibrated problem, whose factors are powers of two
     const auto entry = [&](int i, int j) { return problem.M.coeff(i, j) * scaling.factor[i] * scaling.factor[j]; };
     const auto value = [&](const Eigen::VectorXd& at) -> Eigen::VectorXd {
-        return scaling.scaled_w(problem.M * scaling.original_z(at) + problem.q);
+        return scaling.scaled_w(product(problem.M, scaling.original_z(at)) + problem.q);
     };
     const Eigen::VectorXd given = scaling.scaled_z(z), q = scaling.scaled_w(problem.q);
     Eigen::VectorXd lowered = given;

@@ -157,7 +157,7 @@ TEST_CASE("Newton on the box form converges after a few sweeps") {
         const LcpProblem problem = stored(name);
         const BoxLcp box = presolve(problem);
         Eigen::VectorXd x = Eigen::VectorXd::Zero(box.size());
-        sweep(box, x, 5);
+        Sweeps(box).run(x, 5);
         int n_solves = 0;
         CHECK(solve_box_by_newton(box, 1e-12, 60, x, n_solves) == LcpStatus::solved);
         CHECK(n_solves < 20);
@@ -222,8 +222,8 @@ TEST_CASE("a warm start is nearer to the solution along a run") {
         if (step > 0) {
             const BoxLcp box = presolve(problem);
             Eigen::VectorXd from_nothing = Eigen::VectorXd::Zero(box.size()), from_before = box.box_start(start);
-            cold += sweep(box, from_nothing, 10);
-            warm += sweep(box, from_before, 10);
+            cold += Sweeps(box).run(from_nothing, 10);
+            warm += Sweeps(box).run(from_before, 10);
         }
         body.advance(solution.z);
     }

@@ -23,8 +23,9 @@ using namespace knap;
 
 namespace {
 
-constexpr double nearly = 1e-8;    // residual that counts as solved: their tolerance is in the units of the problem
-constexpr double min_time = 0.02;  // [s] of the repetitions of one measurement; the shortest repetition counts
+constexpr double nearly = 1e-8;     // residual that counts as solved: their tolerance is in the units of the problem
+constexpr double min_time = 0.02;   // [s] of the repetitions of one measurement; the shortest repetition counts
+constexpr int min_repetitions = 3;  // of long ones too: both programs get the best of several
 constexpr int largest_for_lemke = 3500;
 
 using Solve = std::function<peer::Outcome()>;
@@ -48,7 +49,8 @@ Measured measured(const LcpProblem& problem, const std::optional<CohesiveLayout>
     if (!(residual <= max_residual)) result.verdict = residual <= nearly ? '~' : 'x';
     if (result.counts() && layout && spurious_breaking(problem, outcome.z, *layout).n_spurious > 0)
         result.verdict = 'f';
-    for (double total = outcome.seconds; total < min_time; total += outcome.seconds) {
+    double total = outcome.seconds;
+    for (int count = 1; total < min_time || count < min_repetitions; ++count, total += outcome.seconds) {
         outcome = solve();
         result.seconds = std::min(result.seconds, outcome.seconds);
     }
