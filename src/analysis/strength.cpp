@@ -45,11 +45,14 @@ std::size_t first_with(const Column& n_breaks, double n) {
 
 constexpr double fallen = 0.95;  // [-] of the largest stress: the specimen has failed
 
-/// Between the line before the peak and the first one with a stress that has fallen interfaces broke.
+/// Interfaces broke since the line before the peak, until the stress that has fallen rises again.
 bool failed(const Column& stress, const Column& n_breaks, std::size_t peak) {
-    const auto after = std::find_if(stress.begin() + static_cast<std::ptrdiff_t>(peak), stress.end(),
-                                    [&](double s) { return s < fallen * stress[peak]; });
-    return after != stress.end() && n_breaks[after - stress.begin()] > (peak > 0 ? n_breaks[peak - 1] : 0);
+    const double before = peak > 0 ? n_breaks[peak - 1] : 0, limit = fallen * stress[peak];
+    std::size_t i = peak;
+    while (i < stress.size() && stress[i] >= limit) ++i;
+    for (; i < stress.size() && stress[i] < limit; ++i)
+        if (n_breaks[i] > before) return true;
+    return false;
 }
 
 double dilatancy(const Column& stress, const Column& volumetric, std::size_t peak, std::size_t first_break) {

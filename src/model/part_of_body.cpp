@@ -106,7 +106,7 @@ State state_of_part(const Model& model, const State& state, const PartOfBody& pa
         for (Index p = 0; p < own.n_points(); ++p) of_part.retired.push_back(state.retired[in_whole(p)]);
     for (const FaceContactState& at : state.face_contacts)
         if (const Index vertex = part.in_part(at.vertex), edge = part.in_part(at.edge); vertex >= 0 && edge >= 0)
-            of_part.face_contacts.push_back({vertex, edge, part.in_part(at.entering), at.contact, at.tangential, at.lasting});
+            of_part.face_contacts.push_back({vertex, edge, part.in_part(at.entering), at.contact, at.tangential});
     for (const ObstacleContactState& at : state.obstacle_contacts)
         if (const Index corner = part.in_part(at.corner); corner >= 0)
             of_part.obstacle_contacts.push_back({corner, at.second_corner < 0 ? -1 : part.in_part(at.second_corner),

@@ -49,11 +49,10 @@ struct FaceContactState {
     Index vertex, edge;          // corners: the start of the boundary edge that leaves the vertex, that of the edge
     Index entering;              // the end of the boundary edge that enters the vertex
     double contact, tangential;  // [N s] its force along the normal and along the edge, on the vertex, times the step
-    double lasting = 0;          // [N] along the normal, of explicit steps a mean over about the last 50
 
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(vertex, edge, entering, contact, tangential, lasting);
+        archive(vertex, edge, entering, contact, tangential);
     }
 };
 

@@ -273,7 +273,7 @@ void Islands::take_contacts(double h, double closing, State& end) const {
     const double scale = h / closing;
     for (const FaceContactState& at : now_.face_contacts)
         end.face_contacts.push_back({part_.in_whole(at.vertex), part_.in_whole(at.edge), part_.in_whole(at.entering),
-                                     scale * at.contact, scale * at.tangential, at.lasting});
+                                     scale * at.contact, scale * at.tangential});
     std::ranges::sort(end.face_contacts, {}, [](const FaceContactState& at) { return std::pair(at.vertex, at.edge); });
     for (const ObstacleContactState& at : now_.obstacle_contacts)
         end.obstacle_contacts.push_back({part_.in_whole(at.corner),

@@ -124,15 +124,16 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
 /// A vertex has no area, but a face has: its share of the whole is what the contacts on it bear, and half of what the
 /// vertices at its ends bear.
 void FaceContacts::find_pressures(const State& begin) {
-    std::map<Index, double> force;  // [N] per face
+    std::map<Index, double> impulse;  // [N s] per face
     for (const FaceContactState& at : begin.face_contacts) {
-        force[at.edge] += at.lasting;
-        force[at.vertex] += 0.5 * at.lasting;
-        if (!model_.ground_at(at.entering)) force[previous_in_triangle(at.entering)] += 0.5 * at.lasting;
+        impulse[at.edge] += at.contact;
+        impulse[at.vertex] += 0.5 * at.contact;
+        if (!model_.ground_at(at.entering)) impulse[previous_in_triangle(at.entering)] += 0.5 * at.contact;
     }
+    const double time = begin.last_step > 0 ? begin.last_step : 1;  // a search of equilibrium has forces
     for (FaceContact& contact : contacts_)
-        if (const auto at = force.find(contact.face); at != force.end())
-            contact.pressure = at->second / (contact.face_length * model_.thickness);
+        if (const auto at = impulse.find(contact.face); at != impulse.end())
+            contact.pressure = at->second / (time * contact.face_length * model_.thickness);
 }
 
 void FaceContacts::find_deformable(const State& begin, double h) {
@@ -332,7 +333,6 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                      .depth = depth,
                      .contact = before ? before->contact : 0,
                      .tangential = before ? before->tangential : 0,
-                     .lasting = before ? before->lasting : 0,
                      .face = own_length < length ? own_face : edge.start,
                      .face_length = std::min(own_length, length)},
          .vertex = pair.vertex,

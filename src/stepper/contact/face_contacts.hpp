@@ -28,11 +28,10 @@ struct FaceContact {
     double depth;                 // [m] of the overlap: -g, or less at a convex corner
     double contact, tangential;   // [N s] impulses of the step before (0 if new), duplicates merged: the start of the
                                   // iteration
-    double lasting = 0;           // [N] FaceContactState::lasting likewise
 
     Index face = -1;         // the shorter of the edge and the edge of the vertex that faces it: its start corner
     double face_length = 0;  // [m]
-    double pressure = 0;     // [Pa] mean on this face of what lasts, where a friction depends on it
+    double pressure = 0;     // [Pa] mean on this face in the last step, where a friction depends on it
 
     /// Of values at the corners: that of the vertex, the mean of both, minus that of the edge.
     Vec2 jump(const auto& of_corner) const {

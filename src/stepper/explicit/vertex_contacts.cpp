@@ -11,11 +11,10 @@
 namespace knap {
 namespace {
 
-constexpr double max_speed_ratio = 1e3;   // [-] of the speeds of a cluster: no impulse of a contact causes it
-constexpr double steps_of_pressure = 50;  // in which the pressure of a face follows its impulses
-constexpr double max_injected = 1e-3;     // [-] of energy and losses of a cluster, by its residual
-constexpr int careful_round = 3;          // of clusters with obstacles
-constexpr int patience = 4;               // rounds without half the residual: a wedge has no solution
+constexpr double max_speed_ratio = 1e3;  // [-] of the speeds of a cluster: no impulse of a contact causes it
+constexpr double max_injected = 1e-3;    // [-] of energy and losses of a cluster, by its residual
+constexpr int careful_round = 3;         // of clusters with obstacles
+constexpr int patience = 4;              // rounds without half the residual: a wedge has no solution
 
 /// A face of the body, which is deformable: what R_N and R_T are for it, Rebounds has.
 ContactLaw of_deformable(const ContactLaw& law) {
@@ -366,9 +365,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
         if (i >= n_faces()) continue;
         const FaceContact& c = contacts_.all()[i];
         report.add_depth((c.depth - step.drift_time * after.x()) / c.length, row.place);
-        const double force = P.x() / step.kick_time;
-        step.end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], lasting * P.x(), lasting * P.y(),
-                                          c.lasting > 0 ? c.lasting + (force - c.lasting) / steps_of_pressure : force});
+        step.end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], lasting * P.x(), lasting * P.y()});
     }
     for (const Cluster& cluster : clusters_) report.add_contact_residual(cluster.residual, rows_[cluster.worst].place);
     report.face_contacts = n_faces();

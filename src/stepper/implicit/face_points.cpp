@@ -137,8 +137,7 @@ void FacePoints::store(std::span<const ActivePoint> points, const StepContext& s
                                      .edge = contact.edge[0],
                                      .entering = contact.vertex[0],
                                      .contact = q.contact / step.kick() * time,
-                                     .tangential = q.tangential / step.kick() * time,
-                                     .lasting = q.contact / step.kick()});
+                                     .tangential = q.tangential / step.kick() * time});
     }
     report.face_contacts = std::ssize(points);
 }

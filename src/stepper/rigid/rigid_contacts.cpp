@@ -459,7 +459,7 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
         const FaceContact& c = faces_.all()[i];
         if (is_deformable(c, bodies)) continue;
         const Vec2 P = row_of_face_[i] < 0 ? Vec2(Vec2::Zero()) : Vec2(lasting * rows_[row_of_face_[i]].impulse);
-        end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], P.x(), P.y(), 0});
+        end.face_contacts.push_back({c.vertex[1], c.edge[0], c.vertex[0], P.x(), P.y()});
     }
     report.face_contacts = static_cast<std::int64_t>(row_of_face_.size());
 }
