@@ -335,6 +335,13 @@ class Quick(unittest.TestCase):
             self.assertGreater(high[0] - low[0], 4 * np.ptp(exact))
 
     @needs_libraries
+    def test_what_is_known_already_has_its_closed_form(self):
+        """2.5 +- 0.2 J/m2 by `normal` and 3 +- 0.15 J/m2 by a measurement are 2.82 +- 0.12 J/m2."""
+        text = bar.replace('method = "least squares"\n', "").replace("= 20", "= 8").replace("1 %", "5 %").replace('scale = "log"', 'normal = ["2.5 J/m2", "0.2 J/m2"]')
+        fit = of_file("normal", text).run()
+        np.testing.assert_allclose(np.ravel(fit.posterior.interval()), 2.82 + 0.12 * 1.645 * np.array([-1, 1]), atol=0.02)
+
+    @needs_libraries
     def test_an_emulator_that_knows_less_than_the_data_says_so(self):
         fit = study("rough", {"x": 2}, lambda a, b, s: Answer(x=a + 0.3 * np.sin(40 * a)), scatter=0.01, budget=9, shrink=0, seed=2)
         report.write(fit.run())

@@ -89,7 +89,7 @@ class Runs:
                  if pathlib.Path(t.scenario).is_file()}
         made = [self.own_seeds, [[p.name, p.keys, p.unit] for p in parameters],
                 [[t.name, texts.get(t.scenario, t.scenario), t.set, t.seeds, t.first_seed] for t in tests]]
-        data = [[[p.low, p.high, p.log, p.normal and p.normal.tolist()] for p in parameters],
+        data = [[[p.low, p.high, p.log, None if p.normal is None else p.normal.tolist()] for p in parameters],
                 [[m.title, m.n, m.scatter, m.noise, m.freedom, np.ravel(m.values).tolist()] for m in measured],
                 [self.problem.options[key] for key in ("interval", "model_error", "seed")]]
         mark, points = self.directory / "problem.json", self.directory / "points.csv"
