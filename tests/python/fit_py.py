@@ -151,6 +151,11 @@ class Quick(unittest.TestCase):
                                       ("budget = 20", "budget = 3\nseeds = 4", "budget", "4 runs for each point"),
                                       ('["12 mJ"]', '["0 mJ"]', "scatter", "a part of a measured 0"),
                                       ('"1.5 J/m2"', '"0 J/m2"', "bounds", "`parameter"),
+                                      ('["1.5 J/m2", "4 J/m2"]', '["1.5 MPa", "4 MPa"]', "bounds", "an energy per area"),
+                                      ("[test.bar]", expect.format("5 J/m2", "6 J/m2"), "expect", "which they overlap"),
+                                      ('["12 mJ"]', '["12 mJ"]\nfactors = [1, 1]', "factors", "is of a measurement with `curve`"),
+                                      ("knap_fit = 1", 'knap_fit = 1\nname = "../x"', "name", "a name without /"),
+                                      ("\n[test.bar]", '\n[expect]\nG_c = ["2 J/m2", "3 J/m2"]\n[test.bar]', "[expect]", "[parameter.NAME] has it: two ascending numbers"),
                                       ('scale = "log"', 'normal = ["5 J/m2", "1 J/m2"]', "normal", "a mean between the bounds")):
             file.write_text(text := bar.replace(old, new))
             number = next(k for k, found in enumerate(text.splitlines(), 1) if found.startswith(line))
@@ -188,6 +193,9 @@ class Quick(unittest.TestCase):
         self.assertEqual([[name for name in problem.set_of(test, [0, 0.5]) if "G_c" in name] for test in problem.tests], [["interface.left-right.G_c"]] * 2)
         self.assertEqual([problem.set_of(test, [0, 1])["interface.left-right.G_c"] for test in problem.tests], ["1.5 J/m2", "4 J/m2"])
         self.assertEqual(problem.keys_of(*problem.tests), {"bar:interface.left-right.G_c": 0, "other:interface.left-right.G_c": 1})  # no column is lost
+        file.write_text(bar + bar[bar.index("[test.bar"):].replace("test.bar", "test.beam").replace("bar_pulled_apart", "uniaxial_compression").replace("2 mm", "20 mm"))
+        with self.assertRaisesRegex(files.Mistakes, r"lower bounds of \[test.beam\](.|\n)*\"TEST:key\" for each test that has the key\n1 error"):
+            files.read(file)
         file.write_text(text.replace("other:interface", "interface"))
         with self.assertRaisesRegex(files.Mistakes, "which the parameter own has, too"):
             files.read(file, check_scenarios=False)
@@ -308,6 +316,8 @@ class Quick(unittest.TestCase):
             fit = study("slopes", {"x": measured}, model, scatter=0.02 * measured, budget=40)
             said = []
             place, residual = inference.least_squares(fit.problem, fit.runs, said.append)
+            off = np.abs(fit.runs.of(fit.problem.fitted[0])[:, 0, 0] - measured) / (0.02 * measured)
+            self.assertAlmostEqual(np.abs(residual[0]), np.nanmin(off), delta=1e-9)  # the best of all runs
             self.assertLess(np.abs(residual).max(), 1)
             self.assertLessEqual(fit.runs.n_runs, 25)
             self.assertEqual(any("t: x: no value at" in text and ": a gate" in text for text in said), model is failing)
@@ -333,6 +343,13 @@ class Quick(unittest.TestCase):
             self.assertEqual(fit.determined(), ["yes"])
             (_, low, _, high), = fit.predictions()
             self.assertGreater(high[0] - low[0], 4 * np.ptp(exact))
+
+    @needs_libraries
+    def test_what_is_known_already_has_its_closed_form(self):
+        """2.5 +- 0.2 J/m2 by `normal` and 3 +- 0.15 J/m2 by a measurement are 2.82 +- 0.12 J/m2."""
+        text = bar.replace('method = "least squares"\n', "").replace("= 20", "= 8").replace("1 %", "5 %").replace('scale = "log"', 'normal = ["2.5 J/m2", "0.2 J/m2"]')
+        fit = of_file("normal", text).run()
+        np.testing.assert_allclose(np.ravel(fit.posterior.interval()), 2.82 + 0.12 * 1.645 * np.array([-1, 1]), atol=0.02)
 
     @needs_libraries
     def test_an_emulator_that_knows_less_than_the_data_says_so(self):
@@ -536,7 +553,7 @@ class Quick(unittest.TestCase):
         found = knap.read_csv(directory / "bar" / "parameters.csv")["best"][0]
         self.assertAlmostEqual(found, 3.0, delta=0.03)  # dissipated = G_c times the broken area, 12 mJ at 3 J/m2
         page = (directory / "bar" / "report.html").read_text()
-        for words in ("<td>G_c</td>", "Measured and model", 'values = [&quot;12 mJ&quot;]', "knap new --from bar_pulled_apart"):
+        for words in ("<td>G_c</td>", "Measured and model", 'values = [&quot;12 mJ&quot;]', "knap new NAME --from bar_pulled_apart"):
             self.assertIn(words, page)
         printed = subprocess.run([*command, "--print-commands"], capture_output=True, text=True)  # no run is left: what is found is a message
         self.assertEqual((printed.stdout, printed.returncode), ("", 0), printed.stderr)
@@ -640,10 +657,16 @@ class Quick(unittest.TestCase):
                                                     ("sum", lambda a, b: a + b, 5, "sum a + 1 b"), ("difference", lambda a, b: a - 0.5 * b, 1, "difference a - 0.5 b")):
                 fit = inferred(study("together", {"x": measured}, lambda a, b, s: Answer(x=function(a, b)), log=log, scatter=0.02))
                 text, = fit.combinations()
-                found, = re.findall(r"only the (.+) is determined, not each of a, b", text)
+                found, = re.findall(r"only the (.+) = .* is determined, not each of a, b", text)
                 self.assertEqual(found.split()[0], kind, (log, text))
                 power, exact = ([*map(float, re.findall(r"[0-9.]+", part))] or [1.0] for part in (found, words))
                 self.assertAlmostEqual(power[0], exact[0], delta=0.06 * exact[0], msg=(log, text))
+        fit = inferred(study("together", {"x": 4}, lambda a, b, s: Answer(x=a * b), log=True, scatter=0.1))  # its value is what was measured, +- 1.645 deviations
+        fit.problem.parameters[0].unit, fit.problem.parameters[1].unit = "mm", "J/m2"
+        found = re.findall(r"only the product a b = (\S+) mm J/m2 \(90 %: (\S+) to (\S+)\) is", fit.combinations()[0])[0]
+        np.testing.assert_allclose([float(value) - 4 for value in found], [0, -0.1645, 0.1645], atol=0.02)
+        fit = inferred(study("together", {"x": 1}, lambda a, b, s: Answer(x=1 / a + 1 / b), log=True, scatter=0.01))  # of which a product is the tangent
+        self.assertRegex(fit.combinations()[0], r"only a combination near the product a b = 4\.\d* \(")
 
     @needs_libraries
     def test_two_numbers_do_not_determine_three_parameters(self):
@@ -656,7 +679,7 @@ class Quick(unittest.TestCase):
             self.assertLess(fit.narrowed_to()[0][0], 0.4)  # taken alone it would count as determined
             self.assertGreater(fit.narrowed_to()[1].min(), 0.8)
             self.assertNotIn("yes", fit.determined())
-            self.assertEqual([re.findall("only the (.*) is", text)[0] for text in fit.combinations()], ["product t G", "product t s"])
+            self.assertEqual([re.findall("only the (.*) =", text)[0] for text in fit.combinations()], ["product t G", "product t s"])
 
     @needs_libraries
     def test_only_the_product_is_determined_and_a_further_test_is_named(self):
@@ -768,6 +791,14 @@ class Quick(unittest.TestCase):
         fit = study("failing", {"x": 2}, model, trajectories=2)
         with self.assertRaisesRegex(Stop, r"too few values: 0 of 16 points have one \(bounds, trajectories\); the first run without one: gate law_lag violated\n = allowed: bounds"):
             sensitivity.write(fit.problem, fit.runs)
+
+    @needs_libraries
+    def test_fewer_than_one_in_ten_first_points_with_a_value_end_the_fit(self):
+        fit = study("few_first", {"x": 2}, lambda a, b, s: Answer(**({"x": a} if a > 3.8 else {})), budget=200, first=32)
+        with self.assertRaisesRegex(Stop, "only 2 of 32 points have a value; the first run without one: the run ended before it had one.*: a later time.end\n"):
+            fit.run()
+        self.assertEqual(fit.runs.n_runs, 32)
+        self.assertRegex(fit.runs.counted(), "^32 runs, 0 failed, 30 without a value .*time.end")
 
     @needs_libraries
     def test_sensitivity_of_few_values_says_so(self):

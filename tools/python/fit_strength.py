@@ -36,4 +36,4 @@ except Stop as stop:
 report.write_least_squares(problem, runs, place, residual)
 if np.abs(residual).max() > 1:
     raise SystemExit(f"no sigma_c between {sigma_c.low:g} and {sigma_c.high:g} Pa meets {options.measured:g} Pa within {options.tolerance:g}: it jumps "
-                     "there, or widen --between")
+                     "there, or widen --between; where runs have no value, --set time.end=...: a later one")

@@ -154,6 +154,11 @@ class Fit:
             self.runs.add(self.first_points(n)[len(self.runs.values):])
             self.problem.check_first(self.runs)
             need("knap-fit", "scipy.stats", "sklearn", "emcee")
+        for m in self.problem.fitted:  # a waste of the rest of the budget, or too few for an emulator at its end
+            works = np.isfinite(self.runs.of(m)[:first]).all(axis=2).any(axis=1)
+            if works.mean() < 0.1 or works.mean() * most < len(self.problem.parameters) + 2:
+                raise Stop(f"{m.title}: only {works.sum()} of {len(works)} points have a value; "
+                           f"{self.runs.remedy(m.test)}")
         while not self.stopped:
             n = min(batch, most - len(self.runs.values))
             if not self.emulate(last=n < 1):
@@ -197,7 +202,7 @@ class Fit:
                 level = None if m.values is None else m.level
                 self.emulators[m.title] = Emulator(self.runs.points, self.runs.of(m), level)
             except TooFew as error:
-                if m.use == "fit" and (last or not np.isfinite(self.runs.of(m)).all(axis=2).any()):
+                if m.use == "fit" and last:
                     raise Stop(f"{m.title}: {error}; {self.runs.remedy(m.test)}") from None
                 if m.use == "fit":
                     return False
@@ -301,32 +306,59 @@ class Fit:
         at most 1.5 times as wide."""
         free, found, named = np.flatnonzero(np.max(self.narrowed_to() / np.array([[0.4], [0.5]]), axis=0) > 1), [], []
         for is_log, scale in ((False, np.asarray), (True, np.log)):
-            some = [(self.problem.parameters[i], self.posterior.at[:, i]) for i in free]
-            some = [(p, u) for p, u in some if p.low > 0 or not is_log]
-            if len(some) > 1 and (is_log or len({p.unit for p, _ in some}) == 1):  # values of two units have no sum
-                deviation = np.array([p.deviation(scale) for p, _ in some])
-                covariance = np.cov([scale(p.value(u)) / d for (p, u), d in zip(some, deviation)])
-                found.append((covariance, deviation, [p.name for p, _ in some], is_log))
+            some = [(i, self.problem.parameters[i], self.posterior.at[:, i]) for i in free]
+            some = [(i, p, u) for i, p, u in some if p.low > 0 or not is_log]
+            if len(some) > 1 and (is_log or len({p.unit for _, p, _ in some}) == 1):  # values of two units have no sum
+                deviation = np.array([p.deviation(scale) for _, p, _ in some])
+                covariance = np.cov([scale(p.value(u)) / d for (_, p, u), d in zip(some, deviation)])
+                found.append((covariance, deviation, [i for i, _, _ in some], is_log))
         if not found:
             return []
-        covariance, deviation, names, is_log = min(found, key=lambda row: np.linalg.eigvalsh(row[0])[0])
+        covariance, deviation, of, is_log = min(found, key=lambda row: np.linalg.eigvalsh(row[0])[0])
 
         def width(powers):
             w = powers * deviation
             return np.sqrt(w @ covariance @ w / (w @ w))
 
-        texts, indices = [], range(len(names))
+        texts, indices = [], range(len(of))
         for some in (list(some) for size in indices for some in itertools.combinations(indices, size + 1) if size):
             vector = np.linalg.eigh(covariance[np.ix_(some, some)])[1][:, 0]
-            chosen = np.zeros(len(names))
+            chosen = np.zeros(len(of))
             chosen[some] = vector / deviation[some] / (vector[0] / deviation[some[0]] or 1)
             whole = [np.round(n * chosen) for n in (1, 2, 3)] if is_log else []
             chosen = next((row for row in whole if row[some].all() and width(row) < 1.5 * width(chosen)), chosen)
-            is_new = len(names) - 1 > len(named) < np.linalg.matrix_rank([*named, chosen])  # as many tell each of them
+            is_new = len(of) - 1 > len(named) < np.linalg.matrix_rank([*named, chosen])  # as many tell each of them
             if np.abs(vector).min() > 0.1 and width(chosen) < 0.4 and is_new:
                 named.append(chosen)
-                texts.append(_combined([(names[i], chosen[i]) for i in some], is_log))
+                texts.append(self._combined([of[i] for i in some], chosen[some], is_log))
         return texts
+
+    def _combined(self, of, powers, is_log):
+        """A sentence on what is determined of the parameters `of` these numbers: a product of `powers`, or a sum with
+        these coefficients, of which the first is positive; with its value and interval. Where the data determine
+        another function, of which this is the tangent, it bends along the draws: a parabola leaves less than half of
+        the variance that a plane leaves."""
+        some, powers = [self.problem.parameters[i] for i in of], [float(f"{c:.{3 - is_log}g}") for c in powers]
+        x = np.array([p.value(self.posterior.u[:, i]) for i, p in zip(of, some)])
+        if is_log:
+            units = {p.unit: sum(c for other, c in zip(some, powers) if other.unit == p.unit) for p in some if p.unit}
+            unit = " ".join(name if c == 1 else f"({name})^{c:g}" for name, c in units.items() if c)
+            text = "".join("/ "[c > 0] + p.name + f"^{abs(c):g}" * (abs(c) != 1) for p, c in zip(some, powers)).strip()
+            x = np.log(x)
+        else:
+            text, unit = some[0].name, some[0].unit
+            text += "".join(f" {'-' if c < 0 else '+'} {abs(c):g} {p.name}" for p, c in zip(some[1:], powers[1:]))
+        y, z = powers @ x, (x - x.mean(axis=1, keepdims=True))[1:]
+        plane = np.vstack([np.ones(len(y)), *z])
+        bent = np.vstack([plane, *(a * b for a, b in itertools.combinations_with_replacement(z, 2))])
+        of_plane, of_bent = (np.var(y - np.linalg.lstsq(a.T, y, rcond=None)[0] @ a) for a in (plane, bent))
+        what = "a combination near the" if of_bent < 0.5 * of_plane else "the"
+        kind = (("product", "ratio") if is_log else ("sum", "difference"))[int(len(of) == 2 and powers[1] < 0)]
+        y = np.percentile(np.exp(y) if is_log else y, [50, *self.posterior.tails])
+        middle, low, high = (f"{end:.4g}" for end in y)
+        text += f" = {middle} {unit}".rstrip() + f" ({100 * self.problem.options['interval']:g} %: {low} to {high})"
+        return (f"only {what} {kind} {text} is determined, not each of "
+                + ", ".join(p.name for p in some))
 
     def further_tests(self):
         """(what would be measured, part by which the interval of each parameter would shrink, the scatter and the model
@@ -357,26 +389,13 @@ class Fit:
         return found
 
 
-def _combined(members, is_log):
-    """A sentence on what is determined of the (name, power or coefficient) of each of some parameters; the first is
-    positive."""
-    if is_log:
-        powers = [(name, "/" if c < 0 else " ", f"{abs(c):.2g}") for name, c in members]
-        text = "".join(sign + name + f"^{power}" * (power != "1") for name, sign, power in powers).strip()
-    else:
-        text = members[0][0] + "".join(f" {'-' if c < 0 else '+'} {abs(c):.3g} {name}" for name, c in members[1:])
-    kinds = ("product", "ratio") if is_log else ("sum", "difference")
-    return (f"only the {kinds[int(len(members) == 2 and members[1][1] < 0)]} {text} is determined, "
-            f"not each of {', '.join(name for name, _ in members)}")
-
-
 def least_squares(problem, runs, log=lambda text: None):
-    """(place, residuals in standard deviations): bounded least squares from the starts by scipy. Slopes are differences
-    over a tenth of the bounds, so that the roughness of one mesh does not turn their sign; where the search ends far
-    from the data it goes on from the best of all runs, over a fifth, to the other side. A run without a value is a
-    refused step."""
+    """(place, residuals in standard deviations) of the best of all runs: bounded least squares from the starts by
+    scipy. Slopes are differences over a tenth of the bounds, so that the roughness of one mesh does not turn their
+    sign; where the search ends far from the data it goes on from the best of all runs, over a fifth, to the other side.
+    A run without a value is a refused step."""
     start = np.clip([0.5 if p.start is None else float(p.place(p.start)) for p in problem.parameters], 0.01, 0.99)
-    best, fitted = (np.inf, "", start), problem.fitted
+    best, fitted = (np.inf, "", start, None), problem.fitted
 
     def residuals(u):
         nonlocal best
@@ -397,7 +416,7 @@ def least_squares(problem, runs, log=lambda text: None):
         root = float(np.sqrt(found @ found))
         numbers = [f"{m.title} {np.nanmean(of):.6g} {m.unit}, " for m, of in zip(fitted, values) if m.size == 1]
         log(f"{where}: {''.join(numbers)}root of the sum of squares {root:.3g} deviations")
-        best = min(best, (root, where, u), key=lambda one: one[0])
+        best = min(best, (root, where, u, found), key=lambda one: one[0])
         return found
 
     def slopes(u):
@@ -420,4 +439,4 @@ def least_squares(problem, runs, log=lambda text: None):
                 raise
         if 2 * found.cost <= 4 * len(fitted):
             break
-    return found.x, found.fun
+    return best[2:]

@@ -17,6 +17,8 @@ from . import need
 tomllib = need("a FILE", "tomllib")
 keys = tomllib.loads((pathlib.Path(__file__).parent / "keys.toml").read_text(encoding="utf-8"))
 prose = keys.pop("prose")
+heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]",
+         "measured": "[[test.NAME.measured]]"}
 defaults = {name: key["default"] for name, key in keys["fit"].items() if "default" in key}
 
 
@@ -206,8 +208,6 @@ def allowed(key):
 
 def markdown():
     """scenarios/FIT_KEYS.md"""
-    heads = {"top": "At the top", "parameter": "[parameter.NAME]", "test": "[test.NAME]",
-             "measured": "[[test.NAME.measured]]"}
     lines = [prose.rstrip()]
     for kind, rows in keys.items():
         lines += ["", f"## {heads.get(kind, f'[{kind}]')}", ""]
@@ -282,6 +282,8 @@ class _Reader:
                 near = difflib.get_close_matches(name, found.keys() - given.keys(), 1)
                 meant.update(near)
                 hint = "".join(f"; did you mean `{key}`?" for key in near)
+                hint += "".join(f"; {heads.get(other, f'[{other}]')} has it: {allowed(rows[name])}"
+                                for other, rows in keys.items() if not near and name in rows)
                 self.error(f"{path}.{name}", f"is not a key{hint}", ", ".join(found))
             elif (value := _checked(keys[kind][name], given[name])) is not None:
                 found[name] = value
@@ -323,7 +325,7 @@ class _Reader:
         found.keys = found.keys if len(self.found) == n else []
         for key, is_good in (("normal", normal is None or low <= normal[0] <= high and normal[1] > 0),
                              ("start", start is None or low <= start <= high),
-                             ("expect", expect is None or expect[0] < expect[1])):
+                             ("expect", expect is None or max(low, expect[0]) < min(high, expect[1]))):
             if found.keys and table[key] and not (table[key][1] == unit and is_good):
                 self.refuse("parameter", key, path, given)
         return found
@@ -355,6 +357,11 @@ class _Reader:
         if len(kinds) != 1 or table[kinds[0]] is None:
             return
         is_curve, points, own = kinds == ["curve"], None, [""]
+        for key in sorted(given.keys() & ({"values"} if is_curve else {"x", "y", "between", "take", "factors"})):
+            self.error(f"{path}.{key}", f"is of a measurement with `{'number' if is_curve else 'curve'}`",
+                       f"number or curve; this one has `{kinds[0]}`")
+        if 0 in (table["factors"] or []):
+            self.refuse("measured", "factors", path, given)
         names = {key: table[key] for key in "xy"} if is_curve else {"number": f"summary.{table['number']}"}
         units = [self.unit(name or "", f"{path}.{key}") for key, name in names.items()
                  if name or key not in table["given"]]
@@ -450,6 +457,9 @@ def read(file, check_scenarios=True, fit=True):
     tests = [reader.test(name, table) for name, table in top["test"].items()]
     for name in options["numbers"]:
         reader.unit(f"summary.{name}", "sensitivity.numbers")
+    for path, name in (("name", top["name"] or ""), *((f"test.{name}", name) for name in top["test"])):
+        if re.search(r"/|^\.", name):
+            reader.error(path, f"= {name!r} is no name of a directory", "a name without / that does not begin with .")
     problem = Problem(top["name"] or pathlib.Path(file).stem, parameters, tests, options, pathlib.Path(file))
     per_point = sum(test.seeds for test in tests)
     if fit and options["budget"] < per_point * max(options["first"], 1):
@@ -463,14 +473,20 @@ def read(file, check_scenarios=True, fit=True):
             reader.error(f"test.{test.name}", "has no number", "[sensitivity] numbers; measured with `number`")
     if fit and not problem.fitted and not reader.found:
         reader.error("test", "has nothing measured to fit", "[[test.NAME.measured]] with use = \"fit\"")
+    told = {}  # {(path, side, text, whether all tests have the key): names of tests of which the program says it}
     for test in (test for test in tests if check_scenarios and test.scenario):
-        _check_scenario(reader, problem, test)
+        _check_scenario(reader, problem, test, told)
+    for (path, side, text, is_shared), names in told.items():
+        is_of_some = is_shared and len(names) < len(tests)
+        where = f" of [test.{'], [test.'.join(names)}]" * is_of_some
+        cure = '"TEST:key" for each test that has the key' * is_of_some
+        reader.error(path, f"at the {side} bounds{where}: {text}", cure)
     if reader.found:
         raise Mistakes(list(dict.fromkeys(reader.found)))
     return problem
 
 
-def _check_scenario(reader, problem, test):
+def _check_scenario(reader, problem, test, told):
     """What the program says of a scenario with its parameters at both bounds, and of every number and column that it
     would not have. Columns are those of a run of one step."""
     curves, numbers = ([m for m in test.measured if (m.places is None) == is_number] for is_number in (False, True))
@@ -484,12 +500,17 @@ def _check_scenario(reader, problem, test):
     with tempfile.TemporaryDirectory() as folder:
         for side, u in (("lower", 0.0), ("upper", 1.0)):
             said = ask(u, "sweep", "--print-commands", "-o", folder, expect=f"{{ {expect} }}")
+            last = {}
             for text in re.split(r"\n(?=error)", said.stderr.strip().rpartition("\n")[0]) if said.returncode else []:
                 key = (re.search(r"--set ([^=\s]+)=", text) or ("", ""))[1]
                 owner = reader.owners.get((test.name, key))
-                path = f"parameter.{owner}.key" if owner else f"test.{test.name}"
+                is_key = re.search("error.(unknown|missing)", text)  # else its value is wrong
+                path = f"parameter.{owner}.{'key' if is_key else 'bounds'}" if owner else f"test.{test.name}"
                 path = next((f"{m.path}.number" for m in numbers if key == "expect" and m.name in text), path)
-                reader.error(path, f"at the {side} bounds: {text}")
+                last[path, key or text] = text  # what else the program says of a key follows from the same mistake
+            for (path, key), text in last.items():
+                is_shared = path.endswith(".key") and any(key in p.keys for p in problem.parameters)
+                told.setdefault((path, side, text, is_shared), []).append(test.name)
             if said.returncode:
                 return
         values = {"time.end": "1 ns", "expect": ""}

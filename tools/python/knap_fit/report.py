@@ -177,7 +177,7 @@ def page(runs, notes, tables, pictures):
                   f"<p>{', '.join(versions)}</p>")
     files = [*filter(None, [problem.file]), *(test.scenario for test in problem.tests)]
     for file in dict.fromkeys(map(pathlib.Path, files)):
-        text = file.read_text(encoding="utf-8") if file.is_file() else f"built into knap: knap new --from {file}"
+        text = file.read_text(encoding="utf-8") if file.is_file() else f"built into knap: knap new NAME --from {file}"
         blocks.append(f"<details><summary>{safe(file.name)}</summary><pre>{safe(text)}</pre></details>")
     body = "\n".join([*(f"<p>{safe(note)}</p>" for note in notes), *blocks, ""])
     text = (pathlib.Path(__file__).parent / "page.html").read_text(encoding="utf-8")

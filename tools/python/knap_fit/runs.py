@@ -16,6 +16,7 @@ from .problem import label
 
 # the runs draw nothing, keep no frames, and may miss [expect]
 _short = {"output.fields": "false", "output.report": "false", "figure": "", "expect": "", "study": "", "sweep": ""}
+_early = "the run ended before it had one, as where a specimen has not failed: a later time.end"
 _interrupted = 130  # exit code
 
 
@@ -52,12 +53,15 @@ class Runs:
 
     def counted(self):
         failed = [self.why[job] for job in self._jobs() if self.why.get(job)]
-        return f"{len(self.why)} runs, {len(failed)} failed" + (f" (the first: {failed[0][:120]})" if failed else "")
+        lost = {job for m in self.problem.fitted for job, run in zip(self._jobs(m.test), self.answers(m.test))
+                if run and not np.isfinite(m.of(run)).all()}
+        return (f"{len(self.why)} runs, {len(failed)} failed" + (f" (the first: {failed[0][:120]})" if failed else "")
+                + f", {len(lost)} without a value ({_early})" * bool(lost))
 
     def cause(self, test, k=None):
         """Why a point, or any, has no value of a test."""
         found = (why for (point, of, _), why in self.why.items() if why and of is test and k in (None, point))
-        return next(found, "the run ended before it had one (a later time.end?)")
+        return next(found, _early)
 
     def remedy(self, test):
         """Of a test without values: the cause, and what may help."""
@@ -89,7 +93,7 @@ class Runs:
                  if pathlib.Path(t.scenario).is_file()}
         made = [self.own_seeds, [[p.name, p.keys, p.unit] for p in parameters],
                 [[t.name, texts.get(t.scenario, t.scenario), t.set, t.seeds, t.first_seed] for t in tests]]
-        data = [[[p.low, p.high, p.log, p.normal and p.normal.tolist()] for p in parameters],
+        data = [[[p.low, p.high, p.log, None if p.normal is None else p.normal.tolist()] for p in parameters],
                 [[m.title, m.n, m.scatter, m.noise, m.freedom, np.ravel(m.values).tolist()] for m in measured],
                 [self.problem.options[key] for key in ("interval", "model_error", "seed")]]
         mark, points = self.directory / "problem.json", self.directory / "points.csv"
@@ -119,8 +123,8 @@ class Runs:
         self.add(list({row: u for u, row in zip(points, rows) if row not in self.values}.values()))
         return [self.values.index(row) for row in rows]
 
-    def _jobs(self):
-        return [(k, test, seed) for k in range(len(self.values)) for test in self.problem.tests
+    def _jobs(self, *tests):
+        return [(k, test, seed) for k in range(len(self.values)) for test in tests or self.problem.tests
                 for seed in range(test.first_seed, test.first_seed + test.seeds)]
 
     def folder(self, k, test, seed):
@@ -171,7 +175,8 @@ class Runs:
                     if code == _interrupted:
                         raise KeyboardInterrupt
                     if code not in (0, 2, 3, 4) or text.startswith("error[run-"):  # of another process or program
-                        raise Stop(f"a run ended with exit code {code}: {text}")
+                        cure = "; -o for another directory, --force to begin anew" * text.startswith("error[run-exists")
+                        raise Stop(f"a run ended with exit code {code}: {text}{cure}")
                     self.why[job] = "" if code in (0, 4) else self._recorded(job) or text
                 time.sleep(0.01 * bool(running))
         finally:
@@ -182,7 +187,7 @@ class Runs:
 
     def answers(self, test):
         """The Run of each point and seed of a test; None where it failed."""
-        jobs = [job for job in self._jobs() if job[1] is test]
+        jobs = self._jobs(test)
         self._answers.update((job, knap.Run(self.folder(*job))) for job in jobs
                              if job not in self._answers and self.why.get(job) == "")
         return [self._answers.get(job) for job in jobs]
