@@ -194,7 +194,8 @@ Rebounding rebounding_of(const Model& model, const RigidOptions& options) {
 }
 
 std::string rebound_text(const ContactLaw& law, const Rebounding& bodies) {
-    std::string text = formatted("friction %.3g, ", law.friction);
+    std::string text =
+        law.changing < 0 ? formatted("friction %.3g, ", law.friction) : "friction of its law over slip or pressure, ";
     const double own = natural_rebound(bodies.fewest);
     const std::string of_its_own =
         formatted("by its elasticity (%zu triangles: with at least %.2g, up to 0.98 of its speed)", bodies.fewest, own);
