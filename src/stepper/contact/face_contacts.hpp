@@ -48,8 +48,8 @@ struct FaceContact {
 };
 
 /// The law is that of the pair of materials. On a support it is that of the support's interface, whatever lies on it;
-/// two faces of joints keep that of the joint, so that slip beyond the points goes on with the same friction. A friction
-/// over slip follows the way between the sides of the points that retired at the corners of the contact, one over
+/// two faces of joints keep that of the joint, so that slip beyond the points goes on with the same friction. Friction
+/// over slip follows the way between the sides of the points that retired at the corners of the contact, friction over
 /// pressure the mean pressure of the face.
 ContactLaw law_between_faces(const Model& model, const State& begin, const FaceContact& contact);
 
