@@ -90,7 +90,11 @@ ContactLaw law_between_faces(const Model& model, const State& begin, const FaceC
     return law;
 }
 
-FaceContacts::FaceContacts(const Model& model) : model_(model), boundary_(model) {}
+FaceContacts::FaceContacts(const Model& model)
+    : model_(model),
+      boundary_(model),
+      asks_pressures_(std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return bool(law.over_pressure); })) {
+}
 
 /// Undeformed places and lengths; what is known already stays.
 void FaceContacts::read_boundary() {
@@ -117,8 +121,7 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
     else if (place_corners(begin, h, corner_velocity, boundary_changed)) find_deformable(begin, h);
     else return;
     prune();
-    if (std::ranges::any_of(model_.laws, [](const CohesiveLaw& law) { return bool(law.over_pressure); }))
-        find_pressures(begin);
+    if (asks_pressures_) find_pressures(begin);
 }
 
 /// A vertex has no area, but a face has: its share of the whole is what the contacts on it bear, and half of what the

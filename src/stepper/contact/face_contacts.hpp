@@ -161,6 +161,7 @@ private:
 
     const Model& model_;
     FreeBoundary boundary_;
+    bool asks_pressures_;                // some law has friction over pressure
     std::vector<Vec2> reference_;        // [m] undeformed, of FreeBoundary::corners()
     double longest_ = 0, total_ = 0;     // [m] lengths of free edges, undeformed
     std::size_t n_read_ = 0;             // edges in them
