@@ -41,10 +41,6 @@ std::span<const Exclusion> exclusions() {
         {"coupling = \"norm\"", "unloading = \"vertical\"",
          "at the largest opening, an ellipse of the norm, the traction has any size and a direction that turns with "
          "the opening, and its projection knows such a set at zero opening alone"},
-        {"friction_over_pressure", "[contact]",
-         "explicit steps press on free faces by impulses that come and go from vertex to vertex, and a concave "
-         "friction of "
-         "them is less than that of their mean (implicit steps alone have lasting ones)"},
         {"slip_distance", "friction_table",
          "each of them is the friction, over the slip and over the temperature, and together they would be a table of "
          "both"},

@@ -365,11 +365,6 @@ static void check_coupling(Reading& reading) {
 
 void check_laws(Reading& reading) {
     check_coupling(reading);
-    if (reading.table("contact").given() && reading.scenario.time.scheme.bulk != BulkScheme::implicit_theta)
-        for (std::size_t n = 0; const Table& table : reading.list("interface"))
-            if (reading.scenario.laws[n++].law.over_pressure)
-                table.exclude("friction_over_pressure", "friction_over_pressure", "[contact]",
-                              "bulk = \"implicit\" in [time], or friction, the chord at the pressure in question");
     if (!reading.scenario.time.scheme.takes_explicit_steps())
         for (const Table& table : reading.list("interface"))
             if (table.number("incubation_time").value_or(0) > 0)

@@ -85,6 +85,7 @@ public:
     /// The same bodies and laws, as rigid pieces while nothing can break.
     FlyingScene rigid_scene() {
         FlyingScene made = scene();
+        if (made.law.over_pressure) made.law.over_pressure = nullptr, made.contact.changing = -1;
         random_ = Random(seed_, "rigid");
         made.rigid_step = std::pow(10, random_.uniform(0, 2));
         made.rigid.thaw = one_of({0.3, 0.3, std::pow(10, random_.uniform(-2, 1))});
@@ -103,6 +104,7 @@ public:
         if (layout == 0) add_wall(made);
         else add_flight(made);
         draw_laws(made);
+        change_friction(made);
         if (chance(0.4))
             made.floor =
                 one_of({Floor::half_plane, Floor::half_plane, Floor::tilted, Floor::polygon, Floor::free_disc});
@@ -201,6 +203,24 @@ private:
         made.contact.friction = one_of({0.0, law.friction, random_.uniform(0, 1), std::pow(10, random_.uniform(0, 1))});
         made.contact.restitution = one_of({0.0, 0.0, 1.0, random_.uniform()});
         made.implicit_cohesion = chance(0.15);
+    }
+
+    /// Friction over pressure or over slip, of a stream of their own.
+    void change_friction(FlyingScene& made) const {
+        Random random(seed_, "friction");
+        if (random.uniform() > 0.3) return;
+        CohesiveLaw& law = made.law;
+        const double size = std::pow(10, random.uniform(-4, -1)), part = random.uniform();
+        if (random.uniform() < 0.5) {
+            const double mu = law.friction + 0.1;
+            law.over_pressure = std::make_shared<FrictionOverPressure>(
+                std::vector<Vec2>{{0, 0}, {size, mu * size}, {3 * size, (1 + 2 * part) * mu * size}});
+            law.friction = law.over_pressure->chord(law.sigma_c);
+        } else {
+            law.kinetic_friction = part * law.friction;
+            law.slip_distance = size;
+        }
+        made.contact.changing = 0;
     }
 
     std::uint64_t seed_;

@@ -7,7 +7,6 @@
 
 #include <cassert>
 #include <cmath>
-#include <map>
 
 namespace knap {
 namespace {
@@ -68,6 +67,18 @@ double slid_at(const Model& model, const State& begin, const FaceContact& contac
     return longest;
 }
 
+/// [Pa] By the stresses of the triangles on both sides. Impulses of explicit steps come and go from vertex to vertex, and
+/// a concave friction of them is less than that of their mean; the triangles behind take the mean.
+double pressure_at(const Model& model, const State& begin, const FaceContact& contact) {
+    double sum = 0;
+    int n = 0;
+    for (const Index corner : {contact.edge[0], contact.vertex[0], contact.vertex[1]}) {
+        if (model.ground_at(corner)) continue;
+        sum += traction(stress(model, begin, model.mesh.triangle_of(corner)), contact.normal).x(), ++n;
+    }
+    return std::max(0.0, sum / n);
+}
+
 }  // namespace
 
 ContactLaw law_between_faces(const Model& model, const State& begin, const FaceContact& contact) {
@@ -86,14 +97,9 @@ ContactLaw law_between_faces(const Model& model, const State& begin, const FaceC
     };
     ContactLaw law = constant();
     if (law.changing >= 0)
-        law.friction = model.laws[law.changing].friction_at(slid_at(model, begin, contact), contact.pressure);
+        law.friction =
+            model.laws[law.changing].friction_at(slid_at(model, begin, contact), pressure_at(model, begin, contact));
     return law;
-}
-
-FaceContacts::FaceContacts(const Model& model)
-    : model_(model),
-      boundary_(model),
-      asks_pressures_(std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return bool(law.over_pressure); })) {
 }
 
 /// Undeformed places and lengths; what is known already stays.
@@ -121,22 +127,6 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
     else if (place_corners(begin, h, corner_velocity, boundary_changed)) find_deformable(begin, h);
     else return;
     prune();
-    if (asks_pressures_) find_pressures(begin);
-}
-
-/// A vertex has no area, but a face has: its share of the whole is what the contacts on it bear, and half of what the
-/// vertices at its ends bear.
-void FaceContacts::find_pressures(const State& begin) {
-    std::map<Index, double> impulse;  // [N s] per face
-    for (const FaceContactState& at : begin.face_contacts) {
-        impulse[at.edge] += at.contact;
-        impulse[at.vertex] += 0.5 * at.contact;
-        if (!model_.ground_at(at.entering)) impulse[previous_in_triangle(at.entering)] += 0.5 * at.contact;
-    }
-    const double time = begin.last_step > 0 ? begin.last_step : 1;  // a search of equilibrium has forces
-    for (FaceContact& contact : contacts_)
-        if (const auto at = impulse.find(contact.face); at != impulse.end())
-            contact.pressure = at->second / (time * contact.face_length * model_.thickness);
 }
 
 void FaceContacts::find_deformable(const State& begin, double h) {
@@ -322,9 +312,6 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double depth = gap < -max_contact_depth * length ? overlap(edge, at, gap, begin) : -gap;
     if (depth <= 0 && gap < 0 && !before) return;
     if (!before) before = slid_from(pair.edge, at);
-    const bool leaves = at.cone.t_out.dot(placed.along) < at.cone.t_in.dot(placed.along);  // the edge that faces
-    const double own_length = leaves ? at.l_out : at.l_in;
-    const Index own_face = leaves ? leaving.start : boundary_.edges()[leaving.entering].start;
     block.found.push_back(
         {.contact = {.vertex = {boundary_.edges()[leaving.entering].end, leaving.start},
                      .edge = {edge.start, edge.end},
@@ -335,9 +322,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
                      .gap = gap,
                      .depth = depth,
                      .contact = before ? before->contact : 0,
-                     .tangential = before ? before->tangential : 0,
-                     .face = own_length < length ? own_face : edge.start,
-                     .face_length = std::min(own_length, length)},
+                     .tangential = before ? before->tangential : 0},
          .vertex = pair.vertex,
          .edge = pair.edge,
          .gap_at_end = gap_at_end,

@@ -29,10 +29,6 @@ struct FaceContact {
     double contact, tangential;   // [N s] impulses of the step before (0 if new), duplicates merged: the start of the
                                   // iteration
 
-    Index face = -1;         // the shorter of the edge and the edge of the vertex that faces it: its start corner
-    double face_length = 0;  // [m]
-    double pressure = 0;     // [Pa] mean on this face in the last step, where a friction depends on it
-
     /// Of values at the corners: that of the vertex, the mean of both, minus that of the edge.
     Vec2 jump(const auto& of_corner) const {
         return 0.5 * (of_corner(vertex[0]) + of_corner(vertex[1])) - (1 - share) * of_corner(edge[0]) -
@@ -50,7 +46,7 @@ struct FaceContact {
 /// The law is that of the pair of materials. On a support it is that of the support's interface, whatever lies on it;
 /// two faces of joints keep that of the joint, so that slip beyond the points goes on with the same friction. Friction
 /// over slip follows the way between the sides of the points that retired at the corners of the contact, friction over
-/// pressure the mean pressure of the face.
+/// pressure what the body bears behind the contact at the start of the step.
 ContactLaw law_between_faces(const Model& model, const State& begin, const FaceContact& contact);
 
 /// A contact whose step must be smaller.
@@ -64,7 +60,7 @@ struct ContactRefusal {
 /// README.md has the rules by which a pair is a contact, and which contacts are redundant: solvers cycle on them.
 class FaceContacts {
 public:
-    explicit FaceContacts(const Model& model);
+    explicit FaceContacts(const Model& model) : model_(model), boundary_(model) {}
 
     /// From the next search on contacts of the rigid pieces of the state, which do not meet themselves; null: of a
     /// deformable body.
@@ -151,7 +147,6 @@ private:
     bool was_beside(const State& begin, const NearbyEdge& pair) const;
     const FaceContactState* known(std::span<const FaceContactState> of_vertex, Index edge) const;
     const FaceContactState* slid_from(Index edge, const Vertex& at) const;
-    void find_pressures(const State& begin);
     void prune();
     void prune_corners(Found& at);
     std::span<Found> of_vertex(Index i);
@@ -161,7 +156,6 @@ private:
 
     const Model& model_;
     FreeBoundary boundary_;
-    bool asks_pressures_;                // some law has friction over pressure
     std::vector<Vec2> reference_;        // [m] undeformed, of FreeBoundary::corners()
     double longest_ = 0, total_ = 0;     // [m] lengths of free edges, undeformed
     std::size_t n_read_ = 0;             // edges in them
