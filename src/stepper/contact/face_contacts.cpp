@@ -67,8 +67,8 @@ double slid_at(const Model& model, const State& begin, const FaceContact& contac
     return longest;
 }
 
-/// [Pa] By the stresses of the triangles on both sides. Impulses of explicit steps come and go from vertex to vertex, and
-/// a concave friction of them is less than that of their mean; the triangles behind take the mean.
+/// [Pa] By the stresses of the triangles on both sides. Impulses of explicit steps come and go from vertex to vertex,
+/// and a concave friction of them is less than that of their mean; the triangles behind take the mean.
 double pressure_at(const Model& model, const State& begin, const FaceContact& contact) {
     double sum = 0;
     int n = 0;

@@ -10,6 +10,7 @@ namespace knap {
 namespace {
 
 constexpr int max_newton_steps = 400, max_outer_steps = 100, max_cycling_steps = 30, max_friction_rounds = 60;
+constexpr int max_found_steps = 10;  // of the method of multipliers, from a solution of the active set
 constexpr int max_near = 5, max_completions = 3;
 constexpr double full_augmentation = 1e3;  // of the point's mass: each round of multipliers gains three digits
 // With friction, and where contacts round a vertex contradict each other, a few fans may cycle through their pieces.
@@ -122,13 +123,22 @@ bool AugmentedLagrangian::attempt(int max_steps) {
     return false;
 }
 
-/// The active set, and the method of multipliers from where it ends.
+/// The active set, and the method of multipliers from where it ends. Where bounds contradict each other by rounding,
+/// multipliers march on within the tolerance of the laws, and the latter may cycle: what was found is the solution.
 bool AugmentedLagrangian::find_pieces() {
     using Result = ActiveSet::Result;
     pieces_ = active_set_.find(kind_.friction, first_);
-    if (pieces_ == Result::found && is_preliminary()) return true;
-    return pieces_ != Result::cycling && find_solution(max_cycling_steps) &&
-           (pieces_ == Result::found || !newton_.newton_matrix.is_indefinite());
+    const bool found = pieces_ == Result::found;
+    if (found && is_preliminary()) return true;
+    if (pieces_ == Result::cycling) return false;
+    const bool may_march = found && kind_.faces;
+    if (may_march) found_ = newton_.x;
+    if (find_solution(may_march ? max_found_steps : max_cycling_steps))
+        return found || !newton_.newton_matrix.is_indefinite();
+    if (!may_march) return false;
+    newton_.restart_from(found_);
+    complete_and_evaluate();
+    return true;
 }
 
 /// On the dense matrix of a few points. Where its rounding is too large for the balance of the body, the other methods
@@ -157,7 +167,7 @@ bool AugmentedLagrangian::solve_by_pieces() {
 /// Where the pieces are not found from an approximation, a better one follows.
 bool AugmentedLagrangian::solve_from_inside() {
     interior_point_.begin();
-    return std::ranges::any_of(std::array{1e-5, 1e-7, 1e-9},
+    return std::ranges::any_of(std::array{1e-3, 1e-5, 1e-7, 1e-9},
                                [&](double goal) { return interior_point_.approach(goal) && find_pieces(); });
 }
 

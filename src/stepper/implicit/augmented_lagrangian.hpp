@@ -119,7 +119,7 @@ private:
     Kind kind_;
     bool sweeps_ = false;                                    // of the fans between Newton's steps, and the active set
     ActiveSet::Result pieces_ = ActiveSet::Result::cycling;  // of its last attempt
-    Iterate completed_;                                      // in find_solution
+    Iterate completed_, found_;                              // in find_solution, of the active set
     Iterate before_, first_;                                 // at the start of an attempt, of the step
     double first_unit_ = 1;                                  // [N s] scale of the impulses at the start of the step
     std::vector<Vec2> move_;                                 // [N s] per point, (N, T): of its multipliers

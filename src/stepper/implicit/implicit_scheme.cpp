@@ -110,6 +110,12 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     guess_.assign(model_.fan_points.size() + faces_.size() + contacts_.all().size(), Vec2::Zero());
     for (std::size_t i = 0; i < faces_.size(); ++i)
         guess_[model_.fan_points.size() + i] = step_.kick() * faces_.force_before(i, begin);
+    if (bulk_.frames() && begin.last_step > 0) {
+        ImpulsesBefore before(begin);
+        Vec2* guess = guess_.data() + model_.fan_points.size() + faces_.size();
+        for (const ObstacleContact& contact : contacts_.all())
+            *guess++ = step_.kick() / begin.last_step * before.next(contact);
+    }
     for (std::size_t rank = 0; rank < begin.split_fans.size(); ++rank) {
         const Fan& fan = model_.fans[begin.split_fans[rank]];
         active_[begin.split_fans[rank]] = 1;
@@ -536,6 +542,14 @@ void ImplicitScheme::store(State& end, StepReport& report) {
         end.rate[to] = x_.rate[node];
     }
     faces_.store(face_points(), step_, end, report);
+    if (bulk_.frames())  // where the next step begins
+        for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
+            const ObstacleContact& contact = contacts_.all()[i];
+            const PointResponse& q = contact_points()[i].response;
+            const double lasting = step_.h / step_.kick();
+            end.obstacle_contacts.push_back(
+                {contact.corner, contact.second_corner, contact.obstacle, lasting * q.contact, lasting * q.tangential});
+        }
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
     const std::vector<Vec2>& reaction = reactions();
     for (Index i = 0; i < partition_.n_nodes(); ++i) {

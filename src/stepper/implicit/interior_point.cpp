@@ -11,10 +11,8 @@ namespace {
 constexpr int max_steps = 80;
 constexpr double least_start = 1e-2;    // [-] of their scales: impulses and rates at the start
 constexpr double centring = 0.3;        // of the products lambda z: what a step aims at
-constexpr double following = 0.5;       // part of its lag by which s follows |w_T| in a step
-constexpr double near_enough = 1e-2;    // of the scale: rates that lack, and the lag of s, are left to the active set
+constexpr double near_enough = 1e-2;    // of the scale: rates that lack are left to the active set
 constexpr double slips_beyond = 0.999;  // of mu p
-constexpr double bears = 1e-3;          // of the scale: the slip of a contact with a smaller impulse does not count
 constexpr std::array edges{1.0, -1.0};  // sign of mu
 
 }  // namespace
@@ -85,7 +83,7 @@ bool InteriorPoint::approach(double goal) {
         const Distance at = find_distance();
         if (!std::isfinite(at.product) || !find_direction(centring * at.product)) break;
         move(longest_step());
-        found = at.product <= goal * goal * unit_ * unit_ && std::max(at.lack, at.lag) <= near_enough * unit_;
+        found = at.product <= goal * goal * unit_ * unit_ && at.lack <= near_enough * unit_;
     }
     finish();
     return found;
@@ -104,9 +102,6 @@ InteriorPoint::Distance InteriorPoint::find_distance() {
             distance.product += c.lambda[k] * c.z[k] * point.mass, ++n;
             distance.lack = std::max(distance.lack, point.mass * std::abs(c.lack[k]));
         }
-        if (c.lambda[0] + c.lambda[1] > bears * unit_)
-            distance.lag =
-                std::max(distance.lag, point.mass * c.friction * std::abs(std::abs(point.rate.y()) - c.dilation));
     }
     if (n > 0) distance.product /= n;
     return distance;
@@ -164,7 +159,7 @@ void InteriorPoint::move(double a) {
         Contact& c = contacts_[j];
         point.rate = point.rate_at(newton_.x.rate);
         for (int k = 0; k < 2; ++k) c.lambda[k] += a * c.lambda_step[k], c.z[k] += a * c.z_step[k];
-        c.dilation += following * (std::abs(point.rate.y()) - c.dilation);
+        c.dilation = std::abs(point.rate.y());
     }
 }
 

@@ -7,8 +7,9 @@
 //     0 <= lambda_+-  perp  z_+- = w_N - b + mu s +- mu w_T >= 0        with s = |w_T|
 //
 // For given s this is the optimum of a convex function (G. De Saxce, Z.-Q. Feng, Math. Comput. Modelling 28, 1998), to
-// which Newton's steps on lambda z = tau, tau -> 0, lead from any start; s follows the rates from step to step. Each is
-// one system with M_hat and a definite block at every contact. It need not be exact: the active set goes on from there.
+// which Newton's steps on lambda z = tau, tau -> 0, lead from any start; s is that of the rates before the step. Each
+// is one system with M_hat and a definite block at every contact. It need not be exact: the active set goes on from
+// there.
 // (S. J. Wright, Primal-Dual Interior-Point Methods, 1997; V. Acary, F. Cadoux 2013 on s, both from memory)
 #include "stepper/implicit/newton_iteration.hpp"
 
@@ -40,7 +41,6 @@ private:
     struct Distance {
         double product = 0;  // [N2 s2] mean of lambda z, times the mass of the point
         double lack = 0;     // [N s] largest, likewise
-        double lag = 0;      // [N s] of s behind |w_T|, likewise
     };
     Distance find_distance();
     void spread();
