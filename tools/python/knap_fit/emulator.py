@@ -1,4 +1,5 @@
 """What a measurement would be at any place of the parameters, with its uncertainty, from the runs that were made."""
+import functools
 import warnings
 
 import numpy as np
@@ -10,6 +11,7 @@ class TooFew(Exception):
     """Too few runs have a value."""
 
 
+@functools.lru_cache  # scipy takes a third of a chain for it
 def students(freedom, interval=0.9):
     """By how much the variance of a normal distribution is larger than one that few numbers tell when its interval is
     as wide as that of Student's t."""

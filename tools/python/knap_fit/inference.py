@@ -123,6 +123,8 @@ class Fit:
     of a misfit as large as this one if the model were true. Each round depends on the runs before it alone, and
     convergence.csv keeps the history, so that a fit that was stopped goes on as if it had not been."""
 
+    last_chain = 1500  # steps of the chain at the end
+
     def __init__(self, problem, runs, log=lambda text: None):
         self.problem, self.runs, self.log = problem, runs, log
         self.emulators, self.history, self.posterior, self.p, self.stopped = {}, [], None, np.nan, ""
@@ -175,7 +177,7 @@ class Fit:
                 self.stopped = "the intervals no longer shrink"
             else:
                 self.runs.add(self.next_points(n))
-        self.infer(steps=1500)
+        self.infer(self.last_chain)
         return self
 
     def steady(self, now, before):
