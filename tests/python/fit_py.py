@@ -135,6 +135,27 @@ def check_six_runs(n):
     check.assertGreater(min(halves), 0.08)
 
 
+def check_covered_curve(n):
+    """A straight line whose errors go together and have noise of each point, too: n fits of data of known parameters, by one
+    emulator."""
+    x, inside = np.linspace(0, 1, 12), []
+    fit = study("covered", {}, lambda a, b, seed: Answer(curve={"x": x, "y": a + b * x}), curve=(x, 2 + 2 * x), scatter=0.2, model_error="none")
+    fit.problem.fitted[0].noise = 0.1
+    fit.runs.add(fit.design(16))
+    fit.emulate()
+    factor = np.linalg.cholesky(0.2**2 * np.exp(-4 * np.abs(x[:, None] - x)) + 0.1**2 * np.eye(12))
+    for seed in range(n):
+        random = np.random.default_rng(seed)
+        a, b = random.uniform(1.5, 3.5, 2)
+        fit.problem.fitted[0].values = a + b * x + factor @ random.standard_normal(12)
+        fit.infer(steps=60)
+        low, high = fit.posterior.interval()
+        inside.append((low <= [a, b]) & ([a, b] <= high))
+    check = unittest.TestCase()
+    check.assertGreaterEqual(np.mean(inside), 0.80)
+    check.assertLessEqual(np.mean(inside), 0.97)
+
+
 @unittest.skipIf(slow, "a quick test")
 class Package(unittest.TestCase):
     def test_package_is_installed_into_a_fresh_environment(self):
@@ -914,22 +935,7 @@ class Quick(unittest.TestCase):
 
     @needs_libraries
     def test_intervals_of_a_curve_cover_as_often_as_they_say(self):
-        """A straight line whose errors go together and have noise of each point, too: 100 fits of data of known parameters, by one emulator."""
-        x, inside = np.linspace(0, 1, 12), []
-        fit = study("covered", {}, lambda a, b, seed: Answer(curve={"x": x, "y": a + b * x}), curve=(x, 2 + 2 * x), scatter=0.2, model_error="none")
-        fit.problem.fitted[0].noise = 0.1
-        fit.runs.add(fit.design(16))
-        fit.emulate()
-        factor = np.linalg.cholesky(0.2**2 * np.exp(-4 * np.abs(x[:, None] - x)) + 0.1**2 * np.eye(12))
-        for seed in range(100):
-            random = np.random.default_rng(seed)
-            a, b = random.uniform(1.5, 3.5, 2)
-            fit.problem.fitted[0].values = a + b * x + factor @ random.standard_normal(12)
-            fit.infer(steps=60)
-            low, high = fit.posterior.interval()
-            inside.append((low <= [a, b]) & ([a, b] <= high))
-        self.assertGreaterEqual(np.mean(inside), 0.80)
-        self.assertLessEqual(np.mean(inside), 0.97)
+        check_covered_curve(30)
 
     @needs_libraries
     def test_sensitivity_of_a_sum_and_a_product(self):
@@ -970,6 +976,9 @@ class Quick(unittest.TestCase):
 class Slow(unittest.TestCase):
     def test_points_of_three_seeds_are_chosen_where_runs_have_no_value(self):
         self.assertLess(np.mean([lost_points(seed, budget=48) for seed in range(1, 4)]), 0.5)
+
+    def test_intervals_of_a_curve_cover_as_often_as_they_say(self):
+        check_covered_curve(100)
 
     def test_six_runs_of_ten_strengths_know_the_noise_of_seeds(self):
         check_six_runs(10)
