@@ -47,40 +47,61 @@ Scenario built_in(const std::string& name, const std::vector<std::string>& overr
 
 // ---- the machine, by one thread with the compiler and flags of the program
 
-/// [byte/s] By a = b + s c over three arrays that exceed every cache, 24 bytes per entry.
-double memory_rate() {
-    constexpr std::size_t n = 1 << 22;  // 32 MB per array
-    std::vector<double> a(n, 0.0), b(n, 1.0), c(n, 2.0);
+constexpr double long_enough = 0.3;  // [s] of trials: on a busy machine some of them are alone
+
+/// [byte/s] By a = b + s c over three arrays that take up `footprint` [byte] together, which decides in which cache
+/// they are: 32 bytes per entry, since a line that is written is read first.
+double memory_rate(double footprint) {
+    const auto n = static_cast<Index>(footprint / 24);
+    Eigen::ArrayXd a = Eigen::ArrayXd::Zero(n), b = Eigen::ArrayXd::Ones(n), c = Eigen::ArrayXd::Constant(n, 2);
     double best = 0;
-    for (int trial = 0; trial < 6; ++trial) {
+    const Stopwatch all;
+    for (int trial = 0; all.wall() < long_enough; ++trial) {
         const Stopwatch watch;
-        const double s = 1 + trial;
-        for (std::size_t i = 0; i < n; ++i) a[i] = b[i] + s * c[i];
-        best = std::max(best, 24.0 * n / one_thread_time(watch));
-        b[trial] = a[n - 1 - trial];  // prevents elimination of the loop
+        a = b + static_cast<double>(trial) * c;
+        best = std::max(best, 32.0 * n / one_thread_time(watch));
+        b[trial % n] = a[n - 1 - trial % n];  // prevents elimination of the loop
     }
     return best;
 }
 
-/// [1/s] Independent multiplications and additions in registers.
-double flop_rate() {
-    using Pair = Eigen::Array2d;
+struct Two {
+    typedef double Lanes __attribute__((vector_size(16)));
+};
+struct Four {
+    typedef double Lanes __attribute__((vector_size(32)));
+};
+/// [1/s] Independent multiplications and additions in registers of so many numbers.
+template <class Register>
+[[gnu::always_inline]] inline double flop_rate_of() {
+    using Lanes = typename Register::Lanes;
     constexpr int n_chains = 12;  // as many as the registers hold; fewer would wait for each other
     double best = 0, sum = 0;
-    for (int trial = 0; trial < 6; ++trial) {
-        Pair x[n_chains];
-        for (int i = 0; i < n_chains; ++i) x[i] = Pair(i, trial);
-        const Pair factor = Pair::Constant(0.5 + 1e-3 * trial), added = Pair::Constant(0.25);
-        constexpr int n = 2000000;
+    const Stopwatch all;
+    for (int trial = 0; all.wall() < long_enough; ++trial) {
+        Lanes x[n_chains];
+        for (int i = 0; i < n_chains; ++i) x[i] = Lanes{} + (i + trial);
+        const Lanes factor = Lanes{} + (0.5 + 1e-6 * trial), added = Lanes{} + 0.25;
+        constexpr int n = 100000;
         const Stopwatch watch;
         for (int k = 0; k < n; ++k) {
 #pragma GCC unroll 12  // else they are not in registers
             for (int i = 0; i < n_chains; ++i) x[i] = factor * x[i] + added;
         }
-        best = std::max(best, 2.0 * 2 * n_chains * n / one_thread_time(watch));
-        for (const Pair& chain : x) sum += chain.sum();
+        best = std::max(best, 2.0 * sizeof(Lanes) / sizeof(double) * n_chains * n / one_thread_time(watch));
+        for (const Lanes& chain : x) sum += chain[0];
     }
     return sum > 0 ? best : 0;
+}
+#ifdef __x86_64__
+[[gnu::target("avx2")]] double flop_rate_of_avx2() { return flop_rate_of<Four>(); }
+#endif
+/// Of the widest registers that the kernels use.
+double flop_rate() {
+#ifdef __x86_64__
+    if (__builtin_cpu_supports("avx2")) return flop_rate_of_avx2();
+#endif
+    return flop_rate_of<Two>();
 }
 
 /// [s] Until one processor sees a value that another one wrote, the best mean of 1000 alternating writes: some 30 ns
@@ -194,7 +215,6 @@ struct Measured {
 /// The measurements; each is printed at once and collected in a table.
 struct Bench {
     std::string table = "quantity,value\n";
-    double bytes = 0, flops = 0;  // [1/s] of the machine
 
     void add(const std::string& name, double value) { table += '"' + name + '"' + formatted(",%.6g\n", value); }
 
@@ -279,16 +299,18 @@ struct Bench {
             add(std::string("implicit 1 mm to 40 us: ") + name, value);
     }
 
-    /// A kernel per triangle-step: [s], bytes to and from memory where no cache holds the body, operations; both
-    /// counted in the source.
-    void kernel(const char* name, double seconds, double n_bytes, double n_flops) {
-        const double by_memory = n_bytes / bytes, by_flops = n_flops / flops, bound = std::max(by_memory, by_flops);
+    /// A kernel per triangle-step of n triangles: [s], bytes to and from the cache or memory that holds the body,
+    /// operations; both counted in the source.
+    void kernel(const char* name, double seconds, int n, double n_bytes, double n_flops) {
+        const double bytes = memory_rate(n * n_bytes), flops = flop_rate(), by_memory = n_bytes / bytes,
+                     by_flops = n_flops / flops, bound = std::max(by_memory, by_flops);
         std::printf(
             "  %-28s %6.2f ns  %4.0f bytes  %4.0f flops   at least %5.2f ns by memory, %5.2f ns by flops: %3.0f %% of "
             "the bound\n",
             name, 1e9 * seconds, n_bytes, n_flops, 1e9 * by_memory, 1e9 * by_flops, 100 * bound / seconds);
         add(std::string(name) + " [ns a triangle-step]", 1e9 * seconds);
         add(std::string(name) + " [part of the bound]", bound / seconds);
+        add(std::string(name) + ": machine [bytes/s]", bytes), add(std::string(name) + ": machine [flops/s]", flops);
     }
 
     /// The parts of a step: forces and motion of a block without a crack, before any point is near its strength; the
@@ -304,14 +326,13 @@ struct Bench {
                      turning_forces = time_of_forces(turning.model, turning.now) / n;
         const double all = cracked.run(until).cpu / cracked.work(until),
                      solves = cracked.n_solves / cracked.work(until);
-        std::printf("a triangle-step of %d triangles on one thread; the machine: %.3g bytes/s, %.3g flops/s\n", n,
-                    bytes, flops);
+        std::printf("a triangle-step of %d triangles on one thread\n", n);
         add(formatted("%d triangles, kernels of a triangle-step to [us]", n), 1e6 * until);
         // material 48, nodes 12, half a displacement 8; the forces on the corners stay in the cache
-        kernel("forces, stress criterion", forces, 68, 52);
+        kernel("forces, stress criterion", forces, n, 68, 52);
         // half of: lists 28, partition 5, velocity and displacement read and written 64, and read before writing 32
-        kernel("motion, ledger", both - forces, 65, 19);
-        kernel("both", both, 133, 71);
+        kernel("motion, ledger", both - forces, n, 65, 19);
+        kernel("both", both, n, 133, 71);
         std::printf(
             "  %-28s %6.2f ns  mean to %.3g us: tests of candidate fans, %.3g fans apart a step; at most %.0f ns for "
             "one of these\n",
@@ -362,8 +383,6 @@ ExitCode bench(const BenchOptions& options) {
         bench.measure_output(0.0972e-3, 0);
         bench.measure_implicit();
     }
-    bench.bytes = memory_rate(), bench.flops = flop_rate();
-    bench.add("machine [bytes/s]", bench.bytes), bench.add("machine [flops/s]", bench.flops);
     bench.measure_kernels(0.5e-3, until);
     if (options.full) bench.measure_kernels(0.25e-3, 20e-6);
     bench.measure_contacts();

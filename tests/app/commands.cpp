@@ -7,6 +7,7 @@
 #include "scenario/read_scenario.hpp"
 
 #include <sys/stat.h>
+
 #include <regex>
 
 namespace commands_test {
@@ -141,6 +142,11 @@ TEST_CASE("bench measures to its end" * doctest::test_suite("slow")) {
     for (const char* words : {"same bits with 1 and 2 threads:                     yes", "a step with [contact]",
                               "dust: detection", "ground: detection with 40 000 edges"})
         CHECK_MESSAGE(answer.has(words), words);
+    static const std::regex bound("([0-9]+) % of the bound");
+    int n = 0;
+    for (std::sregex_iterator found(answer.text.begin(), answer.text.end(), bound), end; found != end; ++found, ++n)
+        CHECK(std::stoi((*found)[1]) < 100);
+    CHECK(n == 3);
 }
 
 TEST_CASE("mesh reports and writes") {
