@@ -18,9 +18,9 @@
 #include "base/stopwatch.hpp"
 #include "base/terminal.hpp"
 #include "base/whole_file.hpp"
-#include "element/triangle_matrices.hpp"
 #include "mesh/mesh_file.hpp"
 #include "microstructure/grain_mesh.hpp"
+#include "model/mass_scaling.hpp"
 #include "model/part_of_body.hpp"
 #include "model/selections.hpp"
 #include "scenario/schema.hpp"
@@ -272,12 +272,41 @@ void print_methods(const Scenario& scenario, const Model& model) {
     print_absorbing(model, scenario.time.scheme);
 }
 
+/// What moves, or what could.
+void print_mass_scaling(const Scenario& scenario, const Model& model, const StepPlan& plan) {
+    constexpr double most = 0.01, pays = 1.2;
+    if (scenario.time.mass_scaling > 0) {
+        const auto moved = moved_mass(model);
+        if (!moved) {
+            std::printf(
+                "  mass scaling: nothing moves, since what limits the step has no neighbours to take it from\n");
+            return;
+        }
+        std::printf(
+            "  mass scaling: steps are %.3g times as long; %.2g %% of the mass moves from %d triangles to %d others, "
+            "of "
+            "which that at %s has %.3g times its mass\n",
+            moved->gain, 100 * moved->moved, moved->n_lighter, moved->n_heavier,
+            place_text(moved->heaviest.front().centroid).c_str(), moved->heaviest.front().factor);
+        return;
+    }
+    if (!may_scale_masses(scenario)) return;
+    if (const MassScaling could =
+            scale_masses(model.mesh, model.materials, model.plane, plan.stable_of_triangle, most, pays);
+        could.gain >= pays)
+        std::printf(
+            "  explicit steps would be %.3g times as long with time.mass_scaling = \"1 %%\", which moves %.2g %% "
+            "of the mass\n",
+            could.gain, 100 * could.moved);
+}
+
 void print_run(const Scenario& scenario, const Model& model, const StepPlan& plan, const Cost& cost,
                bool long_measured) {
     std::printf("run\n  stable step %s, h = %s (%.3g CFL), %lld steps, %.3g triangle-steps\n",
                 readable(plan.stable_step, "s", 4).c_str(), readable(plan.limits.largest, "s", 4).c_str(),
                 plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
                 static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
+    print_mass_scaling(scenario, model, plan);
     if (plan.n_at_corners > 0)
         std::printf("  %lld of them end at corners of tables over time\n", static_cast<long long>(plan.n_at_corners));
     if (const SchemeChangeOptions& change = plan.limits.change; plan.limits.changes())
@@ -420,8 +449,7 @@ ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, boo
                 report.smallest_angle, report.smallest_angle_percentiles[0], report.smallest_angle_percentiles[1],
                 report.smallest_angle_percentiles[2]);
     std::printf("%-28s %.2f\n", "largest angle [degree]", report.largest_angle);
-    std::printf("%-28s %.4g\n", "stable step [s]",
-                std::ranges::min(stable_steps(model.mesh, model.materials, model.plane)));
+    std::printf("%-28s %.4g\n", "stable step [s]", std::ranges::min(stable_steps(model)));
     for (const Resolution& r : judge_resolution(read.scenario, model.mesh))
         std::printf("%-28s %.1f (%s, %s)\n", "edges per process zone", r.n_edges, r.material.c_str(),
                     readable(r.steep_zone(), "m").c_str());

@@ -127,19 +127,20 @@ double largest_ratio(const Elastic& material, PlaneModel plane, double bulk, dou
 /// which adds 2/h (bulk - shear) to lambda and 2/h shear to mu. As C is at most
 /// largest_ratio() K, h/`undamped` = sqrt(1 + xi^2) - xi with xi of that factor over `undamped` is below the fixed
 /// point, and so are the iterates from there on.
-double viscous_step(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double undamped) {
+double viscous_step(const Mesh& mesh, Index t, const Elastic& material, PlaneModel plane, double undamped,
+                    double mass_factor) {
     const auto [bulk, shear] = largest_viscosities(material, plane, viscous_length(mesh, t));
     const double xi = largest_ratio(material, plane, bulk, shear) / undamped;
     double h = undamped * (std::sqrt(1 + xi * xi) - xi);
     for (int i = 0; i < 4; ++i) {
         const Further further{.lambda = 2 * (bulk - shear) / h, .mu = 2 * shear / h};
         if (mesh.order == 2) {
-            h = 2 / std::sqrt(largest_eigenvalue_quadratic(mesh, t, material, plane, further));
+            h = 2 / std::sqrt(largest_eigenvalue_quadratic(mesh, t, material, plane, further) / mass_factor);
         } else {
             Eigen::Matrix3d D = material.stiffness(plane);
             D.topLeftCorner<2, 2>().array() += further.lambda;
             D.diagonal() += further.mu * Eigen::Vector3d(2, 2, 1);
-            h = 2 / std::sqrt(largest_eigenvalue_linear(mesh, t, material, D.llt().matrixL()));
+            h = 2 / std::sqrt(largest_eigenvalue_linear(mesh, t, material, D.llt().matrixL()) / mass_factor);
         }
     }
     return h;
@@ -173,18 +174,21 @@ StableStep::StableStep(const std::vector<Elastic>& materials, PlaneModel plane) 
     for (const Elastic& material : materials) factor_.push_back(material.stiffness(plane).llt().matrixL());
 }
 
-double StableStep::operator()(const Mesh& mesh, Index triangle) const {
+double StableStep::operator()(const Mesh& mesh, Index triangle, double mass_factor) const {
     const Index m = mesh.region[triangle];
-    const double step =
-        2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, materials_[m], factor_[m])
-                                      : largest_eigenvalue_quadratic(mesh, triangle, materials_[m], plane_));
-    return materials_[m].has_viscosity() ? viscous_step(mesh, triangle, materials_[m], plane_, step) : step;
+    const Elastic& material = materials_[m];
+    const double eigenvalue = mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, material, factor_[m])
+                                              : largest_eigenvalue_quadratic(mesh, triangle, material, plane_),
+                 step = 2 / std::sqrt(eigenvalue / mass_factor);
+    return material.has_viscosity() ? viscous_step(mesh, triangle, material, plane_, step, mass_factor) : step;
 }
 
-std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane) {
+std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
+                                 std::span<const double> mass_factors) {
     const StableStep stable_step(materials, plane);
     std::vector<double> steps;
-    for (Index t = 0; t < mesh.n_triangles(); ++t) steps.push_back(stable_step(mesh, t));
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        steps.push_back(stable_step(mesh, t, mass_factors.empty() ? 1 : mass_factors[t]));
     return steps;
 }
 

@@ -7,6 +7,8 @@
 #include "material/elastic.hpp"
 #include "mesh/mesh.hpp"
 
+#include <span>
+
 namespace knap {
 
 /// Square, as many rows as a triangle has unknowns or corners; never on the heap.
@@ -26,14 +28,16 @@ const ElementMatrix& mass_matrix(Index order, MassMatrix mass);
 class StableStep {
 public:
     StableStep(const std::vector<Elastic>& materials, PlaneModel plane);
-    double operator()(const Mesh& mesh, Index triangle) const;
+    /// `mass_factor`: of the mass of its material.
+    double operator()(const Mesh& mesh, Index triangle, double mass_factor = 1) const;
 
 private:
     const std::vector<Elastic>& materials_;
     PlaneModel plane_;
     std::vector<Eigen::Matrix3d> factor_;  // Cholesky factor of the stiffness of each material
 };
-/// [s] Stable step of every triangle by itself.
-std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane);
+/// [s] Stable step of every triangle by itself; `mass_factors`: of their masses, or empty.
+std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
+                                 std::span<const double> mass_factors = {});
 
 }  // namespace knap

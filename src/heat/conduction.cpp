@@ -50,7 +50,7 @@ Conduction::Conduction(const Model& model) : model_(model), exchanges_(model) {
             for (const Index k : pairs[i]) diagonal_[n * t + k] += std::abs(here);
         }
         for (Index k = 0; k < n; ++k)
-            capacity_.push_back(thermal.heat_capacity * corner_share(mesh.order, k, model.triangle_mass(t)) /
+            capacity_.push_back(thermal.heat_capacity * corner_share(mesh.order, k, model.material_mass(t)) /
                                 heat.time_factor);
     }
     for (const auto& at : exchanges_.all()) diagonal_[at.corner] += at.conductance;

@@ -8,6 +8,7 @@
 #include "model/fans.hpp"
 #include "model/joined_polygons.hpp"
 #include "model/make_ground.hpp"
+#include "model/mass_scaling.hpp"
 #include "model/selections.hpp"
 #include "model/state.hpp"
 
@@ -413,6 +414,10 @@ Model make_model(ModelInput input) {
                 .thickness = input.thickness,
                 .materials = input.materials,
                 .laws = input.laws};
+    if (input.mass_scaling > 0)
+        model.mass_factor = scale_masses(model.mesh, model.materials, model.plane,
+                                         stable_steps(model.mesh, model.materials, model.plane), input.mass_scaling)
+                                .factor;
     model.corner_mass.reserve(model.mesh.n_corners());
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
         model.corner_mass.push_back(corner_share(model.mesh.order, model.mesh.place_in_triangle(c),

@@ -130,6 +130,7 @@ struct ModelInput {
     bool large_rotation = false;                           // as in Model
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // as in Model
     std::shared_ptr<const Heat> heat;                      // as in Model
+    double mass_scaling = 0;  // [-] part of the mass that may move to triangles which limit the step
 };
 
 struct Model {
@@ -140,7 +141,9 @@ struct Model {
     std::vector<CohesiveLaw> laws;         // those of the input, then one for each interface whose strength is its own
     bool laws_follow_temperature = false;  // some of them, with heat: law_of(state) has the law of the moment
 
-    std::vector<double> corner_mass;  // [kg] per corner: density * area * thickness * its share (corner_share)
+    // [-] per triangle: its mass over that of its material (mass_scaling.hpp); empty: 1
+    std::vector<double> mass_factor;
+    std::vector<double> corner_mass;  // [kg] per corner: that of its triangle times its share (corner_share)
     std::vector<Interface> interfaces;
     std::vector<Fan> fans;
     std::vector<Index> fan_corners;
@@ -193,8 +196,13 @@ struct Model {
         const auto gone = [&](Index triangle) { return triangle != rigid_support && vanished[triangle]; };
         return !vanished.empty() && (gone(interface.triangle[0]) || gone(interface.triangle[1]));
     }
-    double triangle_mass(Index triangle) const {  // [kg]
+    /// [kg] Of its material: that which takes up heat.
+    double material_mass(Index triangle) const {
         return materials[mesh.region[triangle]].density * mesh.area(triangle) * thickness;
+    }
+    /// [kg] Which moves and has weight.
+    double triangle_mass(Index triangle) const {
+        return mass_factor.empty() ? material_mass(triangle) : mass_factor[triangle] * material_mass(triangle);
     }
     std::span<const Index> corners(const Fan& fan) const {
         return {fan_corners.data() + fan.first_corner, std::size_t(fan.n_corners)};

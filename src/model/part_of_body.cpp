@@ -54,6 +54,8 @@ PartOfBody part_of(const Model& model, std::span<const Index> triangles) {
     for (std::size_t t = 0; t < triangles.size(); ++t) part.triangle_of_part[triangles[t]] = static_cast<Index>(t);
     Model& own = part.model;
     take_mesh(model.mesh, part);
+    if (!model.mass_factor.empty())
+        for (const Index t : triangles) own.mass_factor.push_back(model.mass_factor[t]);
     for (Index c = 0; c < own.mesh.n_corners(); ++c) own.corner_mass.push_back(model.corner_mass[part.in_whole(c)]);
     for (Index i = 0; i < static_cast<Index>(model.interfaces.size()); ++i) {
         Interface interface = model.interfaces[i];

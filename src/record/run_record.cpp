@@ -224,6 +224,20 @@ const std::vector<Member>& members() {
          [](R r) { return r.temperature_unit.empty() ? absent : Json(r.temperature_unit); }},
         {"triangle_steps_per_core_second", "1/s", "sum of the triangles of all steps over cpu_parts_s.steps",
          [](R r) { return number(r.spent.steps > 0 ? static_cast<double>(r.triangle_steps) / r.spent.steps : NAN); }},
+        {"mass_scaling", "",
+         "with time.mass_scaling: gain: stable step over that without it; moved: part of the mass that moved; heavier, "
+         "lighter: numbers of triangles; heaviest: at most ten of them, x and y [m] and factor of the mass",
+         [](R r) {
+             if (!r.mass_scaling) return absent;
+             Json heaviest = Json::array();
+             for (const auto& [at, factor] : r.mass_scaling->heaviest)
+                 heaviest.push_back({{"x", at.x()}, {"y", at.y()}, {"factor", factor}});
+             return Json{{"gain", r.mass_scaling->gain},
+                         {"moved", r.mass_scaling->moved},
+                         {"heavier", r.mass_scaling->n_heavier},
+                         {"lighter", r.mass_scaling->n_lighter},
+                         {"heaviest", heaviest}};
+         }},
         {"adaptation", "",
          "with [adapt]: batches: refinements; largest_batch: new triangles of one; coarse_breaks: vertices that came "
          "apart in coarse triangles; angular_momentum: its change by refinements [kg m2/s]; cpu: [s] of refinements, a "

@@ -2,6 +2,7 @@
 // run.json: what was run, how it ended, and its results. Other programs rely on its members: new ones may be added,
 // none is removed.
 #include "analysis/gates.hpp"
+#include "model/mass_scaling.hpp"
 #include "record/recorder.hpp"
 #include "record/summary.hpp"
 #include "stepper/common/step_scheme.hpp"
@@ -54,6 +55,7 @@ struct RunRecord {
     };
     std::optional<Pieces> pieces;
     SchemeOptions scheme;
+    std::optional<MovedMass> mass_scaling;
     double mean_edge = 0;                // [m]
     double rayleigh_speed = 0;           // [m/s]
     std::vector<std::string> materials;  // names, by region

@@ -70,8 +70,10 @@ struct Facts {
     const RecorderOptions::Calibrated& sigma_c = recorder.options().strength;
     Vec2 momentum = Vec2::Zero(), mean_displacement = Vec2::Zero();  // [kg m/s], [m]
     double largest_displacement = 0;                                 // [m]
-    std::vector<Reaction> reactions;                                 // at the end
-    std::optional<Driver> driver;  // the first load or obstacle that moves, or else the first one
+    bool has_moved_mass;
+    double moved_kinetic = 0;         // [J]
+    std::vector<Reaction> reactions;  // at the end
+    std::optional<Driver> driver;     // the first load or obstacle that moves, or else the first one
     History fragments;
     Unresolved unresolved;
     double incubation;  // [J]
@@ -83,7 +85,10 @@ struct Facts {
 };
 
 Facts::Facts(const Model& model, const State& end, const Recorder& of)
-    : recorder(of), incubation(incubation_energy(model, end)), thickness(model.thickness) {
+    : recorder(of),
+      has_moved_mass(!model.mass_factor.empty()),
+      incubation(incubation_energy(model, end)),
+      thickness(model.thickness) {
     double mass = 0;
     Vec2 moment = Vec2::Zero();
     for (Index c = 0; c < model.mesh.n_corners(); ++c) {
@@ -91,6 +96,9 @@ Facts::Facts(const Model& model, const State& end, const Recorder& of)
         momentum += model.corner_mass[c] * end.velocity[end.node_of_corner[c]];
         moment += model.corner_mass[c] * end.displacement[end.node_of_corner[c]];
         mass += model.corner_mass[c];
+        if (has_moved_mass)
+            moved_kinetic += 0.5 * model.corner_mass[c] * (1 - 1 / model.mass_factor[model.mesh.triangle_of(c)]) *
+                             end.velocity[end.node_of_corner[c]].squaredNorm();
         largest_displacement = std::max(largest_displacement, end.displacement_of(c).norm());
     }
     mean_displacement = moment / mass;
@@ -122,6 +130,7 @@ bool always(F) { return true; }
 bool as_measured(F f) { return f.toughness.measured > 0; }
 bool with_measured_strength(F f) { return f.sigma_c.measured > 0; }
 bool with_breaks(F f) { return !std::isnan(f.n_shear); }
+bool with_moved_mass(F f) { return f.has_moved_mass; }
 bool excavates(F f) { return f.recorder.options().works.excavation; }
 bool with_heat(F f) { return f.recorder.options().works.heat; }
 bool mixes_modes(F f) { return f.recorder.options().works.mode_mix; }
@@ -203,6 +212,9 @@ constexpr SummaryRow rows[]{
     {"scheme_dissipation", "J", "energy dissipated by theta > 1/2, never negative",
      [](F f) { return f.energy.scheme_dissipation; }},
     {"kinetic_energy", "J", "at the end", [](F f) { return f.energy.kinetic; }},
+    {"moved_kinetic_energy", "J",
+     "part of it that mass has where it moved, less what it would have where it was taken; with time.mass_scaling",
+     [](F f) { return f.moved_kinetic; }, with_moved_mass},
     {"strain_energy", "J", "at the end", [](F f) { return f.energy.strain; }},
     {"kinetic_part", "",
      "kinetic over strain energy, median over the time, within 1 %; with heat, where time_factor or a fast field adds "

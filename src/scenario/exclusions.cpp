@@ -20,6 +20,9 @@ std::span<const Exclusion> exclusions() {
         {"bulk_viscosity", "bulk = \"implicit\"",
          "it acts on waves of the length of a triangle, which implicit steps do not resolve (theta above 0.5 damps "
          "them)"},
+        {"mass_scaling", "bulk = \"implicit\"", "its steps have any size, and no triangle limits them"},
+        {"[adapt]", "mass_scaling",
+         "the step is that of the finest triangles that may be made, and what limits it is replaced"},
         {"R_N", "bulk = \"implicit\"",
          "the surface gives way as the piece comes to rest and flies back, and a step is longer than that lasts"},
         {"R_N", "bulk = \"auto\"",

@@ -26,6 +26,7 @@ void exclude_others(Reading& reading, const Table& table) {
     const std::string fine_from_start = "[[mesh.refine]] makes a region fine from the start";
     const BulkScheme bulk = scenario.time.scheme.bulk;
     exclude(bulk != BulkScheme::explicit_lumped, words_of(bulk), "bulk = \"explicit\"");
+    exclude(scenario.time.mass_scaling > 0, "mass_scaling", "remove mass_scaling from [time]");
     exclude(scenario.order == 2, "mesh.order = 2", "triangles of first order");
     exclude(scenario.large_rotation, "rotation = \"large\"", fine_from_start);
     exclude(has_several_bodies(scenario), "[[body]]", fine_from_start);

@@ -124,6 +124,8 @@ void read_time(const Table& table, TimeOptions& time) {
             table.error("exclusive-keys", "damping_of", "belongs to time.damping", "add damping to [time]");
         table.leave_out("damping_of");
     }
+    if (time.mass_scaling > 0 && !scheme.takes_explicit_steps())
+        table.exclude("mass_scaling", "mass_scaling", "bulk = \"implicit\"", "remove it");
     if (scheme.mass == MassMatrix::one_point) check_one_point_mass(table);
     if (table.has("bulk") && explicit_bulk && scheme.mass != MassMatrix::lumped)
         table.error("exclusive-keys", "mass", "that is not lumped needs the implicit bulk",

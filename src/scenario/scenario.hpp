@@ -17,7 +17,7 @@
 #include "model/loads.hpp"
 #include "model/model.hpp"
 #include "model/obstacle.hpp"
-#include "output/vtk_series.hpp"
+#include "output/vtu_file.hpp"
 #include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
 #include "scenario/strength_options.hpp"
@@ -90,6 +90,7 @@ struct TimeOptions {
     StepLength step_cracking;  // from the first loss of cohesion on; 0 = step
     StepLength step_min;       // 0 = 2^-20 of the step
     double safety = 0.8;       // [-] fraction of the stable step used by "auto"
+    double mass_scaling = 0;   // [-] part of the mass that may move to triangles which limit the step
     bool start_in_equilibrium = false;
     std::string start_run;  // from which the run starts, as given, and the time of its state; empty: none
     RestOptions rest;

@@ -3,7 +3,7 @@
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
-#include "element/triangle_matrices.hpp"
+#include "model/mass_scaling.hpp"
 #include "model/time_tables.hpp"
 #include "stepper/common/changing_friction.hpp"
 #include "stepper/common/elastic_energy.hpp"
@@ -38,7 +38,7 @@ void MoreauJean::resolve_islands(const StepLimits& limits) {
     StepLimits of_island = limits;
     if (options.takes_implicit_steps()) {
         options.cohesion = CohesionScheme::explicit_beta;
-        of_island.cracking = safety * std::ranges::min(stable_steps(model_.mesh, model_.materials, model_.plane));
+        of_island.cracking = safety * std::ranges::min(stable_steps(model_));
     }
     islands_ = std::make_unique<Islands>(model_, options, of_island, *rigid_);
 }
@@ -103,7 +103,7 @@ void MoreauJean::give_up_when(GiveUp condition) {
 
 double MoreauJean::stable_step() const {
     if (!options_.takes_explicit_steps()) return infinity;
-    return std::ranges::min(stable_steps(model_.mesh, model_.materials, model_.plane));
+    return std::ranges::min(stable_steps(model_));
 }
 
 FactorSize MoreauJean::factor_size() const { return implicit_ ? implicit_->factor_size() : FactorSize{}; }

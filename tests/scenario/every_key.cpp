@@ -199,6 +199,7 @@ step = "1 ns"
 damping = "3 kHz"
 damping_of = "motion"
 safety = 0.5
+mass_scaling = "2 %"
 theta = 0.75
 [output]
 every = "1 us"
@@ -875,6 +876,7 @@ const Case cases[] = {
     {rectangle, "time.damping", "3000"},
     {rectangle, "time.damping_of", "\"motion\""},
     {rectangle, "time.safety", "0.5"},
+    {rectangle, "time.mass_scaling", "0.02"},
     {rectangle, "time.theta", "0.75"},
     {rectangle, "output.every", "1e-06"},
     {rectangle, "output.history_every", "1e-07"},
@@ -1304,6 +1306,7 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     CHECK(s.initial_velocities.at(0).value == Vec2(1, 2));
     CHECK(s.time.step == StepLength{1e-9});
     CHECK(s.time.scheme.damping == 3000);
+    CHECK(s.time.mass_scaling == 0.02);
     CHECK(s.time.scheme.damping_of == DampingOf::motion);
     CHECK(s.time.rest.ends_run);
     CHECK(s.time.rest.below == 0.01);

@@ -16,7 +16,7 @@ struct Capability {
     std::string_view needs;  // another one, which it implies
 };
 
-inline constexpr std::array<Capability, 47> capabilities{{{"rotation = \"large\"", ""},
+inline constexpr std::array<Capability, 48> capabilities{{{"rotation = \"large\"", ""},
                                                           {"[contact]", "rotation = \"large\""},
                                                           {"[rigid]", "[contact]"},
                                                           {"bulk = \"implicit\"", ""},
@@ -25,6 +25,7 @@ inline constexpr std::array<Capability, 47> capabilities{{{"rotation = \"large\"
                                                           {"mass = \"consistent\"", "bulk = \"implicit\""},
                                                           {"mesh.order = 2", ""},
                                                           {"damping", ""},
+                                                          {"mass_scaling", ""},
                                                           {"[[absorb]]", ""},
                                                           {"bulk_viscosity", ""},
                                                           {"[heat]", ""},
@@ -196,6 +197,7 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(has("cohesion = \"implicit\""), "cohesion = \"implicit\"\n");
     add(has("mass = \"consistent\""), "mass = \"consistent\"\n");
     add(has("damping"), "damping = 1e3\n");
+    add(has("mass_scaling"), "mass_scaling = 0.05\n");
     add(has("until = \"rest\""), "until = \"rest\"\n");
     add(has("start = \"equilibrium\""), "start = \"equilibrium\"\n");
     return text + "[output]\nfields = false\nreport = false\nevery = 2e-5\n";

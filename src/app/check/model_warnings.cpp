@@ -338,6 +338,9 @@ public:
                     (std::ranges::any_of(scenario_.placed_sets, &PlacedSet::is_random)
                          ? "another seed places random traces elsewhere; "
                          : "") +
+                    (may_scale_masses(scenario_)
+                         ? "time.mass_scaling = \"1 %\" gives such triangles mass of their neighbours; "
+                         : "") +
                     "bulk = \"implicit\" allows larger steps");
         }
     }

@@ -50,7 +50,7 @@ bool is_free(const std::string& path) {
         "study.", "sweep.",           "absorb[",   "pressure[",  "heat.exchange[",  "time.",      "name",
         "title",  "heat.temperature", "heat.ramp", "heat.table", "heat.conduction", "heat.every", "heat.time_factor"};
     constexpr std::array motions{"velocity", "displacement", "spin", "force", "ramp", "table"};
-    if (path == "time.mass") return false;
+    if (path == "time.mass" || path == "time.mass_scaling") return false;
     if (path.starts_with("material.") && path.ends_with("_viscosity")) return true;  // of the scheme
     if (path.starts_with("obstacle[")) {
         const std::string key = path.substr(path.find("].") + 2);

@@ -98,6 +98,7 @@ ModelInput model_input(const Scenario& scenario) {
     input.initial_stresses = scenario.initial_stresses;
     input.obstacles = scenario.obstacles;
     input.contact_of_pair = scenario.contact_of_pair;
+    input.mass_scaling = scenario.time.mass_scaling;
     if (scenario.heat) input.heat = std::make_shared<Heat>(*scenario.heat);
     return input;
 }
@@ -180,6 +181,7 @@ RunRecord record_of(const Scenario& scenario, const Model& model, const StepPlan
             .thickness = model.thickness,
             .step = plan.limits.largest,
             .scheme = scenario.time.scheme,
+            .mass_scaling = moved_mass(model),
             .mean_edge = mean_edge(model.mesh),
             .rayleigh_speed = rayleigh_speed(scenario),
             .materials = scenario.material_names(),

@@ -4,7 +4,7 @@
 #include "analysis/rest_watch.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
-#include "element/triangle_matrices.hpp"
+#include "model/mass_scaling.hpp"
 #include "model/time_tables.hpp"
 #include "stepper/adapt/adaptation.hpp"
 #include "stepper/rigid/freeze.hpp"
@@ -92,6 +92,12 @@ StepLength automatic_step(const TimeOptions& time) {
     return {.value = time.safety, .of_stable_step = true};
 }
 
+bool may_scale_masses(const Scenario& scenario) {
+    const TimeOptions& time = scenario.time;
+    const bool is_given = time.step.value > 0 && !time.step.of_stable_step && !time.scheme.takes_implicit_steps();
+    return time.mass_scaling == 0 && time.scheme.takes_explicit_steps() && !scenario.adapt.active() && !is_given;
+}
+
 StepPlan plan_steps(const TimeOptions& time, double stable_step, double until) {
     if (!(stable_step >= 0))
         throw BadStep("mesh", "no-stable-step", "the stable step of the mesh is not a number",
@@ -127,7 +133,7 @@ StepPlan plan_steps(const TimeOptions& time, double stable_step, double until) {
 }
 
 StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Model& model, double until) {
-    std::vector<double> stable = stable_steps(model.mesh, model.materials, model.plane);
+    std::vector<double> stable = stable_steps(model);
     double smallest = std::ranges::min(stable);
     if (adapt.active())  // the step holds for all refinements
         smallest = std::min(smallest, guaranteed_step(adapt.size, model.materials, model.plane));

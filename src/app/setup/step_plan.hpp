@@ -21,6 +21,9 @@ struct StepPlan {
     std::int64_t n_at_corners = 0;                // of n_steps: implicit ones that end at corners of tables over time
 };
 
+/// Whether explicit steps follow from triangles whose masses time.mass_scaling could change, and does not.
+bool may_scale_masses(const Scenario& scenario);
+
 /// A step that the mesh does not allow, or step sizes in the wrong order.
 class BadStep : public UserError {
 public:

@@ -143,8 +143,8 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
     const Json record = Json::parse(text_of(made / "run.json"));
     for (const auto& entry : record.items())
         CHECK_MESSAGE(find_output("run.json", entry.key()) != nullptr, entry.key());
-    const std::set<std::string_view> sometimes{"temperature_unit", "reason",     "ended",         "pieces",
-                                               "output_failed",    "adaptation", "scheme_changes"};
+    const std::set<std::string_view> sometimes{"temperature_unit", "reason",     "ended",          "pieces",
+                                               "output_failed",    "adaptation", "scheme_changes", "mass_scaling"};
     for (const Output& row : output_table("run.json").rows)
         CHECK_MESSAGE((sometimes.contains(row.name) || record.contains(row.name)), std::string(row.name));
     for (const auto& [name, value] : record["summary"].items()) {
