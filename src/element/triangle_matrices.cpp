@@ -174,11 +174,14 @@ StableStep::StableStep(const std::vector<Elastic>& materials, PlaneModel plane) 
 }
 
 double StableStep::operator()(const Mesh& mesh, Index triangle) const {
-    const Index m = mesh.region[triangle];
-    const double step =
-        2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, materials_[m], factor_[m])
-                                      : largest_eigenvalue_quadratic(mesh, triangle, materials_[m], plane_));
-    return materials_[m].has_viscosity() ? viscous_step(mesh, triangle, materials_[m], plane_, step) : step;
+    const Elastic elastic = elastic_of(mesh, materials_, triangle);
+    const auto factor = [&]() -> Eigen::Matrix3d {
+        if (mesh.layer_angle.empty()) return factor_[mesh.region[triangle]];
+        return elastic.stiffness(plane_).llt().matrixL();
+    };
+    const double step = 2 / std::sqrt(mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, elastic, factor())
+                                                      : largest_eigenvalue_quadratic(mesh, triangle, elastic, plane_));
+    return elastic.has_viscosity() ? viscous_step(mesh, triangle, elastic, plane_, step) : step;
 }
 
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane) {

@@ -187,7 +187,7 @@ Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, 
         }
     }
     double thermal = 0;
-    const Elastic& material = model.materials[mesh.region[t]];
+    const Elastic material = model.elastic(t);
     if (state.temperature) {  // sigma = D (eps - e A)
         const double* e = &state.temperature->strain[(mesh.order == 1 ? 1 : 3) * t];
         thermal = mesh.order == 1 ? e[0] : 0;
