@@ -47,7 +47,7 @@ double initial_stress_energy(const Model& model) {
     double energy = 0;
     for (Index i = 0; i < std::ssize(model.initial_stress); ++i) {
         const Eigen::Vector3d s(model.initial_stress[i].data());
-        const Eigen::Matrix3d D = model.materials[model.mesh.region[i / n]].stiffness(model.plane);
+        const Eigen::Matrix3d D = model.elastic(i / n).stiffness(model.plane);
         energy += 0.5 * model.mesh.area(i / n) * model.thickness / n * s.dot(D.inverse() * s);
     }
     return energy;

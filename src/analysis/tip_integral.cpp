@@ -100,8 +100,11 @@ void TipIntegral::check_domain(const std::string& probe) const {
     if (radius_ < 4 * edges / n)
         fail(probe, "its radius of " + readable(radius_, "m", 6) + " is less than four edges of " +
                         readable(edges / n, "m", 6) + ": a larger radius or a finer mesh");
-    for (const Index t : triangles_)
+    for (const Index t : triangles_) {
         if (mesh.region[t] != mesh.region[triangles_.front()]) refuse(probe, "another material", mesh.centroid(t));
+        if (!mesh.layer_angle.empty() && mesh.layer_angle[t] != mesh.layer_angle[triangles_.front()])
+            refuse(probe, "another direction of the layers", mesh.centroid(t));
+    }
 }
 
 /// Loads on corners inside the radius: a uniform body force has the same force over mass on all of them.
@@ -220,7 +223,7 @@ TipFactors TipIntegral::factors(const State& state) const {
     constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
     if (!known_ || !stands(state)) return {unknown, unknown, unknown};
     const Mesh& mesh = model_.mesh;
-    Elastic material = model_.materials[mesh.region[triangles_.front()]];
+    Elastic material = model_.elastic(triangles_.front());
     if (material.bedding) material.bedding->angle -= std::atan2(along_.y(), along_.x());
     const double nu = material.nu, shear = material.shear_modulus();
     const double kappa = model_.plane == PlaneModel::strain ? 3 - 4 * nu : (3 - nu) / (1 + nu);

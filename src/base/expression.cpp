@@ -25,6 +25,7 @@ constexpr std::array functions{
     Function{"sin", 1, [](double a, double) { return std::sin(a); }},
     Function{"cos", 1, [](double a, double) { return std::cos(a); }},
     Function{"tan", 1, [](double a, double) { return std::tan(a); }},
+    Function{"atan", 1, [](double a, double) { return std::atan(a); }},
     Function{"tanh", 1, [](double a, double) { return std::tanh(a); }},
     Function{"exp", 1, [](double a, double) { return std::exp(a); }},
     Function{"log", 1, [](double a, double) { return std::log(a); }},

@@ -29,15 +29,15 @@ struct ConstantStrainTriangle {
     double gradient1[2], gradient2[2];  // [1/m] of l_1 and l_2; that of l_0 is minus their sum
     double volume;                      // [m3]
     float threshold;                    // [Pa2] smallest of the three fans, rounded down
-    std::int32_t material;
+    std::int32_t kind;                  // of elastic constants
 };
 static_assert(sizeof(ConstantStrainTriangle) == 48);  // on large meshes the step is limited by memory bandwidth
 
 /// What does not change during a run.
 struct ConstantStrainBody {
     const ConstantStrainTriangle* triangles;
-    const LameConstants* stiffness;  // per material
-    const LayerStiffness* layers;    // per material; read by the kernels of layers
+    const LameConstants* stiffness;  // per kind
+    const LayerStiffness* layers;    // per kind; read by the kernels of layers
     const std::int32_t* fan_of_corner;
     const double* threshold_of_fan;  // [Pa2]
 };

@@ -174,7 +174,7 @@ template <int lanes, class In>
                                                         Numbers<lanes>& s_xx, Numbers<lanes>& s_yy,
                                                         Numbers<lanes>& s_xy) {
     const auto of_layers = [&](double LayerStiffness::*part) __attribute__((always_inline)) {
-        return numbers<lanes>([&](int i) { return of.body.layers[of(i).material].*part; });
+        return numbers<lanes>([&](int i) { return of.body.layers[of(i).kind].*part; });
     };
     using L = LayerStiffness;
     const auto xx_yy = of_layers(&L::xx_yy), xx_xy = of_layers(&L::xx_xy), yy_xy = of_layers(&L::yy_xy);
@@ -187,7 +187,7 @@ template <int lanes, StrainMeasure measure, bool is_viscous, bool has_layers, cl
 [[gnu::always_inline]] inline void find_stress(const Triangles<In>& of, ViscousTriangles* viscous,
                                                Stage<lanes>& stage) {
     const auto volume = stage.volume;
-    const auto elastic = [&](int i) -> const LameConstants& { return of.body.stiffness[of(i).material]; };
+    const auto elastic = [&](int i) -> const LameConstants& { return of.body.stiffness[of(i).kind]; };
     const auto lambda = numbers<lanes>([&](int i) { return elastic(i).lambda; }),
                twice_shear = numbers<lanes>([&](int i) { return elastic(i).twice_shear; });
     const Vectors<lanes> g1 = stage.g1, g2 = stage.g2;

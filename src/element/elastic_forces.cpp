@@ -23,7 +23,7 @@ std::vector<LameConstants> lame_constants(const std::vector<Elastic>& materials,
     return constants;
 }
 
-/// Per material; empty: all are isotropic.
+/// Empty: all are isotropic.
 std::vector<LayerStiffness> layer_stiffness(const std::vector<Elastic>& materials, PlaneModel plane) {
     std::vector<LayerStiffness> layers;
     if (std::ranges::none_of(materials, [](const Elastic& material) { return material.bedding.has_value(); }))
@@ -46,9 +46,10 @@ ConstantStrainForces fastest_kernel(const KernelKind& kind) {
 }  // namespace
 
 ConstantStrainTriangles::ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials,
-                                                 PlaneModel plane, double thickness, StrainMeasure measure)
-    : stiffness_(lame_constants(materials, plane)),
-      layers_(layer_stiffness(materials, plane)),
+                                                 const ElasticKinds& kinds, PlaneModel plane, double thickness,
+                                                 StrainMeasure measure)
+    : stiffness_(lame_constants(kinds.all, plane)),
+      layers_(layer_stiffness(kinds.all, plane)),
       forces_(fastest_kernel({measure, false, !layers_.empty()})),
       viscous_forces_(fastest_kernel({measure, true, !layers_.empty()})),
       viscosity_(viscous_coefficients(mesh, materials, plane)) {
@@ -59,7 +60,7 @@ ConstantStrainTriangles::ConstantStrainTriangles(const Mesh& mesh, const std::ve
                               .gradient2 = {g[2].x(), g[2].y()},
                               .volume = mesh.area(t) * thickness,
                               .threshold = infinite,
-                              .material = mesh.region[t]});
+                              .kind = kinds.of_triangle[t]});
     }
 }
 
@@ -104,22 +105,25 @@ double ConstantStrainTriangles::evaluate(Index first, Index last, const std::vec
 
 QuadraticTriangles::QuadraticTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
                                        double thickness)
-    : stiffness_(lame_constants(materials, plane)), viscosity_(viscous_coefficients(mesh, materials, plane)) {
-    for (const Elastic& material : materials) layers_.push_back(material.stiffness_of_layers(plane));
+    : viscosity_(viscous_coefficients(mesh, materials, plane)) {
+    const ElasticKinds kinds(mesh, materials);
+    stiffness_ = lame_constants(kinds.all, plane);
+    for (const Elastic& kind : kinds.all) layers_.push_back(kind.stiffness_of_layers(plane));
     triangles_.reserve(mesh.n_triangles());
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const auto g = shape_gradients(mesh, t);
-        const Elastic& material = materials[mesh.region[t]];
+        const Index kind = kinds.of_triangle[t];
+        const Elastic& elastic = kinds.all[kind];
         const double volume = mesh.area(t) * thickness;
         const Eigen::Matrix2d R =
-            bubble_stiffness(g, volume, material.first_lame(plane), material.shear_modulus(), layers_[mesh.region[t]]);
+            bubble_stiffness(g, volume, elastic.first_lame(plane), elastic.shear_modulus(), layers_[kind]);
         triangles_.push_back({.gradient1 = g[1],
                               .gradient2 = g[2],
                               .volume = volume,
                               .R_xx = R(0, 0),
                               .R_yy = R(1, 1),
                               .R_xy = R(0, 1),
-                              .material = mesh.region[t]});
+                              .kind = kind});
     }
 }
 
@@ -173,8 +177,8 @@ double QuadraticTriangles::evaluate(Index first, Index last, const std::vector<V
                      L_xy = along1.x() * g[1].y() + along2.x() * g[2].y();
         const double L_yx = along1.y() * g[1].x() + along2.y() * g[2].x(),
                      L_yy = along1.y() * g[1].y() + along2.y() * g[2].y();
-        const LameConstants& elastic = stiffness_[here.material];
-        const std::optional<Eigen::Matrix3d>& layers = layers_[here.material];
+        const LameConstants& elastic = stiffness_[here.kind];
+        const std::optional<Eigen::Matrix3d>& layers = layers_[here.kind];
 
         double s_xx = 0, s_yy = 0, s_xy = 0;  // sum of the three stresses
         Vec2 pull[3], sum = Vec2::Zero();     // V/3 sigma_k g_k, conjugate to d_k

@@ -2,8 +2,7 @@
 // Internal forces of the bulk on the corners of its triangles, and the stress criterion of the interfaces.
 #include "element/bulk_viscosity.hpp"
 #include "element/constant_strain.hpp"
-#include "material/elastic.hpp"
-#include "mesh/mesh.hpp"
+#include "element/elastic_of.hpp"
 
 #include <array>
 #include <cstdint>
@@ -17,15 +16,19 @@ namespace knap {
 class ConstantStrainTriangles {
 public:
     ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness,
-                            StrainMeasure measure);
+                            StrainMeasure measure)
+        : ConstantStrainTriangles(mesh, materials, ElasticKinds(mesh, materials), plane, thickness, measure) {}
     void set_stress_criterion(const std::vector<double>& threshold_of_fan, const std::vector<Index>& fan_of_corner);
     double evaluate(Index first, Index last, const std::vector<Vec2>& displacement,
                     const std::vector<Index>& node_of_corner, Vec2* force, std::vector<std::uint8_t>& fan_is_candidate,
                     ViscousStep* viscous) const;
 
 private:
-    std::vector<LameConstants> stiffness_;  // per material
-    std::vector<LayerStiffness> layers_;    // per material; empty: all are isotropic
+    ConstantStrainTriangles(const Mesh& mesh, const std::vector<Elastic>& materials, const ElasticKinds& kinds,
+                            PlaneModel plane, double thickness, StrainMeasure measure);
+
+    std::vector<LameConstants> stiffness_;  // per kind (elastic_of.hpp)
+    std::vector<LayerStiffness> layers_;    // per kind; empty: all are isotropic
     ConstantStrainForces forces_, viscous_forces_;
     std::vector<ConstantStrainTriangle> triangles_;
     ViscousCoefficients viscosity_;
@@ -48,14 +51,14 @@ private:
         Vec2 gradient1, gradient2;  // [1/m] of l_1 and l_2; that of l_0 is minus their sum
         double volume;              // [m3]
         double R_xx, R_yy, R_xy;    // [N/m]
-        Index material;
+        Index kind;
     };
     Eigen::Vector3d viscous_stress(Index t, Index k, const Index* node, const std::array<Vec2, 3>& g,
                                    const Eigen::Vector3d& strain, ViscousStep& viscous) const;
 
     std::vector<Triangle> triangles_;
-    std::vector<LameConstants> stiffness_;                // per material
-    std::vector<std::optional<Eigen::Matrix3d>> layers_;  // per material
+    std::vector<LameConstants> stiffness_;                // per kind
+    std::vector<std::optional<Eigen::Matrix3d>> layers_;  // per kind
     ViscousCoefficients viscosity_;
     std::vector<std::array<float, 6>> limit2_;  // [N^2] per triangle: squared threshold of the forces on corners 0 to 5
     std::vector<Index> fan_of_corner_;

@@ -15,18 +15,20 @@ double product(const Eigen::Matrix2d& A, const Eigen::Matrix2d& B) { return A.cw
 
 GreenStep::GreenStep(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, double thickness)
     : mesh_(mesh), thickness_(thickness) {
-    for (const Elastic& material : materials) {
-        stiffness_.push_back({material.first_lame(plane), 2 * material.shear_modulus()});
-        layers_.push_back(material.stiffness_of_layers(plane));
-        expansion_.push_back(material.expansion_in_plane(plane));
+    ElasticKinds kinds(mesh, materials);
+    for (const Elastic& kind : kinds.all) {
+        stiffness_.push_back({kind.first_lame(plane), 2 * kind.shear_modulus()});
+        layers_.push_back(kind.stiffness_of_layers(plane));
+        expansion_.push_back(kind.expansion_in_plane(plane));
     }
+    kind_ = std::move(kinds.of_triangle);
 }
 
 Eigen::Matrix2d GreenStep::stress_of(const Eigen::Matrix2d& strain, Index t) const {
-    const LameConstants& elastic = stiffness_[mesh_.region[t]];
+    const LameConstants& elastic = stiffness_[kind_[t]];
     Eigen::Matrix2d stress =
         elastic.lambda * strain.trace() * Eigen::Matrix2d::Identity() + elastic.twice_shear * strain;
-    if (const auto& layers = layers_[mesh_.region[t]]) stress += stress_matrix(*layers * strain_of(strain));
+    if (const auto& layers = layers_[kind_[t]]) stress += stress_matrix(*layers * strain_of(strain));
     return stress;
 }
 

@@ -10,8 +10,7 @@
 // dissipation of the scheme; they have no resultant, and no moment about the places in the middle of the step. E+ - E
 // is found from Delta without cancellation.
 #include "element/constant_strain.hpp"
-#include "material/elastic.hpp"
-#include "mesh/mesh.hpp"
+#include "element/elastic_of.hpp"
 
 #include <span>
 #include <vector>
@@ -55,10 +54,11 @@ private:
     /// [Pa] D applied to a symmetric strain of a triangle.
     Eigen::Matrix2d stress_of(const Eigen::Matrix2d& strain, Index triangle) const;
     /// [-] A
-    const Eigen::Matrix2d& expansion(Index triangle) const { return expansion_[mesh_.region[triangle]]; }
+    const Eigen::Matrix2d& expansion(Index triangle) const { return expansion_[kind_[triangle]]; }
 
     const Mesh& mesh_;
-    // per material
+    std::vector<Index> kind_;  // per triangle (elastic_of.hpp)
+    // per kind
     std::vector<LameConstants> stiffness_;
     std::vector<std::optional<Eigen::Matrix3d>> layers_;
     std::vector<Eigen::Matrix2d> expansion_;  // [-] A

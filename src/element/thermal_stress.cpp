@@ -11,13 +11,14 @@ namespace knap {
 ThermalStress::ThermalStress(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
                              double thickness, bool large_rotation)
     : mesh_(mesh), order_(mesh.order), large_rotation_(large_rotation) {
-    for (const Elastic& material : materials) {
-        const Eigen::Matrix2d A = material.expansion_in_plane(plane);
+    ElasticKinds kinds(mesh, materials);
+    for (const Elastic& kind : kinds.all) {
+        const Eigen::Matrix2d A = kind.expansion_in_plane(plane);
         Eigen::Matrix2d P = Eigen::Matrix2d::Identity();
-        if (material.bedding)
-            P = material.stress_of_expansion(plane) / (2 * (material.first_lame(plane) + material.shear_modulus()));
+        if (kind.bedding) P = kind.stress_of_expansion(plane) / (2 * (kind.first_lame(plane) + kind.shear_modulus()));
         directions_.push_back({A, P, A.cwiseProduct(P).sum()});
     }
+    kind_ = std::move(kinds.of_triangle);
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
         const Elastic& material = materials[mesh.region[t]];
         const Vec2 origin = mesh.corner(t, 0);

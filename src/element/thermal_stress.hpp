@@ -7,8 +7,7 @@
 // With large rotations (of order 1): S = D (E - e A), forces V p F P grad l_k, which turn with the body.
 //
 // Strains are given as in Temperatures: one per triangle, or three at the middles of its edges for order 2.
-#include "material/elastic.hpp"
-#include "mesh/mesh.hpp"
+#include "element/elastic_of.hpp"
 
 #include <cstdint>
 #include <span>
@@ -71,10 +70,11 @@ private:
         Eigen::Matrix2d strain, stress;  // [-] A, P
         double product;                  // [-] A : P
     };
-    const Directions& directions(Index triangle) const { return directions_[mesh_.region[triangle]]; }
+    const Directions& directions(Index triangle) const { return directions_[kind_[triangle]]; }
 
     const Mesh& mesh_;
-    std::vector<Directions> directions_;  // per material
+    std::vector<Directions> directions_;  // per kind (elastic_of.hpp)
+    std::vector<Index> kind_;             // per triangle
     Index order_;
     bool large_rotation_;
     std::vector<Triangle> triangles_;

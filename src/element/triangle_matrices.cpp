@@ -175,12 +175,15 @@ StableStep::StableStep(const std::vector<Elastic>& materials, PlaneModel plane) 
 }
 
 double StableStep::operator()(const Mesh& mesh, Index triangle, double mass_factor) const {
-    const Index m = mesh.region[triangle];
-    const Elastic& material = materials_[m];
-    const double eigenvalue = mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, material, factor_[m])
-                                              : largest_eigenvalue_quadratic(mesh, triangle, material, plane_),
+    const Elastic elastic = elastic_of(mesh, materials_, triangle);
+    const auto factor = [&]() -> Eigen::Matrix3d {
+        if (mesh.layer_angle.empty()) return factor_[mesh.region[triangle]];
+        return elastic.stiffness(plane_).llt().matrixL();
+    };
+    const double eigenvalue = mesh.order == 1 ? largest_eigenvalue_linear(mesh, triangle, elastic, factor())
+                                              : largest_eigenvalue_quadratic(mesh, triangle, elastic, plane_),
                  step = 2 / std::sqrt(eigenvalue / mass_factor);
-    return material.has_viscosity() ? viscous_step(mesh, triangle, material, plane_, step, mass_factor) : step;
+    return elastic.has_viscosity() ? viscous_step(mesh, triangle, elastic, plane_, step, mass_factor) : step;
 }
 
 std::vector<double> stable_steps(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,

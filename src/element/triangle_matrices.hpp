@@ -3,9 +3,8 @@
 //     order 1:  K_ij = V [ lambda g_i g_j' + mu (g_j g_i' + g_i . g_j I) ]
 //     order 2:  the mean of that over the middles of the edges with middle_gradients, plus R of the bubble
 //               (shape_functions.hpp)
+#include "element/elastic_of.hpp"
 #include "element/mass_matrix.hpp"
-#include "material/elastic.hpp"
-#include "mesh/mesh.hpp"
 
 #include <span>
 

@@ -77,10 +77,9 @@ std::uint32_t piece(const PointLaw& law, const Multipliers& at, const PointRespo
     return state;
 }
 
-/// The response if the cohesive impulse is c. Returned: kappa times that which the ramp gives at the rates omega that c
-/// leaves.
-double respond_to_cohesion(const PointLaw& law, const Multipliers& at, double w_N, double w_T, double c,
-                           PointResponse& r) {
+/// The response if the cohesive impulse is c, at the rates omega that it leaves. Returned: s where the ramp looks at
+/// it; with vertical unloading s - kappa, without cancellation.
+double opening_under(const PointLaw& law, const Multipliers& at, double w_N, double w_T, double c, PointResponse& r) {
     const double h = law.step->h, kick = law.reach(), held = at.contact - law.strength * law.cohesion;
     r = {.cohesion_theta = c / law.strength};
     double omega_N = w_N, omega_T = w_T;
@@ -106,23 +105,29 @@ double respond_to_cohesion(const PointLaw& law, const Multipliers& at, double w_
     else if (!std::isinf(at.rho_T)) omega_T += (r.tangential - at.tangential) / at.rho_T;
     const bool has_no_slip = r.sticks && r.cohesion_sign == 0 && law.material->gamma * c > 0;
     const double mean_N = r.lands ? 0 : law.u_N + kick * omega_N, mean_T = has_no_slip ? 0 : law.u_T + kick * omega_T,
-                 end_T = law.u_T + h * omega_T, s = law.material->equivalent_opening(mean_N, mean_T);
+                 end_T = law.u_T + h * omega_T;
     const auto sign = [](double x) { return x > 0 ? 1.0 : x < 0 ? -1.0 : 0.0; };
     update_cohesion(law, law.u_N + h * omega_N, end_T, r);
     r.full_cohesion = std::exchange(r.cohesion_theta, c / law.strength);
-    r.on_ramp = law.on_ramp(s);
-    r.ramp_part = law.ramp_part(s);
     r.opens_on_ramp = mean_N > 0;
     r.cohesion_sign = sign(mean_T), r.end_sign = sign(end_T);
-    return law.strength * r.full_cohesion * std::clamp(s - law.ramp_foot(), 0.0, law.ramp);
+    if (!law.drops) return law.material->equivalent_opening(mean_N, mean_T);
+    const double grows_N = mean_N > 0 && law.u_N > 0 ? kick * omega_N : std::max(mean_N, 0.0) - std::max(law.u_N, 0.0),
+                 grows_T = mean_T * law.u_T > 0 ? kick * omega_T * sign(law.u_T) : std::abs(mean_T) - std::abs(law.u_T);
+    return law.below + grows_N + law.material->gamma * grows_T;
 }
 
-/// [kg m] kappa dc/d omega of c = C beta_theta min(s/kappa, 1), s in the middle of the step, beta_theta of its end.
+/// [m] Of the ramp, where c is a function of s: what is held at kappa is not.
+double ramp_width(const PointLaw& law, const PointResponse& r) { return law.drops && r.on_ramp ? 0 : law.ramp; }
+
+/// [kg m] kappa dc/d omega of c = C beta_theta min(s/kappa, 1), s in the middle of the step, beta_theta of its end. At
+/// the kappa of vertical unloading its direction alone counts.
 Vec2 ramp_slope(const PointLaw& law, const PointResponse& r, Softening softening) {
     const double gamma = law.material->gamma;
     Vec2 slope = Vec2::Zero();
     if (r.on_ramp)
         slope = law.strength * r.full_cohesion * law.reach() * Vec2(r.opens_on_ramp, gamma * r.cohesion_sign);
+    if (law.drops && r.on_ramp) return slope;
     if ((softening != Softening::none && r.softens) || (softening == Softening::at_all && r.breaks))
         slope -= law.ramp * r.ramp_part * softening_modulus(law, r, softening) *
                  Vec2(r.opens ? r.damage.x() : 0, r.damage.y() * r.end_sign);
@@ -145,7 +150,9 @@ PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double
     const double full = law.strength * law.cohesion;
     double low = 0, high = full, c = full;
     for (int i = 0; i < max_iterations; ++i) {
-        const double beyond = law.ramp * c - respond_to_cohesion(law, at, w_N, w_T, c, r);
+        const double s = opening_under(law, at, w_N, w_T, c, r);
+        r.on_ramp = s < law.ramp && s >= 0, r.ramp_part = std::clamp(s / law.ramp, 0.0, 1.0);
+        const double beyond = law.ramp * c - law.strength * r.full_cohesion * std::clamp(s, 0.0, law.ramp);
         (beyond > 0 ? high : low) = c;
         const Vec2 moves = rates_of_cohesion(law, at, r, at.friction_follows ? rubs(law, r) : 0);
         double next = c - beyond / (law.ramp + ramp_slope(law, r, Softening::now).dot(moves));
@@ -157,11 +164,53 @@ PointResponse respond_on_ramp(const PointLaw& law, const Multipliers& at, double
     return r;
 }
 
+/// Vertical unloading: c = C beta_theta beyond kappa, 0 below, and between them the c that leaves kappa. s falls with
+/// c, and c - C beta_theta grows.
+PointResponse respond_at_largest(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
+    PointResponse r;
+    const double full = law.strength * law.cohesion;
+    double low = 0, high = full, c = full;
+    bool held = false;  // with the cohesion `high` it is below kappa, and with less it is not
+    for (int i = 0; i < max_iterations; ++i) {
+        const double beyond = opening_under(law, at, w_N, w_T, c, r), excess = c - law.strength * r.full_cohesion;
+        r.ramp_part = beyond >= 0;
+        if (beyond < 0 ? c == 0 : std::abs(excess) <= rounding * full) {
+            held = false;
+            break;
+        }
+        held = beyond < 0 || (held && excess < 0);
+        (beyond < 0 || excess > 0 ? high : low) = c;
+        const Vec2 moves = rates_of_cohesion(law, at, r, at.friction_follows ? rubs(law, r) : 0);
+        const double opens =  // [m/(N s)] -ds/dc
+            law.reach() * (r.opens_on_ramp * moves.x() + law.material->gamma * r.cohesion_sign * moves.y());
+        double next = opens > 0 ? c + beyond / opens : beyond < 0 ? low : high;
+        if (beyond >= 0) {
+            const double soft = c - excess / (1 + ramp_slope(law, r, Softening::now).dot(moves) / law.ramp);
+            next = excess > 0 ? soft : std::min(soft, next);
+        }
+        if (std::abs(next - c) <= rounding * full || high - low <= rounding * full) break;
+        if (i == 0 && beyond < 0) next = 0;  // most are far below
+        else if (i % 4 == 3 || !(next > low && next < high)) next = 0.5 * (low + high);
+        c = next;
+    }
+    r.on_ramp = held;
+    if (held) {
+        if (law.material->relaxation_time == 0) {
+            r.full_cohesion = r.end_cohesion = law.cohesion;
+            r.softens = r.breaks = false;
+        }
+        r.ramp_part = r.full_cohesion > 0 ? c / (law.strength * r.full_cohesion) : 0;
+    }
+    r.state = piece(law, at, r);
+    return r;
+}
+
 /// omega = w + (q - q^)/rho where it is free, q = (p - pull c, -gamma c sgn - mu p sgn), dc = slope . d omega/kappa.
 Eigen::Matrix2d ramp_tangent(const PointLaw& law, const Multipliers& at, const PointResponse& r, Softening softening,
                              double friction) {
     Vec2 slope = ramp_slope(law, r, softening);
-    slope /= law.ramp + slope.dot(rates_of_cohesion(law, at, r, friction));
+    const double falls = ramp_width(law, r) + slope.dot(rates_of_cohesion(law, at, r, friction));
+    slope = falls > 0 ? Vec2(slope / falls) : Vec2(Vec2::Zero());
     if (r.closed) slope.x() = friction * at.rho_N / at.rho_T * slope.y();
     if (r.lands || (r.closed && r.sticks)) slope.x() = 0;
     if (r.sticks) slope.y() = 0;
@@ -287,7 +336,7 @@ void PointLaw::set_staircase() {
 
 PointResponse respond(const PointLaw& law, const Multipliers& at, double w_N, double w_T) {
     if (law.is_curved()) return respond_by_norm(law, at, w_N, w_T);
-    if (law.ramp > 0) return respond_on_ramp(law, at, w_N, w_T);
+    if (law.ramp > 0) return law.drops ? respond_at_largest(law, at, w_N, w_T) : respond_on_ramp(law, at, w_N, w_T);
     PointResponse r;
     r.contact = law.contact.may_touch ? std::max(0.0, at.contact - at.rho_N * (w_N - law.contact.rate)) : 0;
     r.closed = r.contact > 0;

@@ -15,8 +15,10 @@
 // a slip reverses the force takes every value between those of its two signs. (With the ramp at w it jumped there, and
 // equations with such a point had no solution.)
 //
-// Vertical unloading: the factor is clamp(1 + (s - kappa)/d, 0, 1) with s at the end of the step, u + h w, and a width
-// d so small that it is anything in [0, 1] at kappa.
+// Vertical unloading: the factor is 0 for s < kappa, 1 for s > kappa and anything in [0, 1] at kappa, with s at the end
+// of the step, u + h w. The resolvent finds it there as that of a contact: what is held at kappa has the force that its
+// rates ask for. (With a step of some width its slope decided how redundant points round a vertex share their forces,
+// and multipliers on softer springs followed it in some hundred rounds.)
 //
 // A law that is no staircase (norm_law.hpp) is a projection already: with the multipliers q^ its impulse is
 // project(q^ - rho w), and -dq/dw is rho times its slope.
@@ -48,8 +50,9 @@ struct PointLaw {
     double strength;  // [N s] C = theta h S sigma_c; 0: no cohesion left
     double cohesion;  // [-] beta at its start
     const CohesiveLaw* material;
-    double ramp = 0;               // [m] kappa of secant unloading, d of vertical unloading; 0: none
-    double floor = 0;              // [m] kappa of vertical unloading
+    double ramp = 0;               // [m] kappa of secant and vertical unloading; 0: none
+    bool drops = false;            // vertical unloading
+    double below = 0;              // [m] then s - kappa at the start of the step; 0: it is there but for rounding
     double friction;               // [-] Coulomb's mu; 0 where the scheme neglects friction, of a table any other
     PressedFriction pressed = {};  // in place of mu p
     ContactBound contact;
@@ -74,19 +77,13 @@ struct PointLaw {
     bool holds_cohesion() const { return ramp > 0 || is_curved(); }
     /// [s] From the start of the step to where the cohesion looks at the opening.
     double reach() const { return reach_part() * step->h; }
-    double reach_part() const { return ramp > 0 && floor == 0 ? step->theta : 1; }
-    /// [-] min(s/kappa, 1), or the step at kappa, and whether it grows with s there.
-    double ramp_part(double s) const { return std::clamp((s - ramp_foot()) / ramp, 0.0, 1.0); }
-    bool on_ramp(double s) const { return s < ramp_foot() + ramp && s >= ramp_foot(); }
+    double reach_part() const { return ramp > 0 && !drops ? step->theta : 1; }
     /// [m] The energy that the traction of full cohesion gives back, over it.
-    double stored(double s) const {
-        return floor > 0 ? std::max(s - floor, 0.0) : CohesiveLaw::stored_opening(ramp, s);
-    }
-    double ramp_foot() const { return floor > 0 ? floor - ramp : 0; }  // [m]
+    double stored(double s) const { return drops ? std::max(s - ramp, 0.0) : CohesiveLaw::stored_opening(ramp, s); }
     /// With a ramp: its sides may overlap where it looks at them.
     bool may_overlap() const { return u_N + reach() * contact.rate < -1e-12 * material->delta_c(); }
-    /// [kg] A step at kappa is as stiff as a contact: the multipliers find its force.
-    double ramp_stiffness() const { return ramp > 0 && floor == 0 ? strength * cohesion * step->kick() / ramp : 0; }
+    /// [kg] What is held at kappa is as stiff as a contact: the multipliers find its force.
+    double ramp_stiffness() const { return ramp > 0 && !drops ? strength * cohesion * step->kick() / ramp : 0; }
 };
 
 /// The iterate of the method of multipliers.
@@ -104,9 +101,10 @@ struct PointResponse {
     double friction_part = 0;                     // [N s] friction of q_T
     double cohesion_theta = 0, end_cohesion = 0;  // [-] beta_theta, beta+
     // with a ramp: full_cohesion times ramp_part is cohesion_theta
-    double full_cohesion = 0, ramp_part = 1;      // [-]
-    bool on_ramp = false, opens_on_ramp = false;  // ramp_part grows; u_N > 0 where the ramp looks at it
-    double end_sign = 0;                          // of the slip at the end of the step
+    double full_cohesion = 0, ramp_part = 1;  // [-]
+    bool on_ramp = false;                     // ramp_part grows with s; vertical unloading: it is held at kappa
+    bool opens_on_ramp = false;               // u_N > 0 where the ramp looks at it
+    double end_sign = 0;                      // of the slip at the end of the step
     double pull = 1;          // [-] part of the cohesion that acts along N: none where the ramp overlaps
     bool lands = false;       // the ramp rests where the overlap begins, and pull is what it takes
     int piece = 0;            // of the softening branch, where it softens

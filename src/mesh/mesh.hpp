@@ -47,6 +47,7 @@ struct Mesh {
     std::vector<std::array<Index, 3>> triangles;  // counterclockwise
     std::vector<Index> region;                    // material index, one per triangle
     std::vector<Index> grain;                     // one per triangle, -1 = in none; empty = there are none
+    std::vector<double> layer_angle;              // [rad] of layers, one per triangle; empty: that of its material
     std::vector<InteriorEdge> interior_edges;
     std::vector<BoundaryEdge> boundary_edges;
     std::vector<std::string> boundary_names;

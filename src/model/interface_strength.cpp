@@ -26,7 +26,7 @@ void weaken_by_bedding(const StrengthOverBedding& over, const Model& model, cons
     double strength = infinity, energy = infinity;
     for (const Index t : interface.triangle) {
         if (t == rigid_support) continue;
-        const auto& bedding = model.materials[model.mesh.region[t]].bedding;
+        const std::optional<Bedding> bedding = model.elastic(t).bedding;
         if (!bedding) continue;
         const double angle = acute_angle(std::atan2(along.y(), along.x()), bedding->angle);
         strength = std::min(strength, over.strength(angle)), energy = std::min(energy, over.energy(angle));

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <numeric>
 
 namespace knap {
@@ -379,6 +380,20 @@ void start_as_driven(Model& model) {
     }
 }
 
+/// The layers of a triangle have the angle of the field at its centroid.
+void turn_layers(const std::vector<std::shared_ptr<const PlaceField>>& fields, Model& model) {
+    if (std::ranges::all_of(fields, [](const auto& field) { return field == nullptr; })) return;
+    Mesh& mesh = model.mesh;
+    mesh.layer_angle.clear();
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const PlaceField* const field = fields[mesh.region[t]].get();
+        const std::optional<Bedding>& bedding = model.materials[mesh.region[t]].bedding;
+        mesh.layer_angle.push_back(field     ? field->at_start(mesh.centroid(t))[0] * std::numbers::pi / 180
+                                   : bedding ? bedding->angle
+                                             : 0);
+    }
+}
+
 /// An acceleration of everything, such as gravity, acts on free obstacles, too.
 void weigh_obstacles(const std::vector<Load>& loads, Model& model) {
     for (Obstacle& obstacle : model.obstacles)
@@ -414,6 +429,7 @@ Model make_model(ModelInput input) {
                 .thickness = input.thickness,
                 .materials = input.materials,
                 .laws = input.laws};
+    turn_layers(input.layer_angle, model);
     if (input.mass_scaling > 0)
         model.mass_factor = scale_masses(model.mesh, model.materials, model.plane,
                                          stable_steps(model.mesh, model.materials, model.plane), input.mass_scaling)

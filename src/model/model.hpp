@@ -9,10 +9,9 @@
 //
 // A fan consists of the corners round a mesh vertex, counterclockwise, and the points between them; or of the one or
 // two corners in the middle of an edge and their point; or of the centre of a triangle.
+#include "element/elastic_of.hpp"
 #include "material/cohesive_law.hpp"
-#include "material/elastic.hpp"
 #include "material/strength_over_bedding.hpp"
-#include "mesh/mesh.hpp"
 #include "microstructure/scatter.hpp"
 #include "model/ground.hpp"
 #include "model/heat.hpp"
@@ -121,6 +120,8 @@ struct ModelInput {
     std::vector<Scatter> scatter;                   // by law; empty = no law scatters
     std::uint64_t seed = 1;                         // of the scatter
     std::vector<StrengthOverBedding> over_bedding;  // by law; empty = no law follows the layers
+    // [deg] by material, null where the layers have the angle of the material; makes Mesh::layer_angle
+    std::vector<std::shared_ptr<const PlaceField>> layer_angle;
     std::vector<Load> loads;
     std::vector<CrackPressure> crack_pressures;
     std::vector<Support> supports;
@@ -196,6 +197,7 @@ struct Model {
         const auto gone = [&](Index triangle) { return triangle != rigid_support && vanished[triangle]; };
         return !vanished.empty() && (gone(interface.triangle[0]) || gone(interface.triangle[1]));
     }
+    Elastic elastic(Index triangle) const { return elastic_of(mesh, materials, triangle); }
     /// [kg] Of its material: that which takes up heat.
     double material_mass(Index triangle) const {
         return materials[mesh.region[triangle]].density * mesh.area(triangle) * thickness;

@@ -20,6 +20,7 @@ void take_mesh(const Mesh& whole, PartOfBody& part) {
         mesh.triangles.push_back({number[a], number[b], number[c]});
         mesh.region.push_back(whole.region[t]);
         if (!whole.grain.empty()) mesh.grain.push_back(whole.grain[t]);
+        if (!whole.layer_angle.empty()) mesh.layer_angle.push_back(whole.layer_angle[t]);
     }
     mesh.boundary_names = {""};
     for (const BoundaryEdge& edge : whole.boundary_edges)

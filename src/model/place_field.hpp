@@ -1,5 +1,5 @@
 #pragma once
-// A stress, traction or pressure over place and time, as a scenario gives it.
+// A stress, traction, pressure or angle over place and time, as a scenario gives it.
 #include "base/error.hpp"
 #include "base/expression.hpp"
 #include "base/vec.hpp"
@@ -17,7 +17,7 @@ class BadPlace;
 struct PlaceField {
     struct Formula {
         Expression of_place;
-        double unit = 1;  // [Pa] of its values
+        double unit = 1;  // of its values, in that of the key
     };
     std::string path;  // of the key in the scenario
     std::string text;  // its value there
@@ -26,9 +26,9 @@ struct PlaceField {
     std::shared_ptr<const PointTable> table = nullptr;  // in the place of the formulas
 
     bool depends_on_time() const;
-    /// [Pa] Throws BadPlace where the points of the table do not reach.
+    /// In the unit of the key: Pa, deg. Throws BadPlace where the points of the table do not reach.
     std::array<double, 3> at(const Vec2& place, double t) const;
-    /// [Pa] At t = 0. Throws BadPlace also where a formula is no finite number, or a table reaches at some times alone.
+    /// At t = 0. Throws BadPlace also where a formula is no finite number, or a table reaches at some times alone.
     std::array<double, 3> at_start(const Vec2& place) const;
 
 private:

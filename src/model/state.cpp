@@ -121,7 +121,8 @@ Rotation point_frame(const Model& model, const State& state, const FanPoint& poi
         return frame_of(model, state, std::array<Index, 2>{at.before, at.after});
     };
     const Rotation own = own_frame(point);
-    if (!model.laws[point.law].over_pressure) return own;
+    const CohesiveLaw& law = model.laws[point.law];
+    if (!law.over_pressure && law.coupling != Coupling::norm) return own;
     const FanPoint* beyond = same_face_beyond(model, point);
     if (!beyond || beyond->on_support()) return own;
     const double angle = angle_of(from_to(own, own_frame(*beyond))),
@@ -187,7 +188,7 @@ Eigen::Vector4d stress_with_zz(const Model& model, const State& state, Index t, 
         }
     }
     double thermal = 0;
-    const Elastic& material = model.materials[mesh.region[t]];
+    const Elastic material = model.elastic(t);
     if (state.temperature) {  // sigma = D (eps - e A)
         const double* e = &state.temperature->strain[(mesh.order == 1 ? 1 : 3) * t];
         thermal = mesh.order == 1 ? e[0] : 0;

@@ -190,12 +190,13 @@ void split(const Model& model, Index fan, State& state);
 /// Large rotations: R of the polar decomposition of the sum of m F over the corners of the fan (F = R U of their
 /// triangles, m their masses). The identity if rotations are small, and on a support, which does not turn.
 Rotation fan_frame(const Model& model, const State& state, const Fan& fan);
-/// Under friction over pressure: the point beyond the vertex of a point, on the same face, which turns by less than 0.2
-/// rad there, with the same law; null: there is none.
+/// The point beyond the vertex of a point, on the same face, which turns by less than 0.2 rad there, with the same law;
+/// null: there is none.
 const FanPoint* same_face_beyond(const Model& model, const FanPoint& point);
 /// Mean rotation of the two triangles beside a point of a split fan, whose parts turn by themselves. Under friction
-/// over pressure two points of a face have one frame, the mean of theirs, unless they turn apart by more than 0.01 rad:
-/// strains turn them by less, and with normals of their own one of them alone would bear what presses on both.
+/// over pressure, and with the norm, two points of a face have one frame, the mean of theirs, unless they turn apart by
+/// more than 0.01 rad: strains turn them by less, and with normals of their own one of them alone would bear what
+/// presses on both, and a slip that both follow would contradict the contact of one.
 Rotation point_frame(const Model& model, const State& state, const FanPoint& point);
 
 /// [N] Of a load of factor 1.

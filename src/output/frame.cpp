@@ -90,6 +90,7 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
             if (state.motion != Motion::deformable)
                 frame.piece_state.push_back(static_cast<std::int32_t>(state.piece_state(t)));
             if (!mesh.grain.empty()) frame.grain.push_back(mesh.grain[t]);
+            if (!mesh.layer_angle.empty()) frame.layer_angle.push_back(mesh.layer_angle[t] / degree);
         }
 }
 

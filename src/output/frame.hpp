@@ -44,6 +44,7 @@ struct Frame {
     bool celsius = false;                   // temperatures are in degrees Celsius
     std::vector<std::int32_t> region;       // per triangle
     std::vector<std::int32_t> grain;        // per triangle, -1: in none; empty where the body has no grains
+    std::vector<double> layer_angle;        // [deg] per triangle; empty where no layers have angles by place
     std::vector<std::int32_t> piece_state;  // per triangle, PieceState; empty without [rigid]
     std::vector<std::int32_t> fragment;     // per triangle, 0 the heaviest; empty where it is not known
 

@@ -194,6 +194,8 @@ const std::vector<FramePart>& parts() {
                                      "number of the material of a triangle, in the order of `materials` of run.json"),
           stored<Int, 1, &F::grain>(cells, "grain", "", "number of the grain, -1: none; only where there are grains",
                                     true),
+          stored<Float, 1, &F::layer_angle>(cells, "layer_angle", "deg",
+                                            "angle of the layers to x; only where that of a bedding varies", true),
           stored<Int, 1, &F::piece_state>(cells, "piece_state", "",
                                           "0: its piece is deformable, 1: rigid, 2: asleep; with [rigid]", true),
           stored<Int, 1, &F::fragment>(

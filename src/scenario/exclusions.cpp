@@ -90,6 +90,8 @@ std::span<const Exclusion> exclusions() {
          "bodies that touch have vertices at one place, where a triangulation of new triangles has one"},
         {"[adapt]", "[[excavation]]", "triangles that vanished keep their numbers, and a new mesh has others"},
         {"[adapt]", "scatter", "a new interface would draw its strength anew; with a `correlation` it has a place"},
+        {"[adapt]", "bedding.angle by place",
+         "a finer triangle would have layers of another direction, and the energy of its stress would change"},
         {"[adapt]", "[[collector]]", "the pieces that it follows are sets of triangles, and these are replaced"},
         {"[adapt]", "a probe of an interface or of a tip", "the edges that it watches are replaced"},
     };

@@ -218,8 +218,10 @@ void add_keys_of_microstructure(KeyTable& t) {
         .above(-1).below(1).required().to(&Bedding::nu);
     t.number("G", "Pa", "shear modulus along the layers").above(0).computed("Saint-Venant's rule, 1/G = 1/E_along + "
         "(1 + 2 nu)/E").to(&Bedding::G);
-    t.number("angle", "deg", "of the layers to the x axis, counterclockwise, in the body as it is placed")
-        .otherwise("0").to(&Bedding::angle, radians);
+    t.number("angle", "deg", "of the layers to the x axis, counterclockwise, in the body as it is placed: a number, a "
+        "formula of x and y [m] (folds: \"atan(0.3*cos(20*x)) rad\"), or a csv file with columns `x [m], y [m], angle "
+        "[deg]` as that of the stress of [[initial]], taken at the centroid of every triangle")
+        .otherwise("0").or_formula().to(&Bedding::angle, radians);
 
     t.list("inclusions[]", "random discs or polygons of a material, or pores, that touch neither each other nor "
         "boundaries nor cracks");

@@ -51,8 +51,8 @@ void add_keys_of_heat(KeyTable& t) {
         "the body. With [contact] heat crosses free faces where they press on each other");
     t.number("reference", "K", "temperature without thermal strain").otherwise("0").to(&Heat::reference);
     t.text("temperature", "the temperature as \"400 C\", or as a formula of x, y [m] and t [s], as "
-        "\"20 + 300*exp(-x/0.01)\", with + - * / ^ ( ) pi sin cos tan tanh exp log sqrt abs erf erfc min max; or a "
-        "file \"NAME.csv\" with lines `x, y, temperature` or `x, y, t, temperature` in any order, one for each place "
+        "\"20 + 300*exp(-x/0.01)\", with + - * / ^ ( ) pi sin cos tan atan tanh exp log sqrt abs erf erfc min max; or "
+        "a file \"NAME.csv\" with lines `x, y, temperature` or `x, y, t, temperature` in any order, one for each place "
         "of a grid, linear between them and constant outside; prescribed, with conduction that of the start; a "
         "factor over time, by at most one of ramp, table, csv, multiplies its difference to the reference. \"frozen\": "
         "that of the run from which this one starts, which stays").required().unit = "K";

@@ -38,6 +38,9 @@ void exclude_others(Reading& reading, const Table& table) {
                                 }),
             "a probe of an interface or of a tip", "a probe of a place or of a stress");
     exclude(!scenario.collectors.empty(), "[[collector]]", fine_from_start);
+    exclude(std::ranges::any_of(scenario.materials,
+                                [](const NamedMaterial& material) { return material.layer_angle != nullptr; }),
+            "bedding.angle by place", fine_from_start);
     for (const NamedLaw& law : scenario.laws)
         exclude(law.scatter.any() && law.scatter.correlation == 0, "scatter",
                 "`interface." + law.name + ".scatter.correlation`, a length over which strengths are alike");

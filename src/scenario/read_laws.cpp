@@ -138,6 +138,7 @@ CohesiveLaw read_law(const Table& table) {
     };
     needs("mode_mix", "G_II"), needs("mix_exponent", "G_II");
     needs("kinetic_friction", "slip_distance"), needs("slip_distance", "kinetic_friction");
+    if (!table.given("friction_table") && !law.over_pressure) needs("kinetic_friction", "friction");
     if (table.given("G_II") && !has_cohesion)
         table.error("exclusive-keys", "G_II", "belongs to a law with cohesion, and this one has no strength");
     else if (law.has_mode_mix() && law.gamma == 0)
@@ -304,7 +305,7 @@ std::optional<Index> named_law(const Table& table) {
 /// G' of Saint-Venant's rule where none is given: 1/G' = 1/E + (1 + 2 nu')/E'.
 static Bedding read_bedding(const Table& table, const Elastic& along) {
     Bedding across;
-    table.fill(across);
+    table.fill(across);                                    // its angle where that is a number
     if (!(across.E > 0) || !(along.E > 0)) return across;  // reported
     if (!table.given("G")) across.G = 1 / (1 / along.E + (1 + 2 * across.nu) / across.E);
     // every stress must do positive work: the compliance in space is positive definite
@@ -324,10 +325,14 @@ void read_materials(Reading& reading) {
         if (table.name().find('-') != std::string::npos)
             table.error("bad-name", "", "has a `-` in the name of the material",
                         "- joins two materials in [interface.A-B]; use _");
-        Elastic& elastic = materials.emplace_back(NamedMaterial{.name = table.name(), .elastic = {}}).elastic;
-        table.fill(elastic);
-        if (const Table layers = table.table("bedding"); layers.given())
-            elastic.bedding = read_bedding(layers, elastic);
+        NamedMaterial& material = materials.emplace_back(NamedMaterial{.name = table.name(), .elastic = {}});
+        table.fill(material.elastic);
+        const Table layers = table.table("bedding");
+        if (!layers.given()) continue;
+        material.elastic.bedding = read_bedding(layers, material.elastic);
+        material.layer_angle = read_place_field(layers, "angle", {"angle"});
+        if (material.layer_angle && material.layer_angle->depends_on_time())
+            layers.error("bad-formula", "angle", "depends on t, and layers do not turn", "a formula of x and y");
     }
     if (reading.values.has("material") && materials.empty())
         reading.table("material").error("missing-key", "", "has no material", "write [material.NAME]");

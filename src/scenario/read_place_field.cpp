@@ -1,4 +1,4 @@
-// A stress, traction or pressure that varies: formulas of x, y and t, or a csv file of points.
+// A stress, traction, pressure or angle that varies: formulas of x, y and t, or a csv file of points.
 #include "base/error.hpp"
 #include "scenario/formulas.hpp"
 #include "scenario/reading.hpp"
@@ -50,12 +50,13 @@ constexpr int max_point_reports = 5;  // of the mistakes of one file
 class PointFile {
 public:
     PointFile(const Table& table, const std::string& key, const std::string& bytes,
-              const std::vector<std::string>& columns)
-        : table_(table), key_(key), bytes_(bytes), names_{"x", "y"} {
+              const std::vector<std::string>& columns, std::string_view unit)
+        : table_(table), key_(key), bytes_(bytes), names_{"x", "y"}, of_values_(unit) {
         names_.insert(names_.end(), columns.begin(), columns.end());
         for (const std::string& name : names_) {
-            const std::string unit = name == "x" || name == "y" ? " [m]" : " [MPa]";
-            note_ += (note_.empty() ? "as `" : ", ") + name + unit;
+            const bool is_place = name == "x" || name == "y";
+            const std::string of_name(is_place ? "m" : unit == "Pa" ? "MPa" : unit);
+            note_ += (note_.empty() ? "as `" : ", ") + name + " [" + of_name + "]";
         }
         note_ += "`, or with t [s]: a line for each point";
         names_.emplace_back("t");
@@ -97,7 +98,7 @@ private:
             if (title == titles.end() && name == "t") return names_.pop_back(), true;  // it is the last one
             if (title == titles.end()) return report(number, "the first line names no column `" + name + "`"), false;
             if (!title->unit) return report(number, "the column `" + name + "` has no unit"), false;
-            const std::string_view kind = name == "x" || name == "y" ? "m" : name == "t" ? "s" : "Pa";
+            const std::string_view kind = name == "x" || name == "y" ? "m" : name == "t" ? "s" : of_values_;
             const Quantity one = parse_quantity("1 " + *title->unit);
             if (!one.problem.empty() || one.dimension != dimension_of(kind))
                 return report(number, "the unit `" + *title->unit + "` of " + name + " is not one of " +
@@ -128,6 +129,7 @@ private:
     const std::string key_;
     const std::string& bytes_;
     std::vector<std::string> names_;
+    std::string_view of_values_;  // their unit in SI
     std::string note_;
     std::vector<std::size_t> column_;  // of each name
     std::vector<double> unit_;
@@ -136,10 +138,10 @@ private:
 };
 
 std::shared_ptr<const PointTable> read_points(const Table& table, const std::string& key,
-                                              const std::vector<std::string>& columns) {
+                                              const std::vector<std::string>& columns, std::string_view unit) {
     const auto bytes = table.bytes_of(key);
     if (!bytes) return nullptr;
-    PointFile file(table, key, *bytes, columns);
+    PointFile file(table, key, *bytes, columns, unit);
     const std::vector<PointTable::Row> rows = file.read();
     if (rows.empty()) return nullptr;
     std::string name = table.path(key);
@@ -163,14 +165,14 @@ std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std
     if (given == nullptr) return nullptr;
     PlaceField field{.path = table.path(key), .text = given->text, .n_values = columns.size()};
     if (given->text.ends_with(".csv")) {
-        field.table = read_points(table, key, columns);
+        field.table = read_points(table, key, columns, given->key->unit);
         return field.table ? std::make_shared<const PlaceField>(std::move(field)) : nullptr;
     }
     bool varies = also_of_numbers;
     for (std::size_t k = 0; k < columns.size(); ++k) {
         const Node& node = given->children.empty() ? *given : given->children[k];
         varies = varies || !node.is_number();
-        field.formulas[k] = parse_formula(node.is_number() ? shortest(node.number) : node.text, "Pa");
+        field.formulas[k] = parse_formula(node.is_number() ? shortest(node.number) : node.text, given->key->unit);
     }
     return varies ? std::make_shared<const PlaceField>(std::move(field)) : nullptr;
 }

@@ -189,8 +189,8 @@ void read_shape(const Table& table, const MeshOptions& mesh, const std::string& 
 std::vector<Vec2> read_curve(const Table& table, const MeshOptions& mesh);
 /// The factor over time of a load, an obstacle or a temperature: its ramp, table or csv.
 TimeFunction read_history(const Table& table);
-/// Formulas, or the csv file of points with these columns, in the place of the numbers of a key in Pa; null after an
-/// error, and where all are numbers, unless a field `also_of_numbers` is wanted.
+/// Formulas, or the csv file of points with these columns, in the place of the numbers of a key; null after an error,
+/// and where all are numbers, unless a field `also_of_numbers` is wanted.
 std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std::string& key,
                                                    const std::vector<std::string>& columns,
                                                    bool also_of_numbers = false);

@@ -34,6 +34,7 @@ namespace knap {
 struct NamedMaterial {
     std::string name;
     Elastic elastic;
+    std::shared_ptr<const PlaceField> layer_angle = nullptr;  // [deg] in the place of the angle of its bedding
 };
 
 struct NamedLaw {

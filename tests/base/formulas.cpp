@@ -25,6 +25,7 @@ TEST_CASE("formulas follow the usual order of operations") {
     CHECK(value("max(x, min(y, 10*t))") == 3);
     CHECK(value(" 20+300 * exp( -x/1e-1 ) ") == relative(20 + 300 * std::exp(-20.), 1e-15));
     CHECK(value("erf(x) + erfc(x)") == relative(1, 1e-15));
+    CHECK(value("tan(atan(x))") == relative(value("x"), 1e-15));
     CHECK(value("cos(pi)") == -1);
     CHECK(Expression("3*t").depends_on_time());
     CHECK(!Expression("tan(x)").depends_on_time());

@@ -24,7 +24,7 @@ struct Body {
                                  .gradient2 = {random.uniform(-1, 1), random.uniform(-1, 1)},
                                  .volume = random.uniform(0.1, 1),
                                  .threshold = 0.05F,
-                                 .material = t % 3 == 1});
+                                 .kind = t % 3 == 1});
             for (int k = 0; k < 3; ++k) node_of_corner.push_back((5 * t + 3 * k) % n_nodes);
         }
         for (int f = 0; f < n_nodes; ++f) thresholds.push_back(f % 2 == 0 ? 0.1 : 100);

@@ -68,6 +68,17 @@ void make_random_on_ramp(Random& random, Point& point) {
     point.law.set_staircase();
 }
 
+/// Likewise, with vertical unloading; half of them at their largest opening.
+void make_random_below(Random& random, Point& point) {
+    make_random_on_ramp(random, point);
+    PointLaw& law = point.law;
+    law.drops = true;
+    const double s = material.equivalent_opening(law.u_N, law.u_T);
+    if (random.uniform(0, 1) < 0.5) law.ramp = s;
+    law.below = std::min(0.0, s - law.ramp);
+    law.set_staircase();
+}
+
 }  // namespace
 
 TEST_CASE("the tangent of a point is the derivative of its law and that of friction over pressure") {
@@ -184,6 +195,55 @@ TEST_CASE("a ramp is no stiffer than the springs of its multipliers and obeys it
     }
     CHECK(n_on_ramp > 50);
     CHECK(n_reversed > 20);
+}
+
+TEST_CASE("a point at its largest opening bears what its rates ask for up to its cohesion") {
+    Random random(8, "drops");
+    int n_held = 0, n_beyond = 0, n_below = 0, n_differences = 0;
+    for (int count = 0; count < 4000; ++count) {
+        Point point;
+        make_random_below(random, point);
+        point.step.implicit_beta = count % 2;
+        const PointLaw& law = point.law;
+        const Multipliers& at = point.at;
+        const PointResponse r = point.response(point.rate);
+        const Vec2 q = point.impulse(r),
+                   omega = point.rate + Vec2(law.contact.may_touch ? (r.held(law) - at.contact) / at.rho_N : 0,
+                                             (q.y() - at.tangential) / at.rho_T);
+        CAPTURE(count);
+        const double h = point.step.h, full = law.strength * r.full_cohesion, c = law.strength * r.cohesion_theta,
+                     beyond = material.equivalent_opening(law.u_N + h * omega.x(), law.u_T + h * omega.y()) - law.ramp;
+        CHECK(c >= 0);
+        CHECK(c <= full * (1 + 1e-12));
+        if (beyond > 1e-9) CHECK(c == doctest::Approx(full).epsilon(1e-9));
+        if (beyond < -1e-9) CHECK(c == 0);
+        if (r.on_ramp) CHECK(std::abs(beyond) <= 1e-9);
+        Multipliers there = at;  // a fixed point on springs of any stiffness
+        there.contact = r.held(law), there.tangential = q.y();
+        for (const double rho : {1e-3, 1.0, 1e3}) {
+            if (point.step.implicit_beta && rho < 1) continue;  // softer than its softening
+            there.rho_N = there.rho_T = rho;
+            CHECK((point.impulse(respond(law, there, omega.x(), omega.y())) - q).norm() <= 1e-9);
+        }
+        n_held += r.on_ramp, n_beyond += beyond > 1e-9, n_below += beyond < -1e-9;
+        const double e = 1e-6;
+        Eigen::Matrix2d differences;
+        bool one_piece = !point.step.implicit_beta;
+        for (int k = 0; k < 2; ++k) {
+            const Vec2 d = e * Vec2::Unit(k);
+            const PointResponse before = point.response(point.rate - d), after = point.response(point.rate + d);
+            one_piece = one_piece && before.state == r.state && after.state == r.state;
+            differences.col(k) = (point.impulse(before) - point.impulse(after)) / (2 * e);
+        }
+        if (!one_piece) continue;
+        const Eigen::Matrix2d D = tangent(law, at, r, Softening::now);
+        CAPTURE(D);
+        CAPTURE(differences);
+        CAPTURE(r.state);
+        CHECK((D - differences).cwiseAbs().maxCoeff() <= 1e-8);
+        n_differences += r.on_ramp;
+    }
+    for (const int n : {n_held, n_beyond, n_below, n_differences}) CHECK(n > 50);
 }
 
 }  // namespace point_law_test

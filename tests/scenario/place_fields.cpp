@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 
 namespace place_fields_test {
 
@@ -157,6 +158,28 @@ TEST_CASE("place fields: mistakes of a csv file are reported at their lines") {
     check("x [mm], y [mm], z [mm], xx [MPa], yy [MPa], xy [MPa]\n0, 0, 0, 1, 1, 1\n", 1,
           "a column `z` that nothing reads");
     check("", 0, "no two points");
+}
+
+TEST_CASE("place fields: layers have angles by formula or by a file and keep them") {
+    const auto bedded = [](const std::string& angle) {
+        return samples::changed("nu = 0.2", "nu = 0.2\nbedding = { E = 1e9, nu = 0.1, angle = " + angle + " }");
+    };
+    const auto at = [&](const std::string& angle, const Vec2& place) {
+        const Scenario s = samples::read(bedded(angle)).scenario;
+        REQUIRE(s.materials[0].layer_angle);
+        return s.materials[0].layer_angle->at_start(place)[0];
+    };
+    CHECK(at("\"10 + 20*x\"", {0.5, 0}) == tests::relative(20, 1e-15));
+    CHECK(at("\"atan(x) rad\"", {1, 0}) == tests::relative(45, 1e-14));
+    CHECK(samples::read(bedded("\"30 deg\"")).scenario.materials[0].layer_angle == nullptr);
+    CHECK(samples::mistakes(bedded("\"90*t\"")).at(0).message.find("layers do not turn") < std::string::npos);
+    CHECK(samples::mistakes(bedded("\"20*x MPa\"")).at(0).message.find("not of an angle") < std::string::npos);
+    const Points file("x [m], y [m], angle [rad]\n0, 0, 0\n1, 0, 1\n0, 1, 2\n1, 1, 3\n");
+    const Scenario s = file.read("[material.glass.bedding]\nE = 1e9\nnu = 0.1\nangle = \"points.csv\"\n").scenario;
+    CHECK(s.materials[0].layer_angle->at_start({0.5, 0.25})[0] == tests::relative(180 / std::numbers::pi, 1e-12));
+    const Points wrong("x [m], y [m], angle [mm]\n0, 0, 0\n1, 0, 1\n");
+    CHECK(wrong.error("[material.glass.bedding]\nE = 1e9\nnu = 0.1\nangle = \"points.csv\"\n")
+              .message.find("the unit `mm` of angle is not one of an angle") < std::string::npos);
 }
 
 TEST_CASE("place fields: what is no formula is reported at its key") {

@@ -3,6 +3,7 @@
 #include "base/formatted.hpp"
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
+#include "support/verification.hpp"
 
 #include <doctest/doctest.h>
 
@@ -121,7 +122,12 @@ TEST_CASE("direct shear: what cohesion holds adds its part and friction over pre
             }
 }
 
-TEST_CASE("a joint across a specimen bears the closed form of friction over pressure under any confinement") {
+TEST_CASE("E37 a joint across a specimen bears the closed form of friction over pressure under any confinement") {
+    describe(
+        "Two triangles that meet at a joint at the angle a to sigma_3, with a polygon f of friction over pressure: the "
+        "joint slides under the lowest sigma_1 that one of its lines mu_i p + c_i gives, sin a (cos a - mu_i sin a) "
+        "(sigma_1 - sigma_3) = gamma sigma_c + c_i + mu_i (sigma_3 + sigma_c); with the norm without the last "
+        "sigma_c. Found: between the largest stress that it bears and the smallest under which it slides.");
     for (const SchemeOptions& path : both_paths())
         for (const Coupling coupling : {Coupling::sum, Coupling::norm})
             for (const double sigma_c : {0.0, 1.0})
@@ -135,14 +141,19 @@ TEST_CASE("a joint across a specimen bears the closed form of friction over pres
                         const CohesiveLaw law = bent_friction(sigma_c, coupling);
                         const double a = angle * degree, strength = strength_of_joint(law, a, sigma_3);
                         if (std::isinf(strength)) continue;  // locked by its friction
-                        for (const bool yields : {false, true}) {
-                            const double sigma_1 = sigma_3 + (strength - sigma_3) * (yields ? 1 + 1e-6 : 1 - 1e-6);
+                        double borne = 0, sliding = INFINITY;
+                        for (const double part : {1 - 1e-6, 1 + 1e-6}) {
+                            const double sigma_1 = sigma_3 + (strength - sigma_3) * part;
                             Run run(inclined_joint(law, a, sigma_1, sigma_3), path);
                             REQUIRE(run.step(1e-4).rejection == Rejection::none);
-                            const Vec2 slip = run.u(0, 0) - run.u(1, 0);
-                            if (yields) CHECK(slip.norm() > 1e-16);
-                            else CHECK(slip.norm() <= 1e-18);
+                            const double slip = (run.u(0, 0) - run.u(1, 0)).norm();
+                            if (slip <= 1e-18) borne = sigma_1;
+                            else if (slip > 1e-16) sliding = std::min(sliding, sigma_1);
                         }
+                        verify("sigma_1 [Pa] at which the joint slides, a = " + digits(angle) +
+                                   " deg, sigma_3 = " + digits(sigma_3) + ", sigma_c = " + digits(sigma_c) +
+                                   (coupling == Coupling::sum ? "" : ", norm"),
+                               0.5 * (borne + sliding), strength, {1e-6});
                     }
 }
 

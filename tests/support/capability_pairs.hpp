@@ -48,6 +48,7 @@ inline constexpr std::array<Capability, 48> capabilities{{{"rotation = \"large\"
                                                           {"[[grains]]", ""},
                                                           {"joints", ""},
                                                           {"bedding", ""},
+                                                          {"bedding.angle by place", "bedding"},
                                                           {"strength_over_bedding", "bedding"},
                                                           {"[[initial]]", ""},
                                                           {"[[initial]] stress", ""},
@@ -143,7 +144,8 @@ inline std::string scene_of(const CapabilityPair& pair) {
     add(file && has("joints"), "[[mesh.joint]]\ncurve = \"seam\"\ninterface = \"default\"\n");
     add(adapts, "[adapt]\nsize = 0.005\nevery = 2\nload = 0.02\nmargin = 1\nlimit = 600\n");
     text += "[material.rock]\ndensity = 2500\nE = 30e9\nnu = 0.2\n";
-    add(has("bedding"), "bedding = { E = 20e9, nu = 0.15, angle = 30 }\n");
+    add(has("bedding"), std::string("bedding = { E = 20e9, nu = 0.15, angle = ") +
+                            (has("bedding.angle by place") ? "\"30 + 400*x\"" : "30") + " }\n");
     add(has("bulk_viscosity"), "bulk_viscosity = [0.06, 1.2]\n");
     add(has("[heat]"), "expansion = 1e-5\n");
     add(has("heat.conduction"), "conductivity = 2\nheat_capacity = 800\n");

@@ -239,16 +239,6 @@ public:
         }
     }
 
-    void on_laws() {
-        if (scenario_.time.scheme.bulk != BulkScheme::implicit_theta) return;
-        for (const NamedLaw& named : scenario_.laws)
-            if (named.law.breakable() && named.law.unloading == Unloading::vertical)
-                add("interface." + named.name + ".unloading", "no-solution",
-                    "implicit steps with vertical unloading often find no solution, and are cut back until the run "
-                    "ends",
-                    "use `bulk = \"auto\"` or \"explicit\" in [time], or `unloading = \"secant\"`");
-    }
-
     /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside.
     void on_rotation() {
         const auto& limits = scenario_.allowed_limits;
@@ -440,7 +430,6 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_resolution();
     warnings.on_heat(plan.limits.largest);
     warnings.on_jumps(plan.limits.largest);
-    warnings.on_laws();
     warnings.on_rotation();
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);

@@ -48,12 +48,13 @@ std::string warnings_of(const RunRecord& record) {
     return html_section("Warnings", html_list(bad, "bad") + html_list(warnings, "warn"));
 }
 
-std::string layers_text(const Elastic& material) {
-    const auto& across = material.bedding;
+std::string layers_text(const NamedMaterial& material) {
+    const auto& across = material.elastic.bedding;
     if (!across) return "";
-    return "; layers at " + value_text(across->angle / degree, "deg", 4) +
-           " to x, across them E = " + with_prefix(across->E, "Pa") + ", nu = " + value_text(across->nu, "") +
-           ", G = " + with_prefix(across->G, "Pa");
+    const std::string angle = material.layer_angle ? "the angle `" + material.layer_angle->text + "`"
+                                                   : value_text(across->angle / degree, "deg", 4);
+    return "; layers at " + angle + " to x, across them E = " + with_prefix(across->E, "Pa") +
+           ", nu = " + value_text(across->nu, "") + ", G = " + with_prefix(across->G, "Pa");
 }
 
 std::string computed(const Scenario& scenario, const RunRecord& record) {
@@ -64,7 +65,7 @@ std::string computed(const Scenario& scenario, const RunRecord& record) {
                             ", density " + value_text(m.elastic.density, "kg/m3") + "; waves: dilatational " +
                             value_text(m.elastic.dilatational_speed(scenario.plane), "m/s", 4) + ", shear " +
                             value_text(m.elastic.shear_speed(scenario.plane), "m/s", 4) + ", Rayleigh " +
-                            value_text(m.elastic.rayleigh_speed(scenario.plane), "m/s", 4) + layers_text(m.elastic)});
+                            value_text(m.elastic.rayleigh_speed(scenario.plane), "m/s", 4) + layers_text(m)});
     for (const NamedLaw& named : scenario.laws) {
         const CohesiveLaw& law = named.law;
         std::string text = law.breakable() ? "strength " + with_prefix(law.sigma_c, "Pa") + ", fracture energy " +

@@ -192,8 +192,8 @@ void StartState::drop_heat(const Model& model) {
     const auto per_triangle = static_cast<Index>(strain.size()) / model.mesh.n_triangles();
     for (std::size_t i = 0; i < strain.size(); ++i) {
         const Index t = static_cast<Index>(i) / per_triangle;
-        const Elastic& material = model.materials[model.mesh.region[t]];
-        const double prevented = material.stress_of_expansion(model.plane).cwiseAbs().maxCoeff() * std::abs(strain[i]);
+        const double prevented =
+            model.elastic(t).stress_of_expansion(model.plane).cwiseAbs().maxCoeff() * std::abs(strain[i]);
         if (prevented > lost_stress->largest) *lost_stress = {prevented, model.mesh.centroid(t)};
     }
     now.temperature = now.temperature_before = nullptr;

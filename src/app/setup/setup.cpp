@@ -81,7 +81,10 @@ ModelInput model_input(const Scenario& scenario) {
     input.plane = scenario.plane;
     input.large_rotation = scenario.large_rotation;
     input.thickness = scenario.thickness;
-    for (const NamedMaterial& material : scenario.materials) input.materials.push_back(material.elastic);
+    for (const NamedMaterial& material : scenario.materials) {
+        input.materials.push_back(material.elastic);
+        input.layer_angle.push_back(material.layer_angle);
+    }
     for (const NamedLaw& law : scenario.laws) {
         input.laws.push_back(law.law);
         input.scatter.push_back(law.scatter);

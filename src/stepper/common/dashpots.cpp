@@ -24,7 +24,7 @@ void add(const Model& model, const BoundaryEdge& edge, std::vector<Dashpot>& das
         return motion && motion->component[0] && motion->component[1];
     };
     if (is_led(a) && is_led(b)) refuse(mesh, edge, "a load prescribes its motion");
-    const Elastic& material = model.materials[mesh.region[edge.triangle]];
+    const Elastic material = model.elastic(edge.triangle);
     const Vec2 along = mesh.side_vector(edge.triangle, edge.side);
     const Eigen::Matrix2d C = material.density * along.norm() * model.thickness *
                               material.wave_matrix(model.plane, -turned_left(along.normalized()));

@@ -25,8 +25,10 @@ struct ContactWork {
     double rate_N, rate_T;     // [m/s] with which they work
     double rate_error;         // [m/s] of these rates, by rounding and the residual
     double opening;            // [m] u_N at the end of the step
-    double cohesive = 0;       // [N s] pull of the cohesion along N, which a part of `contact` balances
-    double work_error = 0;     // [J] by the residual in the impulses
+    double cohesive =
+        0;  // [N s] pull of the cohesion along N, which a part of `contact` balances: that of the point, and
+            // what the other point of its face leaves
+    double work_error = 0;  // [J] by the residual in the impulses
 };
 
 inline void account_contact(const ContactWork& at, StepReport& report) {

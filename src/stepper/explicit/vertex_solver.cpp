@@ -418,13 +418,21 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             if (obstacles_.given_at(*contact).lies_deep) overlap = 0;
             obstacles_.impulse[&*contact++ - obstacles_.contacts.all().data()] = found.impulse;
         }
+        double pull = link.coupling == Coupling::sum ? found.cohesive_impulse : 0;
+        if (pull > 0 && found.contact > 0 && found.friction_part != 0 && i < fan.n_points) {
+            const auto points = model_.points(fan);
+            if (const FanPoint* other = same_face_beyond(model_, points[i])) {
+                const LinkResult& beside = result.links[other - points.data()];
+                pull += std::max(0.0, beside.cohesive_impulse - beside.contact);
+            }
+        }
         account_contact({.contact = found.contact,
                          .friction = found.friction_part,
                          .rate_N = mean_N,
                          .rate_T = mean_T,
                          .rate_error = rate_error,
                          .opening = overlap,
-                         .cohesive = link.coupling == Coupling::sum ? found.cohesive_impulse : 0},
+                         .cohesive = pull},
                         report);
     }
 }

@@ -11,8 +11,7 @@ namespace {
 // [-] kappa/delta_c. A steeper ramp counts as an opening without one: rounding of the openings would be forces, and its
 // energy is less than a millionth of G_c.
 constexpr double steepest_ramp = 1e-6;
-constexpr double width_at_kappa = 1e-9;  // [-] of delta_c: of vertical unloading
-const CohesiveLaw of_obstacles;          // without cohesion
+const CohesiveLaw of_obstacles;  // without cohesion
 // [-] Of a slip, with large rotations: strains turn the frames of the points of a vertex by as much against each other,
 // so their gaps contradict each other.
 constexpr double closed_beside_slip = 1e-3;
@@ -34,7 +33,11 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
     const PointState* known = state_of(model, *step.begin, at.point);
     const double kappa = known ? law.ramp(beta, known->largest_opening) : 0;
     const double ramp = kappa > steepest_ramp * law.delta_c() ? kappa : 0;
+    // With vertical unloading what is at kappa but for rounding is held where it is. (Held at a shifted kappa it would
+    // contradict the points of its vertex that return to zero, and multipliers would march.)
     const bool drops = ramp > 0 && law.unloading == Unloading::vertical;
+    const double touching = touching_gap(model, *step.begin, at),
+                 below = drops ? law.equivalent_opening(u.x(), u.y()) - kappa : 0;
     ActivePoint made{
         .sides = nodes.sides(model, fan_point),
         .fan = fan,
@@ -44,13 +47,14 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
                 .strength = beta > 0 ? step.kick() * at.area * step.begin->strength_factor(fan) * law.sigma_c : 0,
                 .cohesion = beta,
                 .material = &law,
-                .ramp = drops ? width_at_kappa * law.delta_c() : ramp,
-                .floor = drops ? kappa : 0,
+                .ramp = ramp,
+                .drops = drops,
+                .below = below < -touching ? below : 0,
                 .friction = law.friction_after(known ? known->slid : 0),
                 .pressed = law.pressed_friction(step.kick() * pressed_area(model, *step.begin, model.fans[fan], at)),
-                .contact = contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
-                                               touching_gap(model, *step.begin, at) +
-                                                   (model.large_rotation ? closed_beside_slip * std::abs(u.y()) : 0)),
+                .contact =
+                    contact_bound_theta(u.x(), u_rate, law.restitution_at(beta), step.h, step.theta,
+                                        touching + (model.large_rotation ? closed_beside_slip * std::abs(u.y()) : 0)),
                 .step = &step},
         .support_rate = turn.convected};
     apply_prescribed(nodes, made);
@@ -87,6 +91,15 @@ ActivePoint obstacle_point(const Model& model, const StepContext& step, const Co
     apply_prescribed(nodes, made);
     made.law.set_staircase();
     return made;
+}
+
+double pull_on_contact(const Model& model, const std::vector<ActivePoint>& points, const std::vector<Index>& active_of,
+                       const ActivePoint& point) {
+    const double pull = point.pull();
+    if (!(pull > 0 && point.response.contact > 0 && point.response.friction_part != 0)) return pull;
+    const FanPoint* const other = same_face_beyond(model, model.fan_points[point.sides.fan_point]);
+    const Index active = other ? active_of[other - model.fan_points.data()] : -1;
+    return active < 0 ? pull : pull + std::max(0.0, points[active].pull() - points[active].response.contact);
 }
 
 void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {

@@ -47,6 +47,7 @@ struct ActivePoint {
         if (!std::isinf(at.rho_T)) at.rho_T = rho;
         return at;
     }
+    double pull() const { return law.strength * response.cohesion_theta * response.pull; }  // [N s] of cohesion along N
     /// (p, q_T) [N s] at a rate by the equations of the piece of its response.
     Vec2 impulse_of_piece(const Vec2& at_rate) const {
         const double contact =
@@ -78,6 +79,11 @@ inline double largest_friction_lag(const std::vector<ActivePoint>& points) {
             largest = std::max(largest, point.law.rubbing_between(point.response.contact, at.pressed));
     return largest;
 }
+
+/// [N s] The pull that the contact of a point balances: its own, and what the contact of the other point of the same
+/// face leaves, since the two share what presses on both in any way. `active_of`: into `points`, per fan point, or -1.
+double pull_on_contact(const Model& model, const std::vector<ActivePoint>& points, const std::vector<Index>& active_of,
+                       const ActivePoint& point);
 
 /// The end of the points of the fan whose first one is `first`.
 inline std::size_t end_of_fan(const std::vector<ActivePoint>& points, std::size_t first) {

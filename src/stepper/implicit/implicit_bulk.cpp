@@ -20,7 +20,7 @@ constexpr double rounds_off = std::numeric_limits<double>::epsilon();  // of the
 }  // namespace
 
 ElementMatrix theta_element(const Model& model, Index t, double stiffness_factor, MassMatrix mass, double mass_factor) {
-    const Elastic& material = model.materials[model.mesh.region[t]];
+    const Elastic material = model.elastic(t);
     const ElementMatrix& shares = mass_matrix(model.mesh.order, mass);
     ElementMatrix M_hat = stiffness_factor * stiffness_matrix(model.mesh, t, material, model.plane, model.thickness);
     const double m = mass_factor * model.triangle_mass(t);
@@ -56,8 +56,7 @@ ImplicitBulk::ImplicitBulk(const Model& model, MassMatrix mass, double damping, 
     std::ranges::sort(dashpots_, {}, &Dashpot::corner);
     const Index n = model.mesh.corners_per_triangle();
     for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        const Elastic& material = model.materials[model.mesh.region[t]];
-        const ElementMatrix K = stiffness_matrix(model.mesh, t, material, model.plane, model.thickness);
+        const ElementMatrix K = stiffness_matrix(model.mesh, t, model.elastic(t), model.plane, model.thickness);
         for (Index k = 0; k < n; ++k) {
             corner_stiffness_.push_back(0.5 * (K(2 * k, 2 * k) + K(2 * k + 1, 2 * k + 1)));
             largest_stiffness_ = std::max(largest_stiffness_, corner_stiffness_.back() * n / model.triangle_mass(t));

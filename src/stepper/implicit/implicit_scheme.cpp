@@ -482,7 +482,7 @@ void ImplicitScheme::account_points(StepReport& report) const {
         const PointLaw& law = point.law;
         const PointResponse& q = point.response;
         const Vec2 w = point.rate_at(x_.rate);
-        const double cohesive_N = law.strength * q.cohesion_theta * q.pull, cohesive_T = q.friction_part - q.tangential;
+        const double cohesive_N = point.pull(), cohesive_T = q.friction_part - q.tangential;
         const double work = (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
         report.cohesive_work += work;
         const double u_N = law.u_N + step_.h * w.x(), u_T = law.u_T + step_.h * w.y();
@@ -492,11 +492,11 @@ void ImplicitScheme::account_points(StepReport& report) const {
                          .rate_T = w.y() / theta,
                          .rate_error = (rate_rounding + report.residual) * solver_.unit() / (point.mass * theta),
                          .opening = u_N,
-                         .cohesive = cohesive_N},
+                         .cohesive = pull_on_contact(model_, x_.points, active_point_of_, point)},
                         report);
         if (point.fan < 0) continue;
         report.rotation_work += Vec2(q.normal(law), q.tangential).dot(point.support_rate) / theta;
-        if (law.is_curved() || law.floor > 0) {  // the force is that of the end of the step
+        if (law.is_curved() || law.drops) {  // the force is that of the end of the step
             const auto stored = [&](double N, double T) { return law.stored(law.material->equivalent_opening(N, T)); };
             report.crossing_loss +=
                 work - law.strength * q.full_cohesion / step_.kick() * (stored(u_N, u_T) - stored(law.u_N, law.u_T));

@@ -56,10 +56,12 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             length += d.squaredNorm();
             const PointLaw& law = point.law;
             const Multipliers& multipliers = point.multipliers;
-            is_rigid = is_rigid && (!point.response.on_ramp || point.law.floor > 0);
+            is_rigid = is_rigid && (!point.response.on_ramp || point.law.drops);
             if (d.cwiseAbs().maxCoeff() < least) continue;
             if ((point.response.closed || law.holds_cohesion()) && d.x() < 0)
                 to_bound = std::min(to_bound, multipliers.contact / -d.x());
+            if (law.drops && point.response.on_ramp && !point.response.closed && d.x() > 0)  // until it bears nothing
+                to_bound = std::min(to_bound, std::max(0.0, law.strength * law.cohesion - multipliers.contact) / d.x());
             if (!point.response.sticks || d.y() == 0) continue;
             const double bound =
                 law.rubbing(multipliers.contact) + law.material->gamma * law.strength * point.response.cohesion_theta;

@@ -437,13 +437,6 @@ TEST_CASE("a body that is hot at the start is a blow unless it is free of stress
               .has("`heat.table` begins at 1 s, and the run ends at 20 µs"));
 }
 
-TEST_CASE("vertical unloading in implicit steps is a warning") {
-    const std::string vertical = " -s interface.default.unloading=vertical";
-    CHECK(command("check edge_cracked_block_implicit" + vertical)
-              .has("warning[no-solution]: implicit steps with vertical unloading"));
-    CHECK_FALSE(command("check edge_cracked_block" + vertical).has("no-solution"));
-}
-
 TEST_CASE("an initial stress that the loads do not balance is a warning and the text says what balances it") {
     const Folder folder("initial_stress");
     const std::string stress = "[[initial]]\nstress = [\"-2 MPa\", 0, 0]\n";
