@@ -463,8 +463,9 @@ void add_keys_of_loads(KeyTable& t) {
         .above(0).computed("20").to(&RigidOptions::hold);
     t.number("smallest", "m", "pieces of a smaller diameter (fragments.csv) never break; run.json has their mass")
         .at_least(0).computed("0").to(&RigidOptions::smallest);
-    t.number("sleep", "m/s", "pieces that stay slower for 0.2 s, and press on what stands still, fall asleep: they "
-        "stand still until they are hit faster; 0: none does").at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
+    t.number("sleep", "m/s", "pieces that stay slower for 0.2 s and do not set out (the speed of what slides from rest "
+        "grows), and press on what stands still, fall asleep: they stand still until they are hit faster; 0: none does")
+        .at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
     t.number("restitution", "", "Newton's coefficient of rigid pieces that cannot break, where neither the pair of "
         "materials, [contact], the interface law nor the obstacle gives one; what can break has 0 below the blow. "
         "Bodies of many triangles rebound with 0.9 and more, single triangles with 0.3 to 0.6")

@@ -349,7 +349,7 @@ void Islands::rebuild_pieces(double end_time, State& end, StepReport& report) co
             piece = old->pieces[p], motion = before[p];
             continue;
         }
-        motion.last_step = 0, motion.slow_since = end_time;
+        motion.last_step = 0, motion.begin_slow(end_time);
         motion.struck = struck_[part_.triangle_of_part[piece.first_triangle]];
         const bool stays =
             can_break(piece, rigid_options_) && !is_quiet(piece, motion.struck, frozen.vibration[q], end_time);

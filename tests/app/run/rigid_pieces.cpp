@@ -92,6 +92,27 @@ TEST_CASE("rigid pieces: a block slides down an incline as Coulomb says or stays
     CHECK(std::abs(last(table(folder, "fragment_history.csv"), "to_x") - 0.2) < 1e-14);
 }
 
+TEST_CASE("rigid pieces: what begins to slide goes on however slowly and what is braked falls asleep") {
+    const Folder folder("rigid slow slide");
+    const auto slide = [&](const std::string& friction, const std::string& motion) {
+        const std::string text =
+            scene(block("b", "0, 0", "0.4, 0.3", motion) + ground("friction = " + friction + "\n") +
+                      "[[load]]\nacceleration = [5.0525, -8.4088]\n",  // 31 degrees: tan = 0.6009
+                  "step = 1e-3\nrestitution = 0\n", "1");
+        REQUIRE(run_to_end(folder, text).code == 0);
+    };
+    for (const double friction : {0.59, 0.6}) {  // 0.09 and 0.007 m/s2: slower than 2 cm/s for 0.2 s and 2.8 s
+        slide(std::to_string(friction), "");
+        CHECK(last(table(folder, "fragment_history.csv"), "to_x") - 0.2 ==
+              doctest::Approx(0.5 * (5.0525 - friction * 8.4088)).epsilon(1e-9));
+        CHECK(record(folder)["pieces"]["asleep"] == 0);
+    }
+    slide("0.61", "velocity = [0.01, 0]\n");
+    CHECK(record(folder)["pieces"]["asleep"] == 1);
+    CHECK(last(table(folder, "fragment_history.csv"), "to_x") - 0.2 ==
+          doctest::Approx(0.01 * 0.01 / (2 * (0.61 * 8.4088 - 5.0525))).epsilon(0.1));
+}
+
 TEST_CASE("rigid pieces: a free flight is a parabola and its turn is exact") {
     const Folder folder("rigid flight");
     const std::string text = scene(block("b", "0, 5", "0.4, 0.3", "velocity = [3, 1]\nspin = \"300 deg/s\"\n") + weight,
