@@ -74,6 +74,8 @@ struct StepReport {
     double largest_speed = 0;            // [m/s]
     double approach = 0;                 // [m/s] largest with which obstacles or free faces meet in the step
     Vec2 approach_place = Vec2::Zero();  // [m] where that is, in the deformed body
+    double rebound_lack = 0;             // [-] part of what R_N takes of an impact and the surface could not take
+    Vec2 lack_place = Vec2::Zero();      // [m] where that is, in the deformed body
     double largest_opened = 0;           // [-] by which a point that loses cohesion opens, over its delta_c; explicit
     double largest_beta_growth = 0;      // [-] must be 0
     double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time
@@ -158,7 +160,7 @@ struct StepReport {
     void serialize(Archive& archive) {
         for_each_number([&](auto member, Combine) { archive(this->*member); });
         archive(largest_drop, drop_corner, contact_depth, depth_place, contact_residual, residual_place, approach,
-                approach_place);
+                approach_place, rebound_lack, lack_place);
         archive(rejection, where, rejected_value);
     }
 
@@ -176,12 +178,16 @@ struct StepReport {
         return *this;
     }
     void add_depth(double depth, const Vec2& place) {
+        add_rebound_lack(other.rebound_lack, other.lack_place);
         if (depth > contact_depth) contact_depth = depth, depth_place = place;
     }
     void add_contact_residual(double error, const Vec2& place) {
         if (error > contact_residual) contact_residual = error, residual_place = place;
     }
     /// Notes a contact whose gap [m] changes by `rate` [m/s], over a step of h [s].
+    void add_rebound_lack(double part, const Vec2& place) {
+        if (part > rebound_lack) rebound_lack = part, lack_place = place;
+    }
     void add_approach(double gap, double h, double rate, const Vec2& place) {
         if (gap + h * rate <= 0 && -rate > approach) approach = -rate, approach_place = place;
     }

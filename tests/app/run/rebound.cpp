@@ -69,6 +69,27 @@ TEST_CASE("rebound: discs and boulders and bars of three meshes have R_N within 
     CHECK(rebound_of(folder, disc + size(0.14), 0, "R_N = 1\n").e > 0.9);
 }
 
+TEST_CASE("rebound: a surface that cannot give way as R_N asks is named with the part that it lacks") {
+    const Folder folder("lack");
+    const std::string disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n";
+    const auto lack = [&](double h) {
+        const double e = rebound_of(folder, disc + size(h), 0, "R_N = 0.2\n").e;
+        for (const auto& gate : nlohmann::json::parse(text_of(folder.path / "run/run.json"))["gates"])
+            if (gate["name"] == "rebound_lack" && gate["value"].is_number())
+                return std::pair(e, gate["value"].get<double>());
+        return std::pair(e, 0.);
+    };
+    const auto [coarse, none] = lack(0.1);
+    CHECK(coarse == doctest::Approx(0.2).epsilon(0.05));
+    CHECK(none == 0);
+    // where the surface stops giving way the part f of the energy is left: of it the body takes its natural rebound
+    const auto [fine, f] = lack(0.012);
+    CHECK(f > 0.1);
+    CHECK(f < 1);
+    CHECK(fine > 0.25);
+    CHECK(text_of(folder.path / "run/log.txt").find("warning[rebound_lack]") != std::string::npos);
+}
+
 TEST_CASE("rebound: two deformable bodies part with R_N of their materials") {
     const Folder folder("pair");
     // a corner meets the middle of a face, so both fly on along x
@@ -116,12 +137,12 @@ TEST_CASE("rebound: check says with which the bodies of a scenario leave a surfa
         disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n" + size(0.1);
     CHECK(said(boulder, "").has("up to 2.33 times the inertia"));
     CHECK(said(boulder, "R_N = 0.7\n").has("(4 triangles: with at least 0.53"));
-    CHECK(said(disc, "R_N = 0.3\n").has("bodies rebound with R_N 0.3\n"));
+    CHECK(said(disc, "R_N = 0.3\n").has("bodies rebound with R_N 0.3, deformable ones up to impacts of about "));
     CHECK_FALSE(said(disc, "").has("the inertia of their outlines"));
     CHECK(said(disc, "restitution = 0.3\n")
               .has("restitution 0.3 of faces; a deformable body rebounds by its elasticity"));
     CHECK(said(disc, "restitution = 0.3\n", "[rigid]\n")
-              .has("ground: friction 0, restitution 0.3 of faces, and of rigid pieces\n"));
+              .has("ground: friction 0, restitution 0.3 of faces, and of rigid pieces that cannot break\n"));
 }
 
 }  // namespace rebound_test
