@@ -469,8 +469,9 @@ void add_keys_of_loads(KeyTable& t) {
         "grows), and press on what stands still, fall asleep: they stand still until they are hit faster; 0: none does")
         .at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
     t.number("restitution", "", "Newton's coefficient of rigid pieces that cannot break, where neither the pair of "
-        "materials, [contact], the interface law nor the obstacle gives one; what can break has 0 below the blow. "
-        "Bodies of many triangles rebound with 0.9 and more, single triangles with 0.3 to 0.6")
+        "materials or the obstacle, nor [contact] (obstacles that give none have its R_N or restitution), nor the "
+        "interface law gives one; what can break has 0 below the blow, or R_N. Bodies of many triangles rebound "
+        "with 0.9 and more, single triangles with 0.3 to 0.6")
         .at_least(0).at_most(1).computed("0.9").to(&RigidOptions::restitution);
 
     t.list("excavation[]", "a region of the body that vanishes at a time, given by points, by centre and radius, or "

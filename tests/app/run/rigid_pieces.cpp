@@ -113,6 +113,35 @@ TEST_CASE("rigid pieces: what begins to slide goes on however slowly and what is
           doctest::Approx(0.01 * 0.01 / (2 * (0.61 * 8.4088 - 5.0525))).epsilon(0.1));
 }
 
+TEST_CASE("rigid pieces: what can break rebounds with R_N below a blow and pieces take the law of their rank") {
+    const Folder folder("rigid rank");
+    // falls without weight at 0.15 m/s, where 0.28 m/s may break it; back from the ground with
+    const auto rebound = [&](const std::string& law, const std::string& contact, const std::string& obstacle) {
+        std::string text =
+            scene(block("b", "0, 0.001", "0.4, 0.3", "velocity = [0, -0.15]\n") + ground("friction = 0\n" + obstacle),
+                  "step = 1e-3\nrestitution = 0.7\n", "0.05", law);
+        text.insert(text.find("[rigid]"), contact);
+        REQUIRE(run_to_end(folder, text).code == 0);
+        CHECK(record(folder)["pieces"]["deformable_time_s"] == 0);
+        const std::string said = program::command("check " + folder.in_shell("scene.toml")).text;
+        return std::pair(last(table(folder, "fragments.csv"), "velocity_y") / 0.15, said);
+    };
+    const auto is = [](double value) { return doctest::Approx(value).epsilon(1e-9); };
+    CHECK(rebound(weak, "", "R_N = 0.5\n").first == is(0.5));
+    CHECK(rebound(weak, "R_N = 0.4\n", "").first == is(0.4));
+    const auto [broken, on_breakable] = rebound(weak, "", "");
+    CHECK(std::abs(broken) < 1e-12);
+    CHECK(on_breakable.find("0 of what can break, below a blow that may break it") != std::string::npos);
+    CHECK(rebound(whole, "", "restitution = 0.5\n").first == is(0.5));
+    CHECK(rebound(whole, "restitution = 0.4\n", "restitution = 0.5\n").first == is(0.5));
+    CHECK(rebound(whole, "restitution = 0.4\n", "").first == is(0.4));
+    CHECK(rebound(whole, "R_N = 0.4\n", "").first == is(0.4));
+    CHECK(rebound(whole, "restitution = 0\n", "").first == is(0));
+    const auto [own, on_whole] = rebound(whole, "", "");
+    CHECK(own == is(0.7));
+    CHECK(on_whole.find("0.7 of rigid pieces that cannot break (rigid.restitution)") != std::string::npos);
+}
+
 TEST_CASE("rigid pieces: a free flight is a parabola and its turn is exact") {
     const Folder folder("rigid flight");
     const std::string text = scene(block("b", "0, 5", "0.4, 0.3", "velocity = [3, 1]\nspin = \"300 deg/s\"\n") + weight,
