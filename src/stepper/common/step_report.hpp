@@ -81,6 +81,8 @@ struct StepReport {
     double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time
     double largest_drop = 0;             // [J] S G_c (fall of beta)^2 of one point: about the error of the step there
     Index drop_corner = -1;              // a corner of that point
+    double micro_lag = 0;                // [J] largest law lag within a step of rigid pieces, since its start
+    double micro_lead = 0;               // [J] likewise of negative ones
     double contact_motion = 0;           // [-] of rigid pieces: largest motion of faces that meet, over their edge
     std::int64_t fan_solves = 0;         // nonlinear problems of split fans
     std::int64_t fan_iterations = 0;     // linear systems solved for them
@@ -151,6 +153,8 @@ struct StepReport {
                                            &R::largest_beta_growth,
                                            &R::largest_strength_factor,
                                            &R::largest_opened,
+                                           &R::micro_lag,
+                                           &R::micro_lead,
                                            &R::contact_motion};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
