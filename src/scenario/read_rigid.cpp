@@ -65,13 +65,14 @@ void read_rigid(Reading& reading) {
                                      std::pair{"sleep", rigid.sleep}, std::pair{"restitution", rigid.restitution}})
         table.compute(key, Node::of_number(value));
     table.fill(rigid);
+    scenario.time.rest.sleeps = rigid.sleep > 0;
     if (!reading.table("contact").given())
         table.error("exclusive-keys", "", "needs contact between pieces", "[contact]");
     const auto exclude = [&](bool is_there, const std::string& other, const std::string& cure) {
         if (is_there) table.exclude("", "[rigid]", other, cure + ", or no [rigid]");
     };
-    exclude(reading.table("heat").given(), "[heat]", "no [heat]");
     share_restitution(reading.table("contact"), scenario.obstacles);
+    exclude(reading.table("heat").given(), "[heat]", "no [heat]");
     exclude(!scenario.crack_pressures.empty(), "[[pressure]]", "no [[pressure]]");
     exclude(!scenario.initial_stresses.empty(), "[[initial]] stress", "no stress in [[initial]]");
     exclude(!scenario.excavations.empty(), "[[excavation]]", "no [[excavation]]");

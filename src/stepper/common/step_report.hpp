@@ -178,20 +178,20 @@ struct StepReport {
         add_depth(other.contact_depth, other.depth_place);
         add_contact_residual(other.contact_residual, other.residual_place);
         if (other.approach > approach) approach = other.approach, approach_place = other.approach_place;
+        add_rebound_lack(other.rebound_lack, other.lack_place);
         reject(other.rejection, other.where, other.rejected_value);
         return *this;
     }
     void add_depth(double depth, const Vec2& place) {
-        add_rebound_lack(other.rebound_lack, other.lack_place);
         if (depth > contact_depth) contact_depth = depth, depth_place = place;
+    }
+    void add_rebound_lack(double part, const Vec2& place) {
+        if (part > rebound_lack) rebound_lack = part, lack_place = place;
     }
     void add_contact_residual(double error, const Vec2& place) {
         if (error > contact_residual) contact_residual = error, residual_place = place;
     }
     /// Notes a contact whose gap [m] changes by `rate` [m/s], over a step of h [s].
-    void add_rebound_lack(double part, const Vec2& place) {
-        if (part > rebound_lack) rebound_lack = part, lack_place = place;
-    }
     void add_approach(double gap, double h, double rate, const Vec2& place) {
         if (gap + h * rate <= 0 && -rate > approach) approach = -rate, approach_place = place;
     }

@@ -131,6 +131,7 @@ StepReport RigidScheme::thaw(const State& begin, double h, State& end) {
     find_contacts(report);
     report.rejection = Rejection::none;
     report = end_step(report, end);
+    report.thaws = std::ranges::count(begin.frozen->pieces, false, &FrozenBody::Piece::held);
     end.frozen = nullptr, end.rigid_pieces.clear();
     end.motion = Motion::thawed;
     return report;
@@ -303,8 +304,8 @@ void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& rep
     const FrozenBody& body = *step.begin.frozen;
     const std::size_t n_pieces = body.pieces.size();
     const auto stands_still = [&](Index b) { return b < 0 || (!bodies_[b].moves() && bodies_[b].before.isZero(0)); };
-    const auto is_slow = [&](std::size_t p) {
     const double time = end.time + step.drift_time;
+    const auto is_slow = [&](std::size_t p) {
         const RigidPiece& piece = end.rigid_pieces[p];
         return !bodies_[p].deformable && time - piece.slow_since >= slow_for &&
                !sets_out(piece, body.pieces[p].radius, time, options_.rigid.sleep);
