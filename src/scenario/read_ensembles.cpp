@@ -189,14 +189,14 @@ void check_distribution(const Table& table, const Key& key, const std::string& n
                     drawn.distribution == Distribution::uniform ? "" : "within = [smallest, largest]");
 }
 
-/// Whether the key may have all the numbers that are chosen from; a word has its error in the member that draws it.
+/// Warns of numbers that are chosen from and that the key cannot have: members that draw them are refused.
 void check_choices(const Table& table, const char* at, const Key& key, const RandomKey& drawn) {
     if (key.kind != Kind::number && key.kind != Kind::integer) return;
     for (const std::string& choice : drawn.choices)
         if (const Quantity read = parse_quantity(choice); read.problem.empty() && !key.range.contains(read.value))
-            return table.error(
-                "out-of-range", at,
-                "gives " + choice + ", which `" + drawn.key + "` cannot be: it must be " + key.range.text());
+            return table.warning("out-of-range", at,
+                                 "gives " + choice + ", which `" + drawn.key + "` cannot be: it must be " +
+                                     key.range.text() + "; members that draw it are refused");
 }
 
 /// Adds a key that the key `at` of a table names, unless it has a value already.

@@ -17,8 +17,9 @@ constexpr double stands_below = 1e-3;     // [-] of the speed of sleep: slower m
 constexpr std::size_t few_pieces = 1000;  // one thread is as fast as two
 constexpr double largest_turn = 0.7;      // [rad] of a piece in a step: 40 degrees
 
-/// Whether a slow piece sets out: its speed v grows along its way d. From rest a constant acceleration has d = v t/2, and
-/// a growing one less, down to v t/4 here; what vibrates in its place has less, and what goes on or is braked v t or more.
+/// Whether a slow piece sets out: its speed v grows along its way d. From rest a constant acceleration has d = v t/2,
+/// and a growing one less, down to v t/4 here; what vibrates in its place has less, and what goes on or is braked v t
+/// or more.
 bool sets_out(const RigidPiece& piece, double radius, double time, double sleep) {
     const Vec3 size(1, 1, radius), v = size.cwiseProduct(piece.rates()),
                                    d = size.cwiseProduct(piece.place() - piece.slow_at);
