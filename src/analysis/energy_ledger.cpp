@@ -83,7 +83,7 @@ EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix ma
 
 void EnergyLedger::add(const State& end, const StepReport& report) {
     assert(report.rejection == Rejection::none);
-    const double surface_before = row_.surface();
+    const double surface_before = row_.surface(), lag_before = row_.law_lag;
     ++n_steps_;
     path_ += end.last_step * report.largest_speed;
     supplied_ += std::max(0.0, report.external_work) + std::max(0.0, report.excavation_work) +
@@ -115,8 +115,13 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     const bool half_later = !end.has_end_velocities() && end.motion != Motion::rigid && row_.interface_elastic == 0;
     const double lag = row_.law_lag + (half_later ? 0.5 * (row_.surface() - surface_before - report.law_change) : 0);
     law_lag_ = lag;
-    if (const double now = over_dissipated(lag, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
-        largest_law_lag_ = now;
+    const auto judge = [&](double at) {
+        if (const double now = over_dissipated(at, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
+            largest_law_lag_ = now;
+    };
+    judge(lag);
+    if (report.micro_lag > 0) judge(lag_before + report.micro_lag);
+    if (report.micro_lead > 0) judge(lag_before - report.micro_lead);
 
     if (end.temperature) {
         largest_free_thermal_ = std::max(largest_free_thermal_, end.temperature->free_energy);

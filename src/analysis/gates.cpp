@@ -185,6 +185,17 @@ const GateRule rules[] = {
          return GateValue{.value = row.exchange_work / std::max(-row.impact_work - row.friction_work, least),
                           .judged = run.ended && row.exchange_work > 0};
      }},
+    {{"rebound_lack", "",
+      "part of the energy that R_N takes of an impact of a deformable piece which the surface could not take, since it "
+      "gives way by no more than 0.3 of an edge (faces 0.05); the piece rebounds faster",
+      "The impact is too fast for the mesh. Try a larger mesh.size, a smaller speed, or breakable = false with "
+      "[rigid], "
+      "where R_N is exact."},
+     {0.1, infinity, fixed},
+     [](const GateView& run) {
+         const StepReport& worst = run.ledger.worst();
+         return GateValue{.value = worst.rebound_lack, .place = worst.lack_place, .judged = worst.rebound_lack > 0};
+     }},
     {{"missed_blow", "",
       "energy dissipated in the first step of pieces that a blow made deformable, over the dissipated energy: no wave "
       "has run in it, so what breaks bore its strength or more while it was rigid",

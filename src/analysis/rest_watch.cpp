@@ -50,14 +50,16 @@ double settling_time(const Model& model) {
 RestWatch::RestWatch(const Model& model, const RestOptions& options)
     : below_(options.below),
       duration_(options.duration > 0 ? options.duration : passages * shear_passage(model)),
-      settled_(std::max(settling_time(model), options.not_before)) {}
+      settled_(std::max(settling_time(model), options.not_before)),
+      sleeps_(options.sleeps) {}
 
-void RestWatch::after_step(const EnergyRow& row, bool lies_still) {
+void RestWatch::after_step(const EnergyRow& row, std::optional<bool> lies) {
     largest_kinetic_ = std::max(largest_kinetic_, row.kinetic);
     const double strain = std::abs(row.strain),  // of a body that was only shifted it is rounding, of either sign
         small = std::max(below_ * std::min(largest_kinetic_, strain), rest_rounding * strain);
-    lies_still = lies_still && row.kinetic <= below_ * largest_kinetic_;  // of free obstacles
-    const bool quiet = row.time > settled_ && (row.kinetic <= small || lies_still);
+    const bool lies_still = lies.value_or(false) && row.kinetic <= below_ * largest_kinetic_,  // of free obstacles
+        is_slow = row.kinetic <= small && !(sleeps_ && lies.has_value());
+    const bool quiet = row.time > settled_ && (is_slow || lies_still);
     if (!quiet) since_ = std::numeric_limits<double>::quiet_NaN();
     else if (std::isnan(since_)) since_ = row.time;
     at_rest_ = quiet && (lies_still || row.time - since_ >= duration_);

@@ -6,6 +6,7 @@
 #include "model/model.hpp"
 
 #include <limits>
+#include <optional>
 
 namespace knap {
 
@@ -14,14 +15,16 @@ struct RestOptions {
     double below = 1e-3;            // [-] kinetic energy over the largest so far, and over the strain energy
     double duration = 0;            // [s] for which it must be; 0: ten passages of a shear wave across the body
     double not_before = -infinity;  // [s] the end of the last excavation
+    bool sleeps = false;            // rigid pieces fall asleep where they rest
 };
 
 class RestWatch {
 public:
     RestWatch(const Model& model, const RestOptions& options);
 
-    /// `lies_still`: all pieces of the body are rigid and asleep, which is rest at once.
-    void after_step(const EnergyRow& row, bool lies_still = false);
+    /// `lies`: of rigid pieces, whether all are asleep, which is rest at once. Others are at rest in no other way
+    /// (`RestOptions::sleeps`): the strain energy that is frozen in them tells nothing of their motion.
+    void after_step(const EnergyRow& row, std::optional<bool> lies = {});
 
     bool at_rest() const { return at_rest_; }
     double since() const { return since_; }        // [s] the end of the first step at rest; NaN while the body moves
@@ -34,6 +37,7 @@ public:
 
 private:
     double below_, duration_, settled_;
+    bool sleeps_;
     double largest_kinetic_ = 0;  // [J]
     double since_ = std::numeric_limits<double>::quiet_NaN();
     bool at_rest_ = false;

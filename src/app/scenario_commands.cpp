@@ -152,6 +152,7 @@ struct Rebounding {
     std::size_t n_rigid = 0;
     std::size_t fewest = 0, most = 0;  // triangles of a deformable piece; 0: there is none
     double inertia = 1;                // [-] the largest of a piece, over that of its outline
+    double speed = infinity;           // [m/s] c L/D of a deformable piece: edge L, root D of the area
 };
 
 /// [-] Masses lie at the corners of triangles: a triangle with the sides a, b, c has m (a^2 + b^2 + c^2)/9 and not /36.
@@ -189,23 +190,36 @@ Rebounding rebounding_of(const Model& model, const RigidOptions& options) {
         const std::size_t n = of_piece.size();
         found.fewest = found.most == 0 ? n : std::min(found.fewest, n);
         found.most = std::max(found.most, n);
+        double area = 0, smallest = infinity;
+        for (const Index t : of_piece) area += model.mesh.area(t), smallest = std::min(smallest, model.mesh.area(t));
+        const Elastic& material = model.materials[model.mesh.region[of_piece.front()]];
+        found.speed = std::min(found.speed, material.dilatational_speed(model.plane) * std::sqrt(2 * smallest / area));
     }
     return found;
 }
 
-std::string rebound_text(const ContactLaw& law, const Rebounding& bodies) {
-    std::string text =
-        law.changing < 0 ? formatted("friction %.3g, ", law.friction) : "friction of its law over slip or pressure, ";
+/// `depth` [-]: of an edge, by which the surface gives way at most; it does by 3 V D/c (stepper/README.md).
+std::string rebound_text(const ContactLaw& law, const Rebounding& bodies, const RigidOptions& rigid, double depth) {
+    std::string text = law.changing < 0 ? formatted("friction %.3g, ", law.friction)
+                                        : "friction of its law over pressure, or over the slip of faces that were "
+                                          "joined (others: that without slip), ";
     const double own = natural_rebound(bodies.fewest);
     const std::string of_its_own =
         formatted("by its elasticity (%zu triangles: with at least %.2g, up to 0.98 of its speed)", bodies.fewest, own);
     if (law.rebound == ContactLaw::Rebound::of_bodies) {
         text += formatted("bodies rebound with R_N %.3g", law.restitution);
+        if (bodies.most > 0 && law.restitution < own)
+            text +=
+                formatted(", deformable ones up to impacts of about %.2g m/s on this mesh", depth / 3 * bodies.speed);
         if (bodies.most > 0 && law.restitution > own)
             text += ", a deformable one with less where its own rebound is less: " + of_its_own;
     } else {
         text += formatted("restitution %.3g of faces", law.restitution);
-        if (bodies.n_rigid > 0) text += ", and of rigid pieces";
+        if (bodies.n_rigid > 0)
+            text += law.gives_restitution
+                        ? ", and of rigid pieces that cannot break"
+                        : formatted(", %.3g of rigid pieces that cannot break (rigid.restitution)", rigid.restitution);
+        if (bodies.most > 0 && rigid.active()) text += ", 0 of what can break, below a blow that may break it";
         if (bodies.most > 0) text += "; a deformable body rebounds " + of_its_own;
     }
     return law.tangential > 0 ? text + formatted(", R_T %.3g", law.tangential) : text;
@@ -213,13 +227,16 @@ std::string rebound_text(const ContactLaw& law, const Rebounding& bodies) {
 
 /// A line for each obstacle that bodies may rebound from, and each range of a terrain.
 void print_obstacles(const Scenario& scenario, const Rebounding& bodies) {
+    const auto text_of = [&](const ContactLaw& law) {
+        return rebound_text(law, bodies, scenario.time.scheme.rigid, Rebounds::depth_of_obstacles());
+    };
     for (const Obstacle& obstacle : scenario.obstacles) {
         const auto rebounds = [](const ContactLaw& law) { return law.is_of_bodies() || law.restitution > 0; };
         if (scenario.contact_of_pair.empty() && obstacle.ranges.empty() && !obstacle.any_law(rebounds)) continue;
-        std::printf("  obstacle %s: %s\n", obstacle.name.c_str(), rebound_text(obstacle.contact, bodies).c_str());
+        std::printf("  obstacle %s: %s\n", obstacle.name.c_str(), text_of(obstacle.contact).c_str());
         for (const SurfaceRange& range : obstacle.ranges)
             std::printf("  obstacle %s, x from %.6g to %.6g m: %s\n", obstacle.name.c_str(), range.from, range.to,
-                        rebound_text(range.law, bodies).c_str());
+                        text_of(range.law).c_str());
     }
 }
 
@@ -230,7 +247,7 @@ void print_contact(const Scenario& scenario, const Rebounding& bodies) {
         for (std::size_t b = a; b < materials.size(); ++b) {
             const ContactLaw& law = scenario.contact_of_pair[a][b];
             std::printf("  contact of free faces, %s on %s: %s\n", materials[a].c_str(), materials[b].c_str(),
-                        rebound_text(law, bodies).c_str());
+                        rebound_text(law, bodies, scenario.time.scheme.rigid, Rebounds::depth_of_faces()).c_str());
         }
 }
 

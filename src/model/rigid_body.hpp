@@ -30,11 +30,14 @@ struct RigidPiece {
     double slow_since = 0;         // [s] from when on it has been slower than the speed of sleep
     double last_step = 0;          // [s] 0: the velocities are those of this moment
     double struck = 0;             // [s] of a deformable piece: the last blow, or loss of cohesion
+    Vec3 slow_at = Vec3::Zero();   // [m, m, rad] its place at slow_since
 
     Vec3 rates() const { return {velocity.x(), velocity.y(), spin}; }
+    Vec3 place() const { return {centre.x(), centre.y(), angle}; }
+    void begin_slow(double time) { slow_since = time, slow_at = place(); }
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(state, centre, angle, velocity, spin, slow_since, last_step, struck);
+        archive(state, centre, angle, velocity, spin, slow_since, last_step, struck, slow_at);
     }
 };
 

@@ -92,7 +92,7 @@ void Recorder::open_files() {
 
 void Recorder::after_step(const State& now, const StepReport& report) {
     ledger_.add(now, report);
-    if (rest_) rest_->after_step(ledger_.row(), now.lies_still());
+    if (rest_) rest_->after_step(ledger_.row(), now.frozen ? std::optional(now.lies_still()) : std::nullopt);
     probes_.after_step(now);
     watch_deformation(now, report.largest_speed);
     gates_.judge(ledger_, deformation_);

@@ -187,8 +187,9 @@ const std::vector<Member>& members() {
          is_scheme},
         {"pieces", "",
          "with [rigid]: deformable, rigid and asleep pieces at the end; those below rigid.smallest that have points "
-         "which could break, and their mass; time in which some were deformable, how many pieces became so within "
-         "steps of rigid ones, and the number of steps that these took meanwhile",
+         "which could break, and their mass; time in which some were deformable, how many pieces became so (all at "
+         "once with supports, held boundaries or free obstacles), and the number of steps that these took within "
+         "steps of rigid ones (where all are deformable, steps of the run)",
          [](R r) {
              if (!r.pieces) return absent;
              Json json;

@@ -333,7 +333,9 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.ledger.worst().penetration; }},
     {"largest_speed", "m/s", "largest speed of any element node over the run",
      [](F f) { return f.ledger.worst().largest_speed; }},
-    {"largest_rotation", "deg", "largest rotation of a triangle over the run",
+    {"largest_rotation", "deg",
+     "largest rotation of a triangle over the run, at most 180: whole turns do not count (rotation of "
+     "fragments.csv has them)",
      [](F f) { return f.deformation.rotation().value; }},
     {"largest_strain", "", "largest principal strain of a triangle over the run; with large rotations only",
      [](F f) { return f.deformation.large_rotation() ? f.deformation.strain().value : not_a_number; }},

@@ -73,9 +73,11 @@ void add_matter_and_motion(KeyTable& t) {
 void add_rebound(KeyTable& t) {
     t.number("R_N", "", "normal coefficient of restitution of bodies, instead of restitution: of a rigid one exactly "
         "that of its point of contact; a deformable one rebounds with it where it would with more, since the surface "
-        "gives way; explicit steps").at_least(0).at_most(1);
+        "gives way, up to 0.3 of an edge (check says to which speed, the gate rebound_lack what was missed); explicit "
+        "steps").at_least(0).at_most(1);
     t.number("R_T", "", "tangential coefficient of restitution of bodies: an impact leaves R_T of the slip of the "
-        "point of contact, or more where friction cannot take as much; 0: friction alone; explicit steps")
+        "point of contact, or more where friction cannot take as much; 0: friction alone, and the shear of a "
+        "deformable body springs back, so that it may keep more slip than with 0.01; explicit steps")
         .at_least(0).at_most(1).computed("0").to(&ContactLaw::tangential);
 }
 
@@ -465,11 +467,13 @@ void add_keys_of_loads(KeyTable& t) {
         .above(0).computed("20").to(&RigidOptions::hold);
     t.number("smallest", "m", "pieces of a smaller diameter (fragments.csv) never break; run.json has their mass")
         .at_least(0).computed("0").to(&RigidOptions::smallest);
-    t.number("sleep", "m/s", "pieces that stay slower for 0.2 s, and press on what stands still, fall asleep: they "
-        "stand still until they are hit faster; 0: none does").at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
+    t.number("sleep", "m/s", "pieces that stay slower for 0.2 s and do not set out (the speed of what slides from rest "
+        "grows), and press on what stands still, fall asleep: they stand still until they are hit faster; 0: none does")
+        .at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
     t.number("restitution", "", "Newton's coefficient of rigid pieces that cannot break, where neither the pair of "
-        "materials, [contact], the interface law nor the obstacle gives one; what can break has 0 below the blow. "
-        "Bodies of many triangles rebound with 0.9 and more, single triangles with 0.3 to 0.6")
+        "materials or the obstacle, nor [contact] (obstacles that give none have its R_N or restitution), nor the "
+        "interface law gives one; what can break has 0 below the blow, or R_N. Bodies of many triangles rebound "
+        "with 0.9 and more, single triangles with 0.3 to 0.6")
         .at_least(0).at_most(1).computed("0.9").to(&RigidOptions::restitution);
 
     t.list("excavation[]", "a region of the body that vanishes at a time, given by points, by centre and radius, or "

@@ -85,7 +85,11 @@ void add_keys_of_run(KeyTable& t) {
         .otherwise("respect").to(&SchemeOptions::respect_assumption_1, {true, false});
 
     t.table("output", "output intervals and files");
-    t.number("every", "s", "time between two field frames").above(0).computed("time.end/40").to(&OutputOptions::every);
+    t.number("every", "s", "time between two field frames, and between two lines of the tables of fragments and "
+        "trajectories").above(0).computed("time.end/40").to(&OutputOptions::every);
+    t.number("frame_every", "s", "time between two field frames, where it is another one; the last frame is written "
+        "in any case, and runs of a sweep keep it alone").above(0).computed("output.every")
+        .to(&OutputOptions::frame_every);
     t.number("history_every", "s", "time between two lines of energy.csv and the other histories")
         .above(0).computed("time.end/400").to(&OutputOptions::history_every);
     t.number("checkpoint_every", "s", "wall time between two checkpoints; the same command continues an interrupted "

@@ -189,6 +189,16 @@ void check_distribution(const Table& table, const Key& key, const std::string& n
                     drawn.distribution == Distribution::uniform ? "" : "within = [smallest, largest]");
 }
 
+/// Warns of numbers that are chosen from and that the key cannot have: members that draw them are refused.
+void check_choices(const Table& table, const char* at, const Key& key, const RandomKey& drawn) {
+    if (key.kind != Kind::number && key.kind != Kind::integer) return;
+    for (const std::string& choice : drawn.choices)
+        if (const Quantity read = parse_quantity(choice); read.problem.empty() && !key.range.contains(read.value))
+            return table.warning("out-of-range", at,
+                                 "gives " + choice + ", which `" + drawn.key + "` cannot be: it must be " +
+                                     key.range.text() + "; members that draw it are refused");
+}
+
 /// Adds a key that the key `at` of a table names, unless it has a value already.
 void add_drawn_key(const Table& table, const char* at, RandomKey drawn, RandomMembers& random) {
     const auto is_it = [&](const RandomKey& other) { return other.key == drawn.key; };
@@ -223,6 +233,7 @@ void read_drawn_key(const Table& table, RandomMembers& random) {
     const bool has_tails = *name == "normal" || *name == "lognormal";
     if (table.given("within") && !has_tails) table.error("exclusive-keys", "within", "belongs to normal and lognormal");
     if (*name != "choice") check_distribution(table, *key, *name, drawn);
+    else check_choices(table, "choice", *key, drawn);
     add_drawn_key(table, "key", std::move(drawn), random);
 }
 
@@ -269,7 +280,10 @@ void read_drawn_lines(const Table& table, RandomMembers& random) {
         refuse("the file has no line of values", 0);
     if (is_refused) return;
     table.scenario().files.push_back({table.path("file"), "members.csv", *bytes});
-    for (RandomKey& column : columns) add_drawn_key(table, "file", std::move(column), random);
+    for (RandomKey& column : columns) {
+        check_choices(table, "file", *key_at(column.key), column);
+        add_drawn_key(table, "file", std::move(column), random);
+    }
 }
 
 void read_members(Reading& reading) {

@@ -2,6 +2,7 @@
 #include "scenario/reading.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace knap {
 namespace {
@@ -35,6 +36,23 @@ void refuse_loads(Reading& reading) {
     }
 }
 
+/// An obstacle that gives no restitution has that of [contact], if this gives one, before rigid.restitution.
+void share_restitution(const Table& contact, std::vector<Obstacle>& obstacles) {
+    using Rebound = ContactLaw::Rebound;
+    const std::optional<double> of_bodies = contact.given("R_N") ? contact.number("R_N") : std::nullopt,
+                                of_faces = contact.given("restitution") ? contact.number("restitution") : std::nullopt;
+    if (!of_bodies && !of_faces) return;
+    const auto share = [&](ContactLaw& law) {
+        if (law.gives_restitution) return;
+        law.rebound = of_bodies ? Rebound::of_bodies : Rebound::of_faces;
+        law.restitution = of_bodies.value_or(of_faces.value_or(0)), law.gives_restitution = true;
+    };
+    for (Obstacle& obstacle : obstacles) {
+        share(obstacle.contact);
+        for (SurfaceRange& range : obstacle.ranges) share(range.law);
+    }
+}
+
 }  // namespace
 
 void read_rigid(Reading& reading) {
@@ -47,11 +65,13 @@ void read_rigid(Reading& reading) {
                                      std::pair{"sleep", rigid.sleep}, std::pair{"restitution", rigid.restitution}})
         table.compute(key, Node::of_number(value));
     table.fill(rigid);
+    scenario.time.rest.sleeps = rigid.sleep > 0;
     if (!reading.table("contact").given())
         table.error("exclusive-keys", "", "needs contact between pieces", "[contact]");
     const auto exclude = [&](bool is_there, const std::string& other, const std::string& cure) {
         if (is_there) table.exclude("", "[rigid]", other, cure + ", or no [rigid]");
     };
+    share_restitution(reading.table("contact"), scenario.obstacles);
     exclude(reading.table("heat").given(), "[heat]", "no [heat]");
     exclude(!scenario.crack_pressures.empty(), "[[pressure]]", "no [[pressure]]");
     exclude(!scenario.initial_stresses.empty(), "[[initial]] stress", "no stress in [[initial]]");

@@ -99,7 +99,8 @@ struct TimeOptions {
 };
 
 struct OutputOptions {
-    double every = 0;                             // [s] between field frames
+    double every = 0;                             // [s] between field frames, and lines of fragments
+    double frame_every = 0;                       // [s] between field frames; 0: every
     double history_every = 0;                     // [s] between lines of energy.csv and cracks.csv
     bool fields = true;                           // write .vtu frames
     Compression compression = Compression::none;  // of these
@@ -108,6 +109,9 @@ struct OutputOptions {
     bool report = true;                           // write report.html
     double checkpoint_every = 60;                 // [s] of wall time between checkpoints
     std::vector<double> states;                   // [s] at which the whole state is kept
+
+    /// [s] Between field frames; 0: there are none.
+    double between_frames() const { return !fields ? 0 : frame_every > 0 ? frame_every : every; }
 };
 
 /// A mesh that was read from a file.

@@ -198,10 +198,19 @@ StepReport Islands::take_micro_steps(double h) {
         if (piece.state == PieceState::deformable) struck = std::max(struck, piece.struck);
     control.go_on_after_impact(struck);
     StepReport works;
+    const auto psi = [](const StepReport& at) { return at.dissipated + at.recoverable + at.interface_elastic; };
+    const double psi_at_start = psi(surface_energy(part_.model, start_));
+    double psi_before = psi_at_start;
     double given = 0;  // [s] sum of the kicks
     const auto advance = [&](double drift, const StepReport& step) {
         const double kick = 0.5 * (now_.last_step + drift);
         add_works(step, works);
+        // as the ledger has it after a step: works belong to the middle, and Psi of constant unloading to the end
+        const double lag = works.cohesive_work - works.crossing_loss - works.viscous_dissipation -
+                           works.mixed_dissipation - (psi(step) - psi_at_start) +
+                           (step.interface_elastic == 0 ? 0.5 * (psi(step) - psi_before) : 0);
+        works.micro_lag = std::max(works.micro_lag, lag), works.micro_lead = std::max(works.micro_lead, -lag);
+        psi_before = psi(step);
         account_exchange(kick, works);
         for (std::size_t o = 0; o < mean_reaction_.size(); ++o)
             mean_reaction_[o] += kick / h * next_.obstacles[o].reaction;
@@ -349,7 +358,7 @@ void Islands::rebuild_pieces(double end_time, State& end, StepReport& report) co
             piece = old->pieces[p], motion = before[p];
             continue;
         }
-        motion.last_step = 0, motion.slow_since = end_time;
+        motion.last_step = 0, motion.begin_slow(end_time);
         motion.struck = struck_[part_.triangle_of_part[piece.first_triangle]];
         const bool stays =
             can_break(piece, rigid_options_) && !is_quiet(piece, motion.struck, frozen.vibration[q], end_time);

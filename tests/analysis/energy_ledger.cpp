@@ -67,6 +67,13 @@ TEST_CASE("ledger: the law lag is judged once the surface has an energy of a poi
     report.cohesive_work *= 1e4, report.recoverable *= 1e4;
     more.add(state, report);
     CHECK(more.largest_law_lag() == relative(0.25, 1e-12));
+    // a step of rigid pieces in whose micro steps it came and went
+    EnergyLedger within(model, state, MassMatrix::lumped, point);
+    within.add(state, {.micro_lag = 0.3 * point});
+    CHECK(within.law_lag() == 0);
+    CHECK(within.largest_law_lag() == relative(0.3, 1e-12));
+    within.add(state, {.micro_lead = 0.4 * point});
+    CHECK(within.largest_law_lag() == relative(-0.4, 1e-12));
 }
 
 TEST_CASE("ledger: a preload is energy of the start and no work") {

@@ -879,6 +879,7 @@ const Case cases[] = {
     {rectangle, "time.mass_scaling", "0.02"},
     {rectangle, "time.theta", "0.75"},
     {rectangle, "output.every", "1e-06"},
+    {rectangle, "output.frame_every", "1e-06"},
     {rectangle, "output.history_every", "1e-07"},
     {rectangle, "output.checkpoint_every", "5"},
     {rectangle, "output.states", "[2e-07, 4e-07]"},

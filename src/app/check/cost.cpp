@@ -152,7 +152,7 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     cost.steps = cost.n_steps * cost.first_step * cost.mean_over_first;
 
     if (scenario.output.fields)
-        cost.n_frames = std::min(std::ceil(scenario.time.end / scenario.output.every), largest) + 1;
+        cost.n_frames = std::min(std::ceil(scenario.time.end / scenario.output.between_frames()), largest) + 1;
     cost.frames = slowness * cost.n_frames * (of_frame + of_frame_triangle * drawn);
     double n_body = 0, n_curves = 0, picture = 0;  // [MB] the largest
     const Vec2 extent = bounding_box(model.mesh.vertices).extent();

@@ -365,8 +365,8 @@ public:
                               1e-9 * n * bytes),
                     formatted("%s of %s makes a thousand", key, readable(end / 1000, "s", 1).c_str()));
         };
-        check("output.every", scenario_.output.fields ? scenario_.output.every : 0, max_frames, "frames",
-              frame_bytes * triangles);
+        check(scenario_.output.frame_every > 0 ? "output.frame_every" : "output.every",
+              scenario_.output.between_frames(), max_frames, "frames", frame_bytes * triangles);
         check("output.history_every", scenario_.output.history_every, max_lines, "lines in each table", 500);
         for (std::size_t i = 0; i < scenario_.figures.size(); ++i)
             if (const auto n = static_cast<double>(scenario_.figures[i].at.size()); n > max_figure_times)

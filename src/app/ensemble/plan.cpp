@@ -331,7 +331,7 @@ Ensemble plan_sweep(const std::string& scenario, const Texts& overrides) {
     sweep.sheet.panel = true;
     // the runs keep their last frame where a panel needs it, are no sweeps themselves, and may miss [expect]
     Texts last{"figure=", "expect=", "study=", "sweep="};
-    append(last, shows_body(sweep.sheet.show) ? Texts{"output.fields=true", "output.every=1e9"}
+    append(last, shows_body(sweep.sheet.show) ? Texts{"output.fields=true", "output.frame_every=1e9"}
                                               : Texts{"output.fields=false"});
     append(last, report_of_runs(overrides));
     if (!base.sweep.show.empty()) {  // whether a run has what the panel shows

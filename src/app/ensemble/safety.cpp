@@ -137,7 +137,7 @@ Ensemble plan_safety(const std::string& scenario, const Texts& overrides) {
     safety.safety->common = overrides;
     constexpr double n_frames = 20;
     const Texts more{"output.fields=true",
-                     "output.every=" + shortest(read.scenario.time.end / n_frames),
+                     "output.frame_every=" + shortest(read.scenario.time.end / n_frames),
                      "figure=",
                      "expect=",
                      "study=",

@@ -21,6 +21,10 @@ template <class Archive>
 void serialize(Archive& archive, knap::Vec2& v) {
     archive(v.x(), v.y());
 }
+template <class Archive>
+void serialize(Archive& archive, knap::Vec3& v) {
+    archive(v.x(), v.y(), v.z());
+}
 
 template <class Archive, std::same_as<std::filesystem::path> Path>  // not types that only convert to a path
 std::string save_minimal(const Archive&, const Path& path) {

@@ -147,7 +147,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
     return {.directory = directory,
             .end = scenario.time.end,
             .compression = scenario.output.compression,
-            .frame_every = scenario.output.fields ? scenario.output.every : 0,
+            .frame_every = scenario.output.between_frames(),
             .history_every = scenario.output.history_every,
             .fragments_every = scenario.output.every,
             .mass = scenario.time.scheme.mass,

@@ -74,11 +74,15 @@ struct StepReport {
     double largest_speed = 0;            // [m/s]
     double approach = 0;                 // [m/s] largest with which obstacles or free faces meet in the step
     Vec2 approach_place = Vec2::Zero();  // [m] where that is, in the deformed body
+    double rebound_lack = 0;             // [-] part of what R_N takes of an impact and the surface could not take
+    Vec2 lack_place = Vec2::Zero();      // [m] where that is, in the deformed body
     double largest_opened = 0;           // [-] by which a point that loses cohesion opens, over its delta_c; explicit
     double largest_beta_growth = 0;      // [-] must be 0
     double largest_strength_factor = 0;  // [-] phi of the fans that split, with an incubation time
     double largest_drop = 0;             // [J] S G_c (fall of beta)^2 of one point: about the error of the step there
     Index drop_corner = -1;              // a corner of that point
+    double micro_lag = 0;                // [J] largest law lag within a step of rigid pieces, since its start
+    double micro_lead = 0;               // [J] likewise of negative ones
     double contact_motion = 0;           // [-] of rigid pieces: largest motion of faces that meet, over their edge
     std::int64_t fan_solves = 0;         // nonlinear problems of split fans
     std::int64_t fan_iterations = 0;     // linear systems solved for them
@@ -149,6 +153,8 @@ struct StepReport {
                                            &R::largest_beta_growth,
                                            &R::largest_strength_factor,
                                            &R::largest_opened,
+                                           &R::micro_lag,
+                                           &R::micro_lead,
                                            &R::contact_motion};
         std::apply([&](auto... member) { (visit(member, Combine::sum), ...); }, sums);
         std::apply([&](auto... member) { (visit(member, Combine::maximum), ...); }, maxima);
@@ -158,7 +164,7 @@ struct StepReport {
     void serialize(Archive& archive) {
         for_each_number([&](auto member, Combine) { archive(this->*member); });
         archive(largest_drop, drop_corner, contact_depth, depth_place, contact_residual, residual_place, approach,
-                approach_place);
+                approach_place, rebound_lack, lack_place);
         archive(rejection, where, rejected_value);
     }
 
@@ -172,11 +178,15 @@ struct StepReport {
         add_depth(other.contact_depth, other.depth_place);
         add_contact_residual(other.contact_residual, other.residual_place);
         if (other.approach > approach) approach = other.approach, approach_place = other.approach_place;
+        add_rebound_lack(other.rebound_lack, other.lack_place);
         reject(other.rejection, other.where, other.rejected_value);
         return *this;
     }
     void add_depth(double depth, const Vec2& place) {
         if (depth > contact_depth) contact_depth = depth, depth_place = place;
+    }
+    void add_rebound_lack(double part, const Vec2& place) {
+        if (part > rebound_lack) rebound_lack = part, lack_place = place;
     }
     void add_contact_residual(double error, const Vec2& place) {
         if (error > contact_residual) contact_residual = error, residual_place = place;

@@ -14,6 +14,7 @@ constexpr double slowest = 1e-6;      // [-] of the speed of waves: a slower app
 constexpr double longest_impact = 100, longest_pause = 6, longest_slip = 24;  // [-] passages of a wave
 constexpr double many_steps = 20;                                             // an impact of fewer has no mean force
 constexpr double deepest = 0.3, deepest_face = 0.05;  // [-] of an edge: deeper no surface gives way
+constexpr double hard = 1e-4;  // [-] of the speed of waves: of slower impacts what the surface cannot take is no lack
 
 }  // namespace
 
@@ -30,6 +31,8 @@ Rebounds::Rebounds(const Model& model, std::span<const Dashpot> dashpots) : mode
     for (const Elastic& material : model.materials)
         wave_speed_ = std::max(wave_speed_, material.dilatational_speed(model.plane));
 }
+
+double Rebounds::depth_of_obstacles() { return deepest; }
 
 double Rebounds::depth_of_faces() { return deepest_face; }
 
@@ -52,6 +55,7 @@ void Rebounds::begin(const State& begin) {
     }
     for (Piece& piece : pieces_) piece.is_known = false;
     time_ = begin.time;
+    lack_ = 0;
     impacts_.clear();
     for (const Impact& impact : begin.impacts) {
         const double passage = pieces_[impact.piece].size / wave_speed_;
@@ -106,8 +110,8 @@ Impact* Rebounds::impact_of(const Sides& sides) {
     return found == impacts_.end() ? nullptr : &*found;
 }
 
-GivingWay Rebounds::find(const Sides& sides, const Vec2& rate, double gap, double deepest_gap, const ContactLaw& law,
-                         const State& begin) {
+GivingWay Rebounds::find(const Sides& sides, const Vec2& place, const Vec2& rate, double gap, double deepest_gap,
+                         const ContactLaw& law, const State& begin) {
     GivingWay found{.lies_deep = law.rebound == ContactLaw::Rebound::of_bodies};
     const bool touches = gap <= geometric_rounding * deepest_gap;
     Impact* impact = impact_of(sides);
@@ -122,11 +126,16 @@ GivingWay Rebounds::find(const Sides& sides, const Vec2& rate, double gap, doubl
     const auto half_a_step = [&](double change) {
         return time > many_steps * begin.last_step ? 0.25 * begin.last_step * change / time : 0;
     };
+    const auto natural_of = [&](Index piece) { return natural_rebound(pieces_[piece].triangles.size()); };
+    double e_0 = natural_of(sides.piece);
+    if (sides.other >= 0) e_0 = std::min(e_0, natural_of(sides.other));
+    const double R = law.restitution;
+    if (law.rebound == ContactLaw::Rebound::of_bodies && gap <= -deepest_gap && R < e_0 && rate.x() < 0 && time > 0 &&
+        impact->approach > hard * wave_speed_) {
+        const double part = rate.x() * rate.x() / (impact->approach * impact->approach);
+        if (part > lack_) lack_ = part, lack_place_ = place;
+    }
     if (law.rebound == ContactLaw::Rebound::of_bodies && gap > -deepest_gap) {
-        const auto natural_of = [&](Index piece) { return natural_rebound(pieces_[piece].triangles.size()); };
-        double e_0 = natural_of(sides.piece);
-        if (sides.other >= 0) e_0 = std::min(e_0, natural_of(sides.other));
-        const double R = law.restitution;
         found.rate = std::clamp(1 - R * R / (e_0 * e_0), 0.0, most_given) * std::max(-rate.x(), 0.0);
         found.pushes =
             rate.x() + half_a_step(rate.x() + impact->approach) < std::max(R, rests_below) * impact->approach;
@@ -143,11 +152,11 @@ GivingWay Rebounds::find(const ObstacleContact& contact, const ContactLaw& law, 
     const ObstacleState& state = begin.obstacles[contact.obstacle];
     const Sides sides = sides_of(contact);
     if (pieces_[sides.piece].held && !obstacle.is_free()) return {};
-    const Vec2 V = velocity_at(sides.piece, state.pose.position + contact.arm, begin) -
-                   knap::velocity_at(state.velocity, contact.arm);
+    const Vec2 place = state.pose.position + contact.arm;
+    const Vec2 V = velocity_at(sides.piece, place, begin) - knap::velocity_at(state.velocity, contact.arm);
     const Vec2 &n = contact.normal, t = turned_left(n);
     const double length = std::sqrt(2 * model_.mesh.area(model_.mesh.triangle_of(contact.corner)));
-    return find(sides, Vec2(n.dot(V), t.dot(V)), contact.gap, deepest * length, law, begin);
+    return find(sides, place, Vec2(n.dot(V), t.dot(V)), contact.gap, deepest * length, law, begin);
 }
 
 GivingWay Rebounds::find(const FaceContact& contact, const ContactLaw& law, const State& begin) {
@@ -160,7 +169,7 @@ GivingWay Rebounds::find(const FaceContact& contact, const ContactLaw& law, cons
                V = velocity_at(piece_of(contact.vertex[1]), place, begin) -
                    velocity_at(piece_of(contact.edge[0]), place, begin);
     const Vec2 &n = contact.normal, t = turned_left(n);
-    return find(sides, Vec2(n.dot(V), t.dot(V)), contact.gap, deepest_face * contact.length, law, begin);
+    return find(sides, place, Vec2(n.dot(V), t.dot(V)), contact.gap, deepest_face * contact.length, law, begin);
 }
 
 }  // namespace knap

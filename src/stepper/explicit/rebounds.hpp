@@ -11,6 +11,7 @@
 // touch once more after the rebound. A slip is braked by friction alone after 24.
 #include "stepper/common/obstacle_contacts.hpp"
 #include "stepper/common/pieces_of_body.hpp"
+#include "stepper/common/step_report.hpp"
 #include "stepper/contact/face_contacts.hpp"
 
 namespace knap {
@@ -33,13 +34,16 @@ public:
 
     /// No law needs it.
     bool is_idle() const { return !is_needed_; }
-    /// [-] Of an edge of the body: as deep do faces lie in each other where they give way.
+    /// [-] Of an edge of the body: as deep does an obstacle, or do faces, give way.
+    static double depth_of_obstacles();
     static double depth_of_faces();
     /// Takes over the impacts of the state that go on.
     void begin(const State& begin);
     GivingWay find(const FaceContact& contact, const ContactLaw& law, const State& begin);
     GivingWay find(const ObstacleContact& contact, const ContactLaw& law, const State& begin);
     void finish(State& end) const { end.impacts = impacts_; }
+    /// What the surfaces could not take in this step.
+    void report_lack(StepReport& report) const { report.add_rebound_lack(lack_, lack_place_); }
 
 private:
     struct Piece {
@@ -60,8 +64,8 @@ private:
     Impact* impact_of(const Sides& sides);
     Piece& motion_of(Index first_triangle, const State& begin);
     Vec2 velocity_at(Index first_triangle, const Vec2& place, const State& begin);
-    GivingWay find(const Sides& sides, const Vec2& rate, double gap, double deepest_gap, const ContactLaw& law,
-                   const State& begin);
+    GivingWay find(const Sides& sides, const Vec2& place, const Vec2& rate, double gap, double deepest_gap,
+                   const ContactLaw& law, const State& begin);
 
     const Model& model_;
     std::span<const Dashpot> dashpots_;
@@ -72,6 +76,8 @@ private:
     std::vector<Piece> pieces_;     // in the places of their lowest triangles
     double time_ = 0;               // [s]
     std::vector<Impact> impacts_;
+    double lack_ = 0;                 // [-] of this step (StepReport::rebound_lack)
+    Vec2 lack_place_ = Vec2::Zero();  // [m]
 };
 
 }  // namespace knap

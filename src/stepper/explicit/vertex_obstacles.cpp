@@ -25,6 +25,7 @@ void VertexObstacles::finish(const ExplicitStep& step, const VertexContacts* con
         const Vec2 rate = velocity_at(at.velocity(1, begin), at.arm[1]) - velocity_at(at.velocity(0, begin), at.arm[0]);
         report.add_approach(at.gap, step.drift_time, at.normal.dot(rate), at.place(begin));
     }
+    now_.rebounds.report_lack(report);
     now_.contacts.sum_wrenches([&](std::size_t i) -> const Vec2& { return now_.impulse[i]; }, wrench_);
     if (contacts) contacts->add_wrenches(wrench_);
     now_.motion.finish(begin, wrench_, step.end, report);

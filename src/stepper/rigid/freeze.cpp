@@ -85,7 +85,7 @@ FrozenPieces freeze(const Model& model, State& state) {
         RigidPiece& piece = frozen.pieces[p];
         piece.centre = mean.centre[p];
         if (!body->pieces[p].held) piece.velocity = mean.velocity[p], piece.spin = mean.spin[p];
-        piece.slow_since = state.time, piece.last_step = state.last_step;
+        piece.begin_slow(state.time), piece.last_step = state.last_step;
     }
     body->arm.assign(state.displacement.size(), Vec2::Zero());
     body->piece_of_node.assign(state.displacement.size(), -1);

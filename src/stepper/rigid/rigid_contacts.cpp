@@ -64,7 +64,7 @@ void RigidContacts::add_row(Row& row, const std::vector<MovingBody>& bodies) {
 
 ContactLaw RigidContacts::law_for(ContactLaw law, bool breaks) const {
     if (!law.gives_restitution) law.restitution = options_.restitution;
-    if (breaks) law.restitution = law.tangential = 0;
+    if (breaks && law.rebound == ContactLaw::Rebound::of_faces) law.restitution = 0;
     return law;
 }
 
@@ -371,7 +371,9 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
         const bool is_sudden = sudden.x() > 0;
         // friction stops a part of the approach, too, so W_NN p alone may be less
         const double approach = is_sudden ? std::max(0.0, -row.before.x()) : 0;
-        const double stopped = is_sudden && !step.first ? sudden.x() * row.own_N : 0;
+        // the impulse of the rebound comes after that which stopped the approach, and loads no more than this
+        const double rebound = row.law.rebounds() && approach > 0 ? std::max(0.0, row.after.x()) / approach : 0;
+        const double stopped = is_sudden && !step.first ? sudden.x() * row.own_N / (1 + rebound) : 0;
         const double slope = is_sudden ? std::min(std::abs(sudden.y()) / sudden.x(), row.law.friction) : 0;
         const double blow = std::hypot(1, slope) * std::max(approach, stopped + std::max(0.0, -row.after.x()));
         const double load =

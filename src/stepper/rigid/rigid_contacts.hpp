@@ -120,7 +120,8 @@ private:
     Vec2 place_of(Index corner) const { return knap::place_of(model_, *begin_, corner); }
     bool can_break(Index body) const;
     void wake(std::vector<MovingBody>& bodies) const;
-    /// Pieces that cannot break rebound as the scenario says; others stay together in an impact that they bear.
+    /// Pieces that cannot break rebound as the scenario says; others, in an impact that they bear, with R_N and R_T
+    /// alone.
     ContactLaw law_for(ContactLaw law, bool breaks) const;
     void find_clusters(const std::vector<MovingBody>& bodies);
     void solve(std::size_t cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);

@@ -13,8 +13,19 @@ namespace knap {
 namespace {
 
 constexpr double slow_for = 0.2;          // [s] until a piece falls asleep
+constexpr double stands_below = 1e-3;     // [-] of the speed of sleep: slower motions are rounding and sweeps
 constexpr std::size_t few_pieces = 1000;  // one thread is as fast as two
 constexpr double largest_turn = 0.7;      // [rad] of a piece in a step: 40 degrees
+
+/// Whether a slow piece sets out: its speed v grows along its way d. From rest a constant acceleration has d = v t/2,
+/// and a growing one less, down to v t/4 here; what vibrates in its place has less, and what goes on or is braked v t
+/// or more.
+bool sets_out(const RigidPiece& piece, double radius, double time, double sleep) {
+    const Vec3 size(1, 1, radius), v = size.cwiseProduct(piece.rates()),
+                                   d = size.cwiseProduct(piece.place() - piece.slow_at);
+    const double uniform = v.squaredNorm() * (time - piece.slow_since);
+    return v.norm() > stands_below * sleep && d.dot(v) > 0.25 * uniform && d.dot(v) < 0.99 * uniform;
+}
 
 }  // namespace
 
@@ -121,6 +132,7 @@ StepReport RigidScheme::thaw(const State& begin, double h, State& end) {
     find_contacts(report);
     report.rejection = Rejection::none;
     report = end_step(report, end);
+    report.thaws = std::ranges::count(begin.frozen->pieces, false, &FrozenBody::Piece::held);
     end.frozen = nullptr, end.rigid_pieces.clear();
     end.motion = Motion::thawed;
     return report;
@@ -265,7 +277,7 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
             piece.state = PieceState::asleep;
             continue;
         }
-        if (piece.state == PieceState::asleep) piece.state = PieceState::rigid, piece.slow_since = begin.time;
+        if (piece.state == PieceState::asleep) piece.state = PieceState::rigid, piece.begin_slow(begin.time);
         const Vec3 moved = step.drift_time * at.end + at.strike + at.shift, mean = 0.5 * (at.before + at.end);
         piece.centre += moved.head<2>(), piece.angle += moved.z();
         piece.velocity = at.end.head<2>(), piece.spin = at.end.z();
@@ -280,7 +292,7 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
         report.projection_work -= load_[p].dot(at.shift);
         const double speed = piece.velocity.norm() + std::abs(piece.spin) * body.pieces[p].radius;
         report.largest_speed = std::max(report.largest_speed, speed);
-        if (speed >= options_.rigid.sleep) piece.slow_since = begin.time + step.drift_time;
+        if (speed >= options_.rigid.sleep) piece.begin_slow(begin.time + step.drift_time);
     }
     if (options_.rigid.sleep > 0 && !step.closing) fall_asleep(step, end, report);
     account_energies(body, report);
@@ -293,8 +305,11 @@ void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& rep
     const FrozenBody& body = *step.begin.frozen;
     const std::size_t n_pieces = body.pieces.size();
     const auto stands_still = [&](Index b) { return b < 0 || (!bodies_[b].moves() && bodies_[b].before.isZero(0)); };
+    const double time = end.time + step.drift_time;
     const auto is_slow = [&](std::size_t p) {
-        return !bodies_[p].deformable && end.time + step.drift_time - end.rigid_pieces[p].slow_since >= slow_for;
+        const RigidPiece& piece = end.rigid_pieces[p];
+        return !bodies_[p].deformable && time - piece.slow_since >= slow_for &&
+               !sets_out(piece, body.pieces[p].radius, time, options_.rigid.sleep);
     };
     bool any = false;
     for (std::size_t p = 0; p < n_pieces; ++p) any = any || (!body.pieces[p].held && !bodies_[p].asleep && is_slow(p));

@@ -308,6 +308,8 @@ TEST_CASE("random members: mistakes name key and bounds") {
             "drawn twice");
     refused("key = \"obstacle.block.initial_velocity.x\"\nlognormal = [\"3 m/s\", \"1 m/s\"]",
             "key = \"obstacle.terrain.friction\"\nnormal = [0.5, 0.2]", "out-of-range", "within = [smallest, largest]");
+    write_scene(folder, with("choice = [0.4, \"0.6\"]", "choice = [0.4, -0.5]"));  // other members are computed
+    CHECK(command("check " + folder.in_shell("scene.toml")).has("which `obstacle.terrain.friction` cannot be"));
     refused("[sweep]", "[sweep]\nseeds = 3", "exclusive-keys", "draw the key `seed`");
     refused("[sweep]", "[sweep]\nset = [\"seed=1,2\"]", "exclusive-keys", "a key of sweep.set, too");
 }

@@ -106,6 +106,7 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
     CHECK(plan.runs[2].name == "size_1_mm_G_c_2_s7");
     CHECK(plan.runs[11].name == "size_2_mm_G_c_3_s8");
     CHECK(plan.caption(plan.runs[11]) == "size 2 mm, G_c 3, seed 8");
+    const Scenario base = open_scenario("bar_pulled_apart", {"time.end=100 us"}).scenario;
     for (const EnsembleRun& run : plan.runs) {
         const ReadResult read = open_scenario("bar_pulled_apart", run.overrides);
         CHECK(read.scenario.time.end == tests::relative(100e-6, 1e-12));
@@ -114,7 +115,8 @@ TEST_CASE("sweep: the full product with the last key fastest and the seeds faste
         CHECK(read.scenario.seed == run.seed);
         CHECK(read.scenario.figures.empty());  // the sweep draws the panels, from the last frame of each run
         CHECK(read.scenario.output.fields);
-        CHECK(read.scenario.output.every > read.scenario.time.end);
+        CHECK(read.scenario.output.between_frames() > read.scenario.time.end);
+        CHECK(read.scenario.output.every == base.output.every);  // of tables and trajectories
         CHECK_FALSE(read.scenario.output.report);
     }
     const Ensemble asked = plan_sweep("bar_pulled_apart", {"mesh.size=2 mm", "output.report=true", "sweep.seeds=2"});

@@ -21,21 +21,21 @@ struct Rebound {
     double slip;  // [m/s] of the point of contact after it, 0.35 m below the centre
 };
 
-/// A body falls with 5 m/s, and slides, on a plane at y = 0, which it touches below x = `contact`.
+/// A body falls with 5 m/s or `speed`, and slides, on a plane at y = 0, which it touches below x = `contact`.
 Rebound rebound_of(const Folder& folder, const std::string& shape, double contact, const std::string& law,
-                   double slip = 0) {
+                   double slip = 0, double speed = 5) {
     write_scene(folder,
                 "knap = 1\n[domain]\nrotation = \"large\"\n" + shape + rock +
                     "[[obstacle]]\nname = \"ground\"\nshape = \"half plane\"\nat = [0, -1e-4]\nnormal = [0, 1]\n" +
-                    law + "[[initial]]\nvelocity = [" + std::to_string(slip) +
-                    ", -5]\n[time]\nend = 0.004\n[output]\nevery = 1\nfields = false\nhistory_every = 0.004\n");
+                    law + "[[initial]]\nvelocity = [" + std::to_string(slip) + ", " + std::to_string(-speed) +
+                    "]\n[time]\nend = 0.004\n[output]\nevery = 1\nfields = false\nhistory_every = 0.004\n");
     const Answer answer = run_scene(folder, "-j 1 --force -s 'figure=[]' -o " + folder.in_shell("run"));
     CAPTURE(answer.text);
     REQUIRE(answer.code == 0);
     const auto path = knap::read_csv(folder.path / "run/fragment_paths.csv");
     const auto last = [&](const char* column) { return path.column(column).back(); };
     const double before = path.column("centre_x").front();
-    return {(last("velocity_y") + last("spin") * (contact - before)) / 5, last("velocity_x") + 0.35 * last("spin")};
+    return {(last("velocity_y") + last("spin") * (contact - before)) / speed, last("velocity_x") + 0.35 * last("spin")};
 }
 
 std::string size(double h) { return "[mesh]\nsize = " + std::to_string(h) + "\n"; }
@@ -67,6 +67,28 @@ TEST_CASE("rebound: discs and boulders and bars of three meshes have R_N within 
         }
     CHECK(rebound_of(folder, disc + size(0.14), 0, "restitution = 0.3\n").e > 0.9);
     CHECK(rebound_of(folder, disc + size(0.14), 0, "R_N = 1\n").e > 0.9);
+}
+
+TEST_CASE("rebound: a surface that cannot give way as R_N asks is named with the part that it lacks") {
+    const Folder folder("lack");
+    const std::string disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n";
+    const auto lack = [&](double h, double speed) {
+        const double e = rebound_of(folder, disc + size(h), 0, "R_N = 0.2\n", 0, speed).e;
+        const auto json = nlohmann::json::parse(text_of(folder.path / "run/run.json"));
+        for (const auto& gate : json["gates"])
+            if (gate["name"] == "rebound_lack" && gate["value"].is_number())
+                return std::pair(e, gate["value"].get<double>());
+        return std::pair(e, 0.);
+    };
+    const auto [coarse, none] = lack(0.1, 5);
+    CHECK(coarse == doctest::Approx(0.2).epsilon(0.05));
+    CHECK(none == 0);
+    // where the surface stops giving way the part f of the energy is left: of it the body takes its natural rebound
+    const auto [fine, f] = lack(0.03, 30);
+    CHECK(f > 0.1);
+    CHECK(f < 1);
+    CHECK(fine > 0.25);
+    CHECK(text_of(folder.path / "run/log.txt").find("warning[rebound_lack]") != std::string::npos);
 }
 
 TEST_CASE("rebound: two deformable bodies part with R_N of their materials") {
@@ -116,12 +138,12 @@ TEST_CASE("rebound: check says with which the bodies of a scenario leave a surfa
         disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n" + size(0.1);
     CHECK(said(boulder, "").has("up to 2.33 times the inertia"));
     CHECK(said(boulder, "R_N = 0.7\n").has("(4 triangles: with at least 0.53"));
-    CHECK(said(disc, "R_N = 0.3\n").has("bodies rebound with R_N 0.3\n"));
+    CHECK(said(disc, "R_N = 0.3\n").has("bodies rebound with R_N 0.3, deformable ones up to impacts of about "));
     CHECK_FALSE(said(disc, "").has("the inertia of their outlines"));
     CHECK(said(disc, "restitution = 0.3\n")
               .has("restitution 0.3 of faces; a deformable body rebounds by its elasticity"));
     CHECK(said(disc, "restitution = 0.3\n", "[rigid]\n")
-              .has("ground: friction 0, restitution 0.3 of faces, and of rigid pieces\n"));
+              .has("ground: friction 0, restitution 0.3 of faces, and of rigid pieces that cannot break\n"));
 }
 
 }  // namespace rebound_test

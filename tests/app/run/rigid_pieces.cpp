@@ -92,6 +92,56 @@ TEST_CASE("rigid pieces: a block slides down an incline as Coulomb says or stays
     CHECK(std::abs(last(table(folder, "fragment_history.csv"), "to_x") - 0.2) < 1e-14);
 }
 
+TEST_CASE("rigid pieces: what begins to slide goes on however slowly and what is braked falls asleep") {
+    const Folder folder("rigid slow slide");
+    const auto slide = [&](const std::string& friction, const std::string& motion) {
+        const std::string text =
+            scene(block("b", "0, 0", "0.4, 0.3", motion) + ground("friction = " + friction + "\n") +
+                      "[[load]]\nacceleration = [5.0525, -8.4088]\n",  // 31 degrees: tan = 0.6009
+                  "step = 1e-3\nrestitution = 0\n", "1");
+        REQUIRE(run_to_end(folder, text).code == 0);
+    };
+    for (const double friction : {0.59, 0.6}) {  // 0.09 and 0.007 m/s2: slower than 2 cm/s for 0.2 s and 2.8 s
+        slide(std::to_string(friction), "");
+        CHECK(last(table(folder, "fragment_history.csv"), "to_x") - 0.2 ==
+              doctest::Approx(0.5 * (5.0525 - friction * 8.4088)).epsilon(1e-9));
+        CHECK(record(folder)["pieces"]["asleep"] == 0);
+    }
+    slide("0.61", "velocity = [0.01, 0]\n");
+    CHECK(record(folder)["pieces"]["asleep"] == 1);
+    CHECK(last(table(folder, "fragment_history.csv"), "to_x") - 0.2 ==
+          doctest::Approx(0.01 * 0.01 / (2 * (0.61 * 8.4088 - 5.0525))).epsilon(0.1));
+}
+
+TEST_CASE("rigid pieces: what can break rebounds with R_N below a blow and pieces take the law of their rank") {
+    const Folder folder("rigid rank");
+    // falls without weight at 0.15 m/s, where 0.28 m/s may break it; back from the ground with
+    const auto rebound = [&](const std::string& law, const std::string& contact, const std::string& obstacle) {
+        std::string text =
+            scene(block("b", "0, 0.001", "0.4, 0.3", "velocity = [0, -0.15]\n") + ground("friction = 0\n" + obstacle),
+                  "step = 1e-3\nrestitution = 0.7\n", "0.05", law);
+        text.insert(text.find("[rigid]"), contact);
+        REQUIRE(run_to_end(folder, text).code == 0);
+        CHECK(record(folder)["pieces"]["deformable_time_s"] == 0);
+        const std::string said = program::command("check " + folder.in_shell("scene.toml")).text;
+        return std::pair(last(table(folder, "fragments.csv"), "velocity_y") / 0.15, said);
+    };
+    const auto is = [](double value) { return doctest::Approx(value).epsilon(1e-9); };
+    CHECK(rebound(weak, "", "R_N = 0.5\n").first == is(0.5));
+    CHECK(rebound(weak, "R_N = 0.4\n", "").first == is(0.4));
+    const auto [broken, on_breakable] = rebound(weak, "", "");
+    CHECK(std::abs(broken) < 1e-12);
+    CHECK(on_breakable.find("0 of what can break, below a blow that may break it") != std::string::npos);
+    CHECK(rebound(whole, "", "restitution = 0.5\n").first == is(0.5));
+    CHECK(rebound(whole, "restitution = 0.4\n", "restitution = 0.5\n").first == is(0.5));
+    CHECK(rebound(whole, "restitution = 0.4\n", "").first == is(0.4));
+    CHECK(rebound(whole, "R_N = 0.4\n", "").first == is(0.4));
+    CHECK(rebound(whole, "restitution = 0\n", "").first == is(0));
+    const auto [own, on_whole] = rebound(whole, "", "");
+    CHECK(own == is(0.7));
+    CHECK(on_whole.find("0.7 of rigid pieces that cannot break (rigid.restitution)") != std::string::npos);
+}
+
 TEST_CASE("rigid pieces: a free flight is a parabola and its turn is exact") {
     const Folder folder("rigid flight");
     const std::string text = scene(block("b", "0, 5", "0.4, 0.3", "velocity = [3, 1]\nspin = \"300 deg/s\"\n") + weight,
