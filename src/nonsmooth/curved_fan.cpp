@@ -250,7 +250,8 @@ void CurvedFan::sweep(double worse) {
     find_velocities();
 }
 
-/// Newton's steps to rounding; the best impulses of them stay. Returns their largest distance from the projections [N s].
+/// Newton's steps to rounding; the best impulses of them stay, whose largest distance [N s] from the projections is
+/// returned.
 double CurvedFan::settle(double weight, int most, int& iterations) {
     const double tolerance = scales_.impulse_tolerance * std::max(1.0, weight / rounding_weight);
     double best = infinity;
