@@ -50,10 +50,10 @@ double NormLaw::slope_of_rho(double size) const {
 /// side falls with S. The inverse of its root is nearly linear.
 double NormLaw::size_after(const Vec2& A, double k) const {
     const double g2 = gamma * gamma;
-    const double most = std::hypot(A.x(), gamma * A.y());
+    const double most = length(A.x(), gamma * A.y());
     const auto missing = [&](double S) -> ValueAndSlope {
         const double force = k * rho(S), growth = k * slope_of_rho(S);
-        const double n = A.x() / (S + force), t = gamma * A.y() / (S + g2 * force), norm = std::hypot(n, t);
+        const double n = A.x() / (S + force), t = gamma * A.y() / (S + g2 * force), norm = length(n, t);
         const double falls = (n * n * (1 + growth) / (S + force) + t * t * (1 + g2 * growth) / (S + g2 * force)) / norm;
         return {1 / norm - 1, falls / (norm * norm)};
     };
@@ -64,7 +64,7 @@ double NormLaw::size_after(const Vec2& A, double k) const {
 double NormLaw::slip_after(double W_N, double A_T, double k, double F, double r) const {
     const double N = std::max(W_N, 0.0);
     const auto cohesion = [&](double W_T) -> ValueAndSlope {
-        const double S = std::hypot(N, gamma * W_T), g2 = gamma * gamma;
+        const double S = length(N, gamma * W_T), g2 = gamma * gamma;
         if (S == 0) return {0, 0};
         const double t = gamma * W_T / S, force = k * rho(S);
         return {gamma * force * t, g2 * (force * (1 - t * t) / S + k * slope_of_rho(S) * t * t)};
@@ -114,7 +114,7 @@ Vec2 NormLaw::along(const Vec2& W) const {
 
 /// H = a q q' + growth d d' with d = d|W|/dW, q = (-W_T, W_N)/|W|, a = curvature gamma^2, q x d = -1. Then
 ///     I - (I + H)^-1 = (det H I + H)/det(I + H),     det H = a growth
-/// without cancellation, however small |W| and large a are.
+/// without cancellation, however small |W| and large a are, and symmetric to the bit: what is not counts as friction.
 Eigen::Matrix2d NormLaw::slope(const Vec2& W, double curvature, double growth, bool closed) const {
     const Vec2 d = along(W), q(-d.y() / (gamma * gamma), d.x());
     const double a = W.x() > 0 ? curvature * gamma * gamma : 0;
@@ -124,7 +124,7 @@ Eigen::Matrix2d NormLaw::slope(const Vec2& W, double curvature, double growth, b
     }
     const double unit = std::max(a, 1.0), stiff = a / unit, soft = growth / unit;  // of a and growth, over unit
     const Eigen::Matrix2d numerator = stiff * growth * Eigen::Matrix2d::Identity() +
-                                      Eigen::Matrix2d(stiff * q * q.transpose() + soft * d * d.transpose());
+                                      Eigen::Matrix2d(stiff * (q * q.transpose()) + soft * (d * d.transpose()));
     return numerator / (1 / unit + stiff * q.squaredNorm() + soft * d.squaredNorm() + stiff * growth);
 }
 
@@ -138,7 +138,7 @@ NormLaw::Response NormLaw::respond(const Vec2& Q, double r) const {
     };
     Vec2 W = A;
     if (A.x() > 0 && k > 0) {
-        const double S = std::hypot(A.x(), A.y() / gamma) <= k * rho(0) ? 0 : size_after(A, k), force = k * rho(S);
+        const double S = length(A.x(), A.y() / gamma) <= k * rho(0) ? 0 : size_after(A, k), force = k * rho(S);
         found.sticks = S == 0;
         W = found.sticks ? Vec2(Vec2::Zero()) : Vec2(A.x() * S / (S + force), A.y() * S / (S + gamma * gamma * force));
     } else if (k > 0) {

@@ -55,7 +55,12 @@ public:
     virtual double rho(double size) const;
     virtual double slope_of_rho(double size) const;
 
-    double size(const Vec2& W) const { return std::hypot(std::max(W.x(), 0.0), gamma * W.y()); }
+    double size(const Vec2& W) const { return length(std::max(W.x(), 0.0), gamma * W.y()); }
+    /// std::hypot, where the squares are normal numbers by their root.
+    static double length(double x, double y) {
+        const double square = x * x + y * y;
+        return square > 1e-280 && square < 1e280 ? std::sqrt(square) : std::hypot(x, y);
+    }
 
 private:
     double size_after(const Vec2& A, double k) const;

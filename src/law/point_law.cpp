@@ -259,11 +259,15 @@ public:
 
 private:
     double end_cohesion(double size) const {
+        if (size == last_size_) return last_end_;  // rho and its slope are asked together
         const ThetaStep& step = *point_.step;
-        return point_.may_soften() ? point_.material->next_cohesion(point_.cohesion, step.h * size, 0, step.h)
-                                   : point_.cohesion;
+        last_size_ = size;
+        return last_end_ = point_.may_soften()
+                               ? point_.material->next_cohesion(point_.cohesion, step.h * size, 0, step.h)
+                               : point_.cohesion;
     }
     const PointLaw& point_;
+    mutable double last_size_ = -1, last_end_ = 0;
 };
 
 /// Stiffness and direction change with the rates: what is within some hundredths has one state.
@@ -318,7 +322,7 @@ Eigen::Matrix2d tangent_of_norm(const PointLaw& law, const Multipliers& at, cons
     if (modulus > 0 && !is_small && !r.sticks) {
         Vec2 loss = norm.along(r.opening_rate);
         if (r.closed) loss.x() = 0;
-        D -= modulus * loss * loss.transpose();
+        D -= modulus * (loss * loss.transpose());
     }
     if (r.sticks) D.row(1) << 0, weight;
     else if (r.closed && r.friction_sign != 0 && at.friction_follows && softening != Softening::at_all)

@@ -19,10 +19,15 @@ constexpr Eigen::Index max_unknowns = 32;
 constexpr int most_lags = 56, lags_between = 4;  // of friction, before Newton's steps
 constexpr int most_sweeps = 40, sweeps_between = 4, most_sweep_rounds = 28;
 struct Start {
-    double impulse, pressed;  // of those of the step before; impulse -1: of what was found
+    double impulse, pressed;  // of those of the step before; impulse -1: the best ones found
 };
 constexpr Start starts[] = {{-1, 0}, {0, 0.25}, {1, 0.5}, {0, 0.75}, {2, 1}};
 constexpr double largest_stretch = 1e7, may_worsen[] = {1.01, 1.5};  // [-] of the distance from the laws
+// of the way on which friction grows: Newton's steps of a piece, pieces, their lengths, and weights by which rates or
+// impulses decide what a link does; the larger ones have more rounding
+constexpr int most_path_steps = 8, most_pieces = 2000;
+constexpr double first_piece = 0.25, least_piece = 1e-7, path_weights[] = {1e3, 1e5, 1e7, 30, 1};
+constexpr double rounding_weight = 1e4;  // [-]
 
 }  // namespace
 
@@ -245,26 +250,117 @@ void CurvedFan::sweep(double worse) {
     find_velocities();
 }
 
-/// Newton's steps to rounding; the best impulses of them stay.
-bool CurvedFan::settle(double weight, int& iterations) {
+/// Newton's steps to rounding; the best impulses of them stay, whose largest distance [N s] from the projections is
+/// returned.
+double CurvedFan::settle(double weight, int most, int& iterations) {
+    const double tolerance = scales_.impulse_tolerance * std::max(1.0, weight / rounding_weight);
     double best = infinity;
     int since = 0;
-    for (int k = 0; k < most_newton_steps; ++k) {
+    for (int k = 0; k < most; ++k) {
         const double gap = find_gaps(weight);
         if (gap < best) {
             best = gap, since = 0;
-            best_.clear();
-            for (const Row& row : rows_) best_.push_back(row.impulse);
-        } else if (++since >= 2 && best <= scales_.impulse_tolerance) {
+            get_impulses(best_);
+        } else if (++since >= 2 && best <= tolerance) {
             break;
         }
-        if (best <= 0.01 * scales_.impulse_tolerance) break;
+        if (best <= 0.01 * tolerance) break;
         ++iterations;
         if (!step(weight)) break;
     }
-    for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].impulse = best_[i];
+    set_impulses(best_);
+    return best;
+}
+
+void CurvedFan::get_impulses(std::vector<Vec2>& impulses) const {
+    impulses.clear();
+    for (const Row& row : rows_) impulses.push_back(row.impulse);
+}
+
+void CurvedFan::set_impulses(const std::vector<Vec2>& impulses) {
+    for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].impulse = impulses[i];
     find_velocities();
-    return best <= scales_.impulse_tolerance;
+}
+
+/// Sliding friction has no potential, and Newton's steps go to and fro between states of links that drive self-stress
+/// through a closed fan. Without friction the solution is a minimum, and from there it moves continuously while
+/// friction grows to its whole, unless the way turns back.
+void CurvedFan::follow_friction(bool from_minimum, int& iterations) {
+    std::vector<Staircase> whole;
+    for (const Row& row : rows_) whole.push_back(row.law.sliding);
+    const auto set_friction = [&](double part) {
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            rows_[i].law.sliding = {};
+            for (Staircase::Kink kink : whole[i].kinks()) {
+                kink.friction *= part;
+                rows_[i].law.sliding.add(kink, 0);
+            }
+        }
+    };
+    std::vector<Vec2> last;
+    const auto settles = [&](double weight, int most) {
+        return settle(weight, most, iterations) <= scales_.impulse_tolerance * std::max(1.0, weight / rounding_weight);
+    };
+    const auto settles_again = [&](double weight) {
+        set_impulses(last);
+        return settles(weight, most_path_steps);
+    };
+    set_friction(0);
+    if (from_minimum) approach();
+    const bool is_found =
+        std::ranges::any_of(path_weights, [&](double weight) { return settles(weight, most_newton_steps); });
+    double part = 0, piece = first_piece;
+    for (int k = 0; is_found && part < 1 && piece >= least_piece && k < most_pieces; ++k) {
+        get_impulses(last);
+        const double next = std::min(1.0, part + piece);
+        set_friction(next);
+        if (std::ranges::any_of(path_weights, settles_again)) part = next, piece *= 2;
+        else set_impulses(last), piece *= 0.5;
+    }
+    set_friction(1);
+    for (const double weight : path_weights)
+        if (find_gaps(1) > scales_.impulse_tolerance) settle(weight, most_newton_steps, iterations);
+}
+
+/// By the ways that lead to a solution where Newton's steps alone do not; the best one of them stays.
+void CurvedFan::search(int& iterations) {
+    double least = infinity;
+    std::vector<Vec2> best;
+    const auto is_solved = [&] {
+        if (const double gap = find_gaps(1); gap < least) least = gap, get_impulses(best);
+        return least <= scales_.impulse_tolerance;
+    };
+    const auto begin_at = [&](double times) {
+        for (std::size_t i = 0; i < rows_.size(); ++i) rows_[i].impulse = times * problem_->links[i].last_impulse;
+        find_velocities();
+    };
+    is_solved();
+    const bool rubs = std::ranges::any_of(rows_, [](const Row& row) { return !row.law.sliding.kinks().empty(); });
+    for (const double times : {1.0, 0.0}) {
+        if (!rubs) break;
+        begin_at(times);
+        follow_friction(times > 0, iterations);
+        if (is_solved()) return;
+    }
+    for (const Start& start : starts) {
+        if (start.impulse >= 0) begin_at(start.impulse);
+        else set_impulses(best);
+        for (std::size_t i = 0; i < rows_.size(); ++i)
+            rows_[i].pressed = start.pressed * std::max(0.0, problem_->links[i].last_impulse.x());
+        for (int round = 0; round < most_lags; ++round) {
+            lag_friction();
+            if (round % lags_between == lags_between - 1 &&
+                settle(round_weights[round / lags_between % n_rounds], most_newton_steps, iterations) <=
+                    scales_.impulse_tolerance)
+                break;
+        }
+        for (int round = 0; round < most_sweep_rounds && !is_solved(); ++round) {
+            sweep(may_worsen[round % 2]);
+            settle(round_weights[round % n_rounds], most_newton_steps, iterations);
+        }
+        if (is_solved()) break;
+    }
+    set_impulses(best);
 }
 
 void CurvedFan::join_what_sticks() {
@@ -291,27 +387,11 @@ CurvedFan::Found CurvedFan::solve(const FanProblem& problem, const FanScales& sc
     Found found{.bonded = true};
     // heavier weights go more by the rates where they find the states of the links
     bool settled = false;
-    for (int round = 0; !(settled = settle(round_weights[round], found.iterations)) && round + 1 < n_rounds; ++round)
-        approach();
-    // friction has no potential that leads to a solution: other starts find other ones
-    for (const Start& start : starts) {
-        if (settled) break;
-        for (std::size_t i = 0; i < rows_.size(); ++i) {
-            const Vec2& last = problem.links[i].last_impulse;
-            if (start.impulse >= 0) rows_[i].impulse = start.impulse * last;
-            rows_[i].pressed = start.pressed * std::max(0.0, last.x());
-        }
-        find_velocities();
-        for (int round = 0; !settled && round < most_lags; ++round) {
-            lag_friction();
-            if (round % lags_between == lags_between - 1)
-                settled = settle(round_weights[round / lags_between % n_rounds], found.iterations);
-        }
-        for (int round = 0; !settled && round < most_sweep_rounds; ++round) {
-            sweep(may_worsen[round % 2]);
-            settled = settle(round_weights[round % n_rounds], found.iterations);
-        }
+    for (int round = 0; round < n_rounds && !settled; ++round) {
+        if (round > 0) approach();
+        settled = settle(round_weights[round], most_newton_steps, found.iterations) <= scales_.impulse_tolerance;
     }
+    if (!settled) search(found.iterations);
     join_what_sticks();
     result.velocity = motion_.velocity;
     result.links.resize(rows_.size());

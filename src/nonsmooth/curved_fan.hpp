@@ -6,9 +6,10 @@
 //
 // The impulses are eliminated link by link. eps keeps the matrix definite where links that stick are redundant, as all
 // round a vertex: it leaves a part eps of their errors from step to step, and what is undetermined in their impulses
-// stays near that of the last step. Where these steps do not settle, the method of multipliers comes nearer, and where
-// friction keeps it from that, friction bounded by the pressures found before (Tresca), which has a potential, and then
-// sweeps over the links. At last bodies that links hold together get one velocity, to the bit.
+// stays near that of the last step. Where these steps do not settle, the method of multipliers comes nearer; where
+// friction keeps it from that, the solution is followed while friction grows from none, then friction is bounded by the
+// pressures found before (Tresca), which has a potential, and then links are swept. At last bodies that links hold
+// together get one velocity, to the bit.
 #include "nonsmooth/fan_clusters.hpp"
 #include "nonsmooth/link_state.hpp"
 
@@ -40,11 +41,15 @@ private:
     NormLaw::Response respond(std::size_t i, double weight) const;
     void find_velocities();
     void apply(std::size_t i, const Vec2& impulse);
-    bool settle(double weight, int& iterations);
+    double settle(double weight, int most, int& iterations);
     bool step(double weight);
     void approach();
     void lag_friction();
     void sweep(double worse);
+    void follow_friction(bool from_minimum, int& iterations);
+    void search(int& iterations);
+    void get_impulses(std::vector<Vec2>& impulses) const;
+    void set_impulses(const std::vector<Vec2>& impulses);
     double find_gaps(double weight);
     void find_lack(double weight);
     void add_force(std::size_t i, const Vec2& impulse);

@@ -41,7 +41,11 @@ double LineSearch::length(const CondensedSystem& system, const std::vector<Activ
     const auto at = [&](double a) {
         return slope(a, points, [&](std::size_t j) -> const Multipliers& { return points[j].multipliers; });
     };
-    const double slope_at_start = at(0);
+    double slope_at_start = bulk_slope_;  // the responses of the points are those of the start
+    for (std::size_t j = 0; j < turn_.size(); ++j)
+        if (!turn_[j].isZero(0))
+            slope_at_start -=
+                points[j].response.normal(points[j].law) * turn_[j].x() + points[j].response.tangential * turn_[j].y();
     double low = 0, slope_low = slope_at_start, high = 1, slope_high = at(1);
     if (slope_low >= 0 || std::abs(slope_high) <= small_slope * std::abs(slope_low)) return 1;
     for (int i = 0; slope_high < 0; ++i) {  // still downhill: a majorised step was too short
