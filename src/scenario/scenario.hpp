@@ -17,7 +17,7 @@
 #include "model/loads.hpp"
 #include "model/model.hpp"
 #include "model/obstacle.hpp"
-#include "output/vtu_file.hpp"
+#include "output/vtk_series.hpp"
 #include "record/summary.hpp"
 #include "scenario/ensemble_options.hpp"
 #include "scenario/strength_options.hpp"
