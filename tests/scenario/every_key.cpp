@@ -203,6 +203,7 @@ mass_scaling = "2 %"
 theta = 0.75
 [output]
 every = "1 us"
+frame_every = "1 us"
 history_every = "0.1 us"
 compression = "lz4"
 checkpoint_every = "5 s"
@@ -1208,7 +1209,7 @@ std::string value(const ReadResult& result, const std::string& path) {
 
 TEST_CASE("keys: each is read and survives the resolved scenario") {
     for (const Case& c : cases) {
-        CAPTURE(c.path);
+        CAPTURE(std::string(c.path));
         const ReadResult once = samples::read(c.text);
         CHECK(value(once, c.path) == c.expected);
         const ReadResult twice = samples::read(resolved_toml(once));

@@ -102,6 +102,22 @@ double pull_on_contact(const Model& model, const std::vector<ActivePoint>& point
     return active < 0 ? pull : pull + std::max(0.0, points[active].pull() - points[active].response.contact);
 }
 
+void guess_impulses(std::span<const ObstacleContact> contacts, const State& begin, double kick, std::span<Vec2> guess) {
+    if (begin.last_step <= 0) return;
+    ImpulsesBefore before(begin);
+    for (std::size_t i = 0; i < contacts.size(); ++i) guess[i] = kick / begin.last_step * before.next(contacts[i]);
+}
+
+void store_impulses(std::span<const ObstacleContact> contacts, std::span<const ActivePoint> points, double lasting,
+                    State& end) {
+    for (std::size_t i = 0; i < contacts.size(); ++i) {
+        const ObstacleContact& contact = contacts[i];
+        const PointResponse& q = points[i].response;
+        end.obstacle_contacts.push_back(
+            {contact.corner, contact.second_corner, contact.obstacle, lasting * q.contact, lasting * q.tangential});
+    }
+}
+
 void apply_prescribed(const CornerPartition& nodes, ActivePoint& point) {
     std::array<bool, 2> prescribed{true, true}, along{false, false};  // x, y; N, T
     for (int k = 0; k < 2; ++k)

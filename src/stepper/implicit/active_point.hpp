@@ -99,6 +99,11 @@ ActivePoint interface_point(const Model& model, const StepContext& step, const C
 /// A contact with an obstacle that moves with the rate `obstacle_rate` over the step, as a point.
 ActivePoint obstacle_point(const Model& model, const StepContext& step, const CornerPartition& nodes,
                            const ObstacleContact& contact, const Vec3& obstacle_rate);
+/// [N s] The impulses of contacts with obstacles in the step before, for a step of the kick [s]: where it starts.
+void guess_impulses(std::span<const ObstacleContact> contacts, const State& begin, double kick, std::span<Vec2> guess);
+/// Into State::obstacle_contacts; `lasting` [-]: the size of the step over its kick.
+void store_impulses(std::span<const ObstacleContact> contacts, std::span<const ActivePoint> points, double lasting,
+                    State& end);
 
 /// [m/s] V_N of two sides, or zero where it is rounding: no w would meet the bound that follows from it.
 inline double normal_rate(const Vec2& normal, const Vec2& first, const Vec2& second) {

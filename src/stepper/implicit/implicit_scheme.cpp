@@ -103,19 +103,14 @@ void ImplicitScheme::begin_step(const State& begin, double h, SharedTemperatures
     obstacles_.begin_theta(begin, h, step_.theta,
                            options_.damping_of == DampingOf::motion ? step_.kick() * options_.damping : 0);
     contacts_.find(begin, h, obstacles_.rate(), {});
-    // guesses: rates of the last step, since velocities oscillate with theta = 1/2; tractions of the last step
-    guess_rates(begin, corner_rate_);
+    guess_rates(begin, corner_rate_);  // of the last step, since velocities oscillate with theta = 1/2
     if (bulk_.frames()) bulk_.turn_rates(corner_rate_), turn();
     active_.assign(model_.fans.size(), 0);
     guess_.assign(model_.fan_points.size() + faces_.size() + contacts_.all().size(), Vec2::Zero());
     for (std::size_t i = 0; i < faces_.size(); ++i)
         guess_[model_.fan_points.size() + i] = step_.kick() * faces_.force_before(i, begin);
-    if (bulk_.frames() && begin.last_step > 0) {
-        ImpulsesBefore before(begin);
-        Vec2* guess = guess_.data() + model_.fan_points.size() + faces_.size();
-        for (const ObstacleContact& contact : contacts_.all())
-            *guess++ = step_.kick() / begin.last_step * before.next(contact);
-    }
+    if (bulk_.frames())
+        guess_impulses(contacts_.all(), begin, step_.kick(), std::span(guess_).last(contacts_.all().size()));
     for (std::size_t rank = 0; rank < begin.split_fans.size(); ++rank) {
         const Fan& fan = model_.fans[begin.split_fans[rank]];
         active_[begin.split_fans[rank]] = 1;
@@ -542,14 +537,7 @@ void ImplicitScheme::store(State& end, StepReport& report) {
         end.rate[to] = x_.rate[node];
     }
     faces_.store(face_points(), step_, end, report);
-    if (bulk_.frames())  // where the next step begins
-        for (std::size_t i = 0; i < contacts_.all().size(); ++i) {
-            const ObstacleContact& contact = contacts_.all()[i];
-            const PointResponse& q = contact_points()[i].response;
-            const double lasting = step_.h / step_.kick();
-            end.obstacle_contacts.push_back(
-                {contact.corner, contact.second_corner, contact.obstacle, lasting * q.contact, lasting * q.tangential});
-        }
+    if (bulk_.frames()) store_impulses(contacts_.all(), contact_points(), step_.h / step_.kick(), end);
     end.reaction.assign(model_.prescribed.size(), Vec2::Zero());
     const std::vector<Vec2>& reaction = reactions();
     for (Index i = 0; i < partition_.n_nodes(); ++i) {

@@ -136,7 +136,7 @@ TEST_CASE("outputs: every column and number and array of a run is in the list an
         for (const std::string& array : arrays_in(made / "fields" / (std::string(part) + "_0001.vtu")))
             CHECK_MESSAGE(find_output("fields/" + std::string(part), array) != nullptr, part, " ", array);
     CHECK(arrays_in(made / "fields/bulk_0001.vtu").size() ==
-          output_table("fields/bulk").rows.size() - 3);  // no grains, no heat, no rigid pieces
+          output_table("fields/bulk").rows.size() - 4);  // no grains, no heat, no rigid pieces, no layers by place
     CHECK(arrays_in(made / "fields/interfaces_0001.vtu").size() ==
           output_table("fields/interfaces").rows.size() - 1);  // no fluid
 
