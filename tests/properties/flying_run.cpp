@@ -94,7 +94,7 @@ public:
         at_most("positive works of contacts", outcome_.injected, 1e-6);
         // impacts without loss
         if (scene_.rigid_step == 0 && scene_.unbreakable() && scene_.contact.friction == 0 &&
-            scene_.contact.restitution == 1 && scene_.floor == Floor::none)
+            scene_.contact.changing < 0 && scene_.contact.restitution == 1 && scene_.floor == Floor::none)
             at_most("loss of elastic impacts over the energy",
                     lost / std::max(ledger_.largest_energy(), rounding_energy), 1e-10);
         const bool at_rest = ledger_.largest_energy() <= rounding_energy;
