@@ -26,6 +26,11 @@ struct Point {
     PointResponse response(const Vec2& w) const { return respond(law, at, w.x(), w.y()); }
     Vec2 impulse(const PointResponse& r) const { return {r.normal(law), r.tangential}; }
     Vec2 impulse(const Vec2& w) const { return impulse(response(w)); }
+    /// [m/s] At which the law holds these impulses, beyond what the springs of the multipliers give.
+    Vec2 rate_of_law(const PointResponse& r) const {
+        return rate + Vec2(law.contact.may_touch ? (r.held(law) - at.contact) / at.rho_N : 0,
+                           (r.tangential - at.tangential) / at.rho_T);
+    }
 };
 
 /// A damaged point anywhere near the corner of its law; `step` of the result belongs to it, so it must not be moved.
@@ -166,9 +171,7 @@ TEST_CASE("a ramp is no stiffer than the springs of its multipliers and obeys it
         const PointLaw& law = point.law;
         const Multipliers& at = point.at;
         const PointResponse r = point.response(point.rate);
-        const Vec2 q = point.impulse(r),
-                   omega = point.rate + Vec2(law.contact.may_touch ? (r.held(law) - at.contact) / at.rho_N : 0,
-                                             (q.y() - at.tangential) / at.rho_T);
+        const Vec2 q = point.impulse(r), omega = point.rate_of_law(r);
         CAPTURE(count);
         // beta min(s/kappa, 1) in the middle of the step
         const double kick = point.step.kick(),
@@ -207,9 +210,7 @@ TEST_CASE("a point at its largest opening bears what its rates ask for up to its
         const PointLaw& law = point.law;
         const Multipliers& at = point.at;
         const PointResponse r = point.response(point.rate);
-        const Vec2 q = point.impulse(r),
-                   omega = point.rate + Vec2(law.contact.may_touch ? (r.held(law) - at.contact) / at.rho_N : 0,
-                                             (q.y() - at.tangential) / at.rho_T);
+        const Vec2 q = point.impulse(r), omega = point.rate_of_law(r);
         CAPTURE(count);
         const double h = point.step.h, full = law.strength * r.full_cohesion, c = law.strength * r.cohesion_theta,
                      beyond = material.equivalent_opening(law.u_N + h * omega.x(), law.u_T + h * omega.y()) - law.ramp;
