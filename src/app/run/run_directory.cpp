@@ -98,7 +98,11 @@ UserError unfinished_run_of_another(const fs::path& directory, const FirstFiles&
     std::error_code none;
     if (resolved == nullptr || !fs::is_regular_file(old, none))
         return UserError("run-exists", run, other + "; --force deletes the unfinished run");
-    return UserError("run-exists", run + first_difference(read_whole_file(old), *resolved),
+    std::string difference = first_difference(read_whole_file(old), *resolved);
+    for (const auto& [name, content] : files)  // that the scenario reads
+        if (difference.empty() && name != "scenario.toml" && !is_file_of(directory / name, content))
+            difference = "; `" + name + "` has changed since";
+    return UserError("run-exists", run + difference,
                      other + "; `knap run " + old.string() + " -o " + directory.string() +
                          "` continues the unfinished run, --force deletes it");
 }

@@ -28,7 +28,8 @@ struct ContactWork {
     double cohesive =
         0;  // [N s] pull of the cohesion along N, which a part of `contact` balances: that of the point, and
             // what the other point of its face leaves
-    double work_error = 0;  // [J] by the residual in the impulses
+    double work_error = 0;     // [J] by the residual in the impulses
+    bool may_flutter = false;  // friction over pressure, in a step that hardly damps
 };
 
 inline void account_contact(const ContactWork& at, StepReport& report) {
@@ -41,6 +42,10 @@ inline void account_contact(const ContactWork& at, StepReport& report) {
     report.worst_friction_work =
         std::max(report.worst_friction_work, friction - at.rate_error * std::abs(at.friction) - at.work_error);
     report.penetration = std::max(report.penetration, -at.opening);
+    if (at.may_flutter) {
+        report.fluttering_work += std::abs(friction);
+        report.fluttering_slip += at.contact * std::abs(at.rate_T);
+    }
 }
 
 /// [J] Of the impulse P at a mean rate, both (N, T): what the residual of the laws injects.

@@ -18,7 +18,7 @@ constexpr int patience = 4;              // rounds without half the residual: a 
 
 /// A face of the body, which is deformable: what R_N and R_T are for it, Rebounds has.
 ContactLaw of_deformable(const ContactLaw& law) {
-    return {.friction = law.friction, .restitution = law.restitution_of_faces()};
+    return {.friction = law.friction, .restitution = law.restitution_of_faces(), .changing = law.changing};
 }
 
 }  // namespace
@@ -359,7 +359,8 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
              .rate_T = mean.y(),
              .rate_error = clusters_[lists_.of_row(i)].error + rate_rounding * (row.before.norm() + after.norm()),
              // of faces contact_depth has it
-             .opening = i < n_faces() || row.gives.lies_deep ? 0 : row.gap + step.drift_time * after.x()},
+             .opening = i < n_faces() || row.gives.lies_deep ? 0 : row.gap + step.drift_time * after.x(),
+             .may_flutter = row.law.changing >= 0 && model_.laws[row.law.changing].over_pressure},
             report);
         report.contact_injection += positive_work(P, mean);
         if (i >= n_faces()) continue;

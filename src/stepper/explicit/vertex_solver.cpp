@@ -432,7 +432,8 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                          .rate_T = mean_T,
                          .rate_error = rate_error,
                          .opening = overlap,
-                         .cohesive = pull},
+                         .cohesive = pull,
+                         .may_flutter = static_cast<bool>(link.pressed)},
                         report);
     }
 }

@@ -472,25 +472,25 @@ bool ImplicitScheme::energy_balance_error_exceeds(const StepReport& report) cons
 }
 
 void ImplicitScheme::account_points(StepReport& report) const {
-    const double theta = step_.theta;
     for (const ActivePoint& point : x_.points) {
         const PointLaw& law = point.law;
         const PointResponse& q = point.response;
         const Vec2 w = point.rate_at(x_.rate);
         const double cohesive_N = point.pull(), cohesive_T = q.friction_part - q.tangential;
-        const double work = (cohesive_N * w.x() + cohesive_T * w.y()) / theta;
+        const double work = (cohesive_N * w.x() + cohesive_T * w.y()) / step_.theta;
         report.cohesive_work += work;
         const double u_N = law.u_N + step_.h * w.x(), u_T = law.u_T + step_.h * w.y();
         account_contact({.contact = q.contact,
                          .friction = q.friction_part,
-                         .rate_N = w.x() / theta,
-                         .rate_T = w.y() / theta,
-                         .rate_error = (rate_rounding + report.residual) * solver_.unit() / (point.mass * theta),
+                         .rate_N = w.x() / step_.theta,
+                         .rate_T = w.y() / step_.theta,
+                         .rate_error = (rate_rounding + report.residual) * solver_.unit() / (point.mass * step_.theta),
                          .opening = u_N,
-                         .cohesive = pull_on_contact(model_, x_.points, active_point_of_, point)},
+                         .cohesive = pull_on_contact(model_, x_.points, active_point_of_, point),
+                         .may_flutter = law.pressed && step_.theta < 1},
                         report);
         if (point.fan < 0) continue;
-        report.rotation_work += Vec2(q.normal(law), q.tangential).dot(point.support_rate) / theta;
+        report.rotation_work += Vec2(q.normal(law), q.tangential).dot(point.support_rate) / step_.theta;
         if (law.is_curved() || law.drops) {  // the force is that of the end of the step
             const auto stored = [&](double N, double T) { return law.stored(law.material->equivalent_opening(N, T)); };
             report.crossing_loss +=
@@ -506,7 +506,7 @@ void ImplicitScheme::account_points(StepReport& report) const {
             continue;
         }
         const double stored_T = law.material->gamma * cohesive_N * (std::abs(u_T) - std::abs(law.u_T)) / step_.h;
-        report.crossing_loss += (cohesive_T * w.y() - stored_T) / theta;
+        report.crossing_loss += (cohesive_T * w.y() - stored_T) / step_.theta;
     }
 }
 

@@ -175,6 +175,48 @@ TEST_CASE("run directory: what runs did not make stays") {
     }
 }
 
+TEST_CASE("run directory: where a file that the scenario reads has changed since, an unfinished run names it") {
+    const Folder folder("changed file");
+    const auto write_layers = [&](const char* angle) {
+        write(folder.path / "layers.csv",
+              std::string("x [m], y [m], angle [deg]\n-1, -1, 0\n2, -1, 0\n0, 2, ") + angle + "\n");
+    };
+    write_layers("10");
+    write(folder.path / "s.toml", R"(knap = 1
+name = "s"
+[domain]
+shape = "rectangle"
+size = ["20 mm", "10 mm"]
+[mesh]
+size = "5 mm"
+[material.glass]
+density = 2500
+E = "70 GPa"
+nu = 0.2
+[material.glass.bedding]
+E = "50 GPa"
+nu = 0.2
+angle = "layers.csv"
+[interface.default]
+breakable = false
+[time]
+end = "2 us"
+[output]
+fields = false
+report = false
+)");
+    const std::string line = "run " + folder.in_shell("s.toml") + " -q -o " + folder.in_shell("run");
+    REQUIRE(command(line).code == 0);
+    std::string record = text_of(folder.path / "run/run.json");
+    record.replace(record.find("\"done\""), 6, "\"running\"");
+    write(folder.path / "run/run.json", record);
+    write_layers("20");
+    const Answer answer = command(line);
+    CAPTURE(answer.text);
+    CHECK(answer.code == 2);
+    CHECK(answer.has("another scenario, nothing was run; `material_glass_bedding_angle.csv` has changed since"));
+}
+
 TEST_CASE("run directory: on a full disk an earlier run stays and the message names a cure") {
     const Folder folder("full");
     const std::string line = "run " + bar + "-s seed=2 -o " + folder.in_shell("run");

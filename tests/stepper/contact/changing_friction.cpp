@@ -99,6 +99,46 @@ TEST_CASE("friction over pressure of a joint is that of the pressure of its vert
             }
 }
 
+TEST_CASE("a sliding joint has the friction of the mean pressure where viscosity damps it and says what may flutter") {
+    struct Case {
+        double viscosity, theta;  // theta of implicit steps; 0: explicit ones
+        std::array<double, 2> lack;
+    };
+    for (const auto& [viscosity, theta, expected] :
+         {Case{0, 0, {0.03, 0.5}}, {0.3, 0, {0, 0.01}}, {0, 1, {0, 0.001}}}) {
+        CAPTURE(viscosity);
+        CAPTURE(theta);
+        ModelInput input = sheared_joint(
+            {.shear = 0.5 * joint_pressure, .contact = false, .large_rotation = false, .law = bent_friction()});
+        input.materials[0].shear_viscosity = viscosity;
+        SchemeOptions scheme = theta > 0 ? both_implicit : both_explicit;
+        if (theta > 0) scheme.theta = theta;
+        Run run(std::move(input), scheme);
+        const double h = theta > 0 ? 0.02 : 0.8 * run.stepper.stable_step();
+        std::map<Index, double> pressure;
+        double friction = 0, work = 0, slip = 0;
+        int n = 0;
+        while (run.now.time < 4) {
+            const StepReport report = run.step(h);
+            REQUIRE(report.rejection == Rejection::none);
+            work += report.fluttering_work, slip += report.fluttering_slip;
+            if (run.now.time < 2) continue;
+            friction += friction_of(run), ++n;
+            for (const Index point : cracked_points(run))
+                pressure[point] += state_of(run.model, run.now, point)->traction.x();
+        }
+        double of_mean = 0;
+        for (const auto& [point, sum] : pressure)
+            of_mean += area_of(run, point) * (*run.model.laws[0].over_pressure)(sum / n);
+        const double lack = 1 - friction / n / of_mean;
+        CHECK(lack > expected[0] - 1e-9);
+        CHECK(lack < expected[1]);
+        CHECK(-work == doctest::Approx(theta > 0 ? 0 : run.ledger.row().friction_work).epsilon(1e-9));
+        CHECK(work <= 0.34 * slip);
+        CHECK(work >= 0.25 * slip);
+    }
+}
+
 TEST_CASE("a joint that weakens by slip keeps the friction of its slip when its sides meet as free faces") {
     const CohesiveLaw weakens{.sigma_c = infinity, .friction = 0.4, .kinetic_friction = 0.1, .slip_distance = 0.06};
     Run run(sheared_joint({.shear = 0.5 * joint_pressure, .law = weakens}));
