@@ -17,6 +17,7 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
     for (const auto& [a, b] : joined) sets.join(a, b);
 
     Fragments found;
+    found.piece_of_triangle.reserve(triangles.size());
     for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t) {
         const Index first = sets.find(t);  // the lowest triangle of its fragment
         if (first == t) found.pieces.push_back({.first_triangle = t});
@@ -68,21 +69,22 @@ Fragments fragments_of(const Model& model, const State& state, bool whole) {
             triangles.emplace_back(TriangleContent{.area = model.mesh.area(t), .mass = model.triangle_mass(t)});
         if (!whole) continue;
         const double* mass = &model.corner_mass[n * t];
-        const auto position = [&](Index k) -> Vec2 {
-            return model.mesh.corner(t, k) + state.displacement[state.node_of_corner[n * t + k]];
-        };
+        std::array<Vec2, 7> at_start, now;
         const auto velocity = [&](Index k) -> const Vec2& { return state.velocity[state.node_of_corner[n * t + k]]; };
         for (Index k = 0; k < n; ++k) {
+            at_start[k] = model.mesh.corner(t, k);
+            now[k] = at_start[k] + state.displacement[state.node_of_corner[n * t + k]];
+            const double part = mass[k] / content.mass;
             content.momentum += mass[k] * velocity(k);
-            content.centroid += mass[k] / content.mass * position(k);
-            content.start += mass[k] / content.mass * model.mesh.corner(t, k);
+            content.centroid += part * now[k];
+            content.start += part * at_start[k];
             content.kinetic_energy += 0.5 * mass[k] * velocity(k).squaredNorm();
         }
         for (Index k = 0; k < n; ++k) {
-            const Vec2 arm = position(k) - content.centroid;
+            const Vec2 arm = now[k] - content.centroid;
             content.spread += mass[k] * arm * arm.transpose();
             content.spin += mass[k] * cross(arm, velocity(k));
-            const Vec2 from = model.mesh.corner(t, k) - content.start;
+            const Vec2 from = at_start[k] - content.start;
             content.turn += mass[k] * Vec2(from.dot(arm), cross(from, arm));
         }
     }

@@ -308,8 +308,7 @@ void print_mass_scaling(const Scenario& scenario, const Model& model, const Step
         return;
     }
     if (!may_scale_masses(scenario)) return;
-    if (const MassScaling could =
-            scale_masses(model.mesh, model.materials, model.plane, plan.stable_of_triangle, most, pays);
+    if (const MassScaling could = scale_masses(model, plan.stable_of_triangle, model_input(scenario).cuts, most, pays);
         could.gain >= pays)
         std::printf(
             "  explicit steps would be %.3g times as long with time.mass_scaling = \"1 %%\", which moves %.2g %% "

@@ -21,25 +21,6 @@ void add_interface(Index a, Index b, Index side, Index law, Index joint_law, boo
                                 .gap = gap});
 }
 
-void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
-    const Mesh& mesh = model.mesh;
-    model.interfaces.reserve(mesh.interior_edges.size() + mesh.boundary_edges.size() -
-                             std::ranges::count(support_of_edge, no_index));
-    for (const InteriorEdge& edge : mesh.interior_edges) {
-        const auto [a, b] = edge.triangle;
-        const Index law = law_of_edge(input, mesh, edge);
-        add_interface(a, b, edge.side[0], law, edge.joint >= 0 ? law : no_index, edge.cracked, 0, model);
-    }
-    for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
-        if (support_of_edge[i] == no_index) continue;
-        const BoundaryEdge& edge = mesh.boundary_edges[i];
-        const Support& support = input.supports[support_of_edge[i]];
-        add_interface(rigid_support, edge.triangle, edge.side, support.law, no_index, !support.glued, support.gap,
-                      model);
-        model.interfaces.back().beyond = support.beyond;
-    }
-}
-
 /// Half-edge h = 3 triangle + k runs along edge k of the triangle, from its vertex k, counterclockwise.
 class FanMaker {
 public:
@@ -195,10 +176,24 @@ private:
 
 void make_fans(Model& model) { FanMaker(model).make_fans(); }
 
-void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
-    make_interfaces(input, support_of_edge, model);
+void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model) {
+    const Mesh& mesh = model.mesh;
+    model.interfaces.reserve(mesh.interior_edges.size() + mesh.boundary_edges.size() -
+                             std::ranges::count(support_of_edge, no_index));
+    for (const InteriorEdge& edge : mesh.interior_edges) {
+        const auto [a, b] = edge.triangle;
+        const Index law = law_of_edge(input, mesh, edge);
+        add_interface(a, b, edge.side[0], law, edge.joint >= 0 ? law : no_index, edge.cracked, 0, model);
+    }
+    for (std::size_t i = 0; i < mesh.boundary_edges.size(); ++i) {
+        if (support_of_edge[i] == no_index) continue;
+        const BoundaryEdge& edge = mesh.boundary_edges[i];
+        const Support& support = input.supports[support_of_edge[i]];
+        add_interface(rigid_support, edge.triangle, edge.side, support.law, no_index, !support.glued, support.gap,
+                      model);
+        model.interfaces.back().beyond = support.beyond;
+    }
     vary_strength(input, model);
-    make_fans(model);
 }
 
 }  // namespace knap

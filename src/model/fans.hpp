@@ -7,8 +7,8 @@ namespace knap {
 /// The support of each boundary edge, or -1; in the order of Mesh::boundary_edges.
 using SupportOfEdge = std::vector<Index>;
 
-/// Fills interfaces, fans, fan_corners, fan_points, fan_of_corner, fan_point_of from model.mesh.
-void make_interfaces_and_fans(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model);
+/// Makes the interfaces of model.mesh, those of its interior edges first and in their order.
+void make_interfaces(const ModelInput& input, const SupportOfEdge& support_of_edge, Model& model);
 
 /// The law of an edge between two triangles: its number among the laws of a ModelInput or a Scenario.
 template <class Laws>
@@ -19,7 +19,7 @@ Index law_of_edge(const Laws& laws, const Mesh& mesh, const InteriorEdge& edge) 
                                      : laws.law_of_pair[a][b];
 }
 
-/// Makes the fans anew from the interfaces that are not gone.
+/// Makes the fans (anew) from the interfaces that are not gone, and from the masses of the corners.
 void make_fans(Model& model);
 
 /// Gives every interface whose law scatters, or follows the angle to the layers, a law of its own, behind the others in

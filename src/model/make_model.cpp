@@ -430,15 +430,16 @@ Model make_model(ModelInput input) {
                 .materials = input.materials,
                 .laws = input.laws};
     turn_layers(input.layer_angle, model);
+    make_interfaces(input, supports_of(model.mesh, input.supports), model);
     if (input.mass_scaling > 0)
-        model.mass_factor = scale_masses(model.mesh, model.materials, model.plane,
-                                         stable_steps(model.mesh, model.materials, model.plane), input.mass_scaling)
-                                .factor;
+        model.mass_factor =
+            scale_masses(model, stable_steps(model.mesh, model.materials, model.plane), input.cuts, input.mass_scaling)
+                .factor;
     model.corner_mass.reserve(model.mesh.n_corners());
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
         model.corner_mass.push_back(corner_share(model.mesh.order, model.mesh.place_in_triangle(c),
                                                  model.triangle_mass(model.mesh.triangle_of(c))));
-    make_interfaces_and_fans(input, supports_of(model.mesh, input.supports), model);
+    make_fans(model);
     model.large_rotation = input.large_rotation;
     if (model.large_rotation && model.mesh.order == 2)
         throw UserError("large-rotation", "large rotations need triangles of first order");

@@ -15,18 +15,41 @@ constexpr double most_given = 0.25;  // [-] of the mass of a triangle: waves of 
 constexpr int reach = 6;             // [edges]
 constexpr double largest_gain = 16;  // [-]
 
+/// Per interior edge: no mass moves over it.
+std::vector<std::uint8_t> borders_of(const Model& model, const std::vector<std::vector<Vec2>>& cuts) {
+    const Mesh& mesh = model.mesh;
+    std::vector<std::uint8_t> is_border;
+    for (std::size_t i = 0; i < mesh.interior_edges.size(); ++i) {
+        const auto [a, b] = mesh.interior_edges[i].triangle;
+        const Interface& interface = model.interfaces[i];
+        is_border.push_back(mesh.region[a] != mesh.region[b] || interface.cracked ||
+                            !(model.laws[interface.law].sigma_c > 0));
+    }
+    for (const std::vector<Vec2>& outline : cuts) {
+        std::vector<std::uint8_t> is_in(mesh.n_triangles(), 0);
+        for (const Index t : triangles_in(mesh, outline)) is_in[t] = 1;
+        for (std::size_t i = 0; i < is_border.size(); ++i) {
+            const auto [a, b] = mesh.interior_edges[i].triangle;
+            is_border[i] |= is_in[a] ^ is_in[b];
+        }
+    }
+    return is_border;
+}
+
 class Masses {
 public:
-    Masses(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane, const std::vector<double>& steps)
-        : materials_(materials), plane_(plane), mesh_(mesh), step_(steps) {
+    Masses(const Model& model, const std::vector<double>& steps, const std::vector<std::vector<Vec2>>& cuts)
+        : materials_(model.materials), plane_(model.plane), mesh_(model.mesh), step_(steps) {
+        const Mesh& mesh = model.mesh;
         neighbours_.assign(mesh.n_triangles(), {-1, -1, -1});
-        for (const InteriorEdge& edge : mesh.interior_edges) {
+        const std::vector<std::uint8_t> is_border = borders_of(model, cuts);
+        for (std::size_t i = 0; i < is_border.size(); ++i) {
+            const InteriorEdge& edge = mesh.interior_edges[i];
             const auto [a, b] = edge.triangle;
-            if (edge.cracked || mesh.region[a] != mesh.region[b]) continue;
-            neighbours_[a][edge.side[0]] = b, neighbours_[b][edge.side[1]] = a;
+            if (!is_border[i]) neighbours_[a][edge.side[0]] = b, neighbours_[b][edge.side[1]] = a;
         }
         for (Index t = 0; t < mesh.n_triangles(); ++t)
-            mass_.push_back(materials[mesh.region[t]].density * mesh.area(t));
+            mass_.push_back(materials_[mesh.region[t]].density * mesh.area(t));
         by_step_.resize(mesh.n_triangles());
         std::iota(by_step_.begin(), by_step_.end(), 0);
         std::ranges::stable_sort(by_step_, {}, [&](Index t) { return step_[t]; });
@@ -97,9 +120,9 @@ private:
 
 }  // namespace
 
-MassScaling scale_masses(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
-                         const std::vector<double>& steps, double most, double least_gain) {
-    Masses masses(mesh, materials, plane, steps);
+MassScaling scale_masses(const Model& model, const std::vector<double>& steps,
+                         const std::vector<std::vector<Vec2>>& cuts, double most, double least_gain) {
+    Masses masses(model, steps, cuts);
     MassScaling best = masses.for_step(least_gain * masses.smallest_step(), most);
     if (best.factor.empty()) return {};
     double low = std::log(least_gain), high = std::log(largest_gain);  // of the gain

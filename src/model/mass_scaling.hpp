@@ -2,9 +2,10 @@
 // Mass that moves to the triangles that limit the explicit step from their neighbours (time.mass_scaling). The stable
 // step of a free triangle grows like the square root of its mass, and slivers at joints hold so little that a hundred
 // times of it would be lost in the body. Added mass would be inertia without weight, or change the weight: here
-// what one material fills between cracks without a law keeps its mass, and its centre within a few triangles, so that
-// weight, momentum and the fall of a body are what they are, and all schemes have the same masses. Joints are no
-// borders, open ones neither: blocks that they part share their masses.
+// what one material fills between borders keeps its mass, and its centre within a few triangles, so that weight,
+// momentum and the fall of a body are what they are, and all schemes have the same masses. Borders are what bears no
+// tension from the start (cracks, laws with sigma_c = 0) and outlines of later excavations. A block that breaks out
+// along edges which still bear keeps what moved over them.
 #include "model/model.hpp"
 
 #include <optional>
@@ -20,9 +21,9 @@ struct MassScaling {
 /// The largest stable step for which at most the part `most` of the mass moves, if it is at least `least_gain` of the
 /// smallest of `steps`, the stable steps without scaling. A triangle gives a quarter of its mass at most, and no more
 /// than leaves it that step; what one needs comes from the nearest triangles that give, `reach` edges away at most,
-/// without a crack of the start between them.
-MassScaling scale_masses(const Mesh& mesh, const std::vector<Elastic>& materials, PlaneModel plane,
-                         const std::vector<double>& steps, double most, double least_gain = 1.001);
+/// without a border between them. `cuts`: polygons which will be excavated. The model needs no fans yet.
+MassScaling scale_masses(const Model& model, const std::vector<double>& steps,
+                         const std::vector<std::vector<Vec2>>& cuts, double most, double least_gain = 1.001);
 
 /// What a model has of it.
 struct MovedMass {

@@ -131,7 +131,8 @@ struct ModelInput {
     bool large_rotation = false;                           // as in Model
     std::vector<std::vector<ContactLaw>> contact_of_pair;  // as in Model
     std::shared_ptr<const Heat> heat;                      // as in Model
-    double mass_scaling = 0;  // [-] part of the mass that may move to triangles which limit the step
+    double mass_scaling = 0;              // [-] part of the mass that may move to triangles which limit the step
+    std::vector<std::vector<Vec2>> cuts;  // [m] polygons which will be excavated: no mass moves into or out of them
 };
 
 struct Model {

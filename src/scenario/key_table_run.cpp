@@ -55,9 +55,10 @@ void add_keys_of_run(KeyTable& t) {
     t.number("safety", "", "step over stable step with step = \"auto\" and the explicit bulk")
         .above(0).at_most(1).otherwise("0.8").to(&TimeOptions::safety);
     t.number("mass_scaling", "", "largest part of the mass of the body that moves to the triangles that limit the "
-        "explicit step, slivers at joints, from their neighbours of the same material, across joints, too, but no "
-        "crack without a law, so that steps are as long as it allows; each neighbour gives at most a quarter of its "
-        "mass. The body keeps its mass, weight and momentum; run.json says what moved where")
+        "explicit step, slivers at joints, from their neighbours of the same material, so that steps are as long as it "
+        "allows; each neighbour gives at most a quarter of its mass. No mass moves over cracks, laws with sigma_c = 0 "
+        "and outlines of excavations: what they cut out keeps its mass, weight and momentum. A block that breaks out "
+        "later, along joints with cohesion, too, keeps what moved over its edges. run.json says what moved where")
         .at_least(0).at_most(0.05).otherwise("0").to(&TimeOptions::mass_scaling);
     t.number("theta", "", "parameter of the implicit bulk and the implicit cohesion: 0.5 conserves energy, larger "
         "values damp; at most 1/(1 + restitution)").at_least(0.5).at_most(1).otherwise("0.5").to(&SchemeOptions::theta);

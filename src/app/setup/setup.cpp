@@ -102,6 +102,7 @@ ModelInput model_input(const Scenario& scenario) {
     input.obstacles = scenario.obstacles;
     input.contact_of_pair = scenario.contact_of_pair;
     input.mass_scaling = scenario.time.mass_scaling;
+    for (const Excavation& excavation : scenario.excavations) input.cuts.push_back(excavation.outline);
     if (scenario.heat) input.heat = std::make_shared<Heat>(*scenario.heat);
     return input;
 }

@@ -65,7 +65,7 @@ TEST_CASE("study --safety: a wedge on a joint has the factor of planar sliding w
         const Answer answer = command(
             "study thawing_joint --safety --laws rock-wedge -q -o " + folder.in_shell("study") +
             " -s heat= -s interface.rock-wedge.strength_table= -s interface.rock-wedge.sigma_c=\"33.637 kPa\" -s "
-            "load[0].ramp= -s figure= -s expect= -s time.start=equilibrium -s time.end=\"3 s\" -s mesh.size=\"3 m\" "
+            "load[0].ramp= -s figure= -s expect= -s time.start=equilibrium -s time.end=\"3 s\" -s mesh.size=\"5 m\" "
             "-s time.bulk=" +
             bulk);
         CAPTURE(answer.text);
