@@ -142,7 +142,7 @@ GivingWay Rebounds::find(const Sides& sides, const Vec2& place, const Vec2& rate
             rate.x() + half_a_step(rate.x() + impact->approach) < std::max(R, rests_below) * impact->approach;
     }
     const double before = std::abs(impact->slip), slip = impact->slip < 0 ? -rate.y() : rate.y();
-    found.rubs = law.tangential == 0 || time > longest_slip * pieces_[sides.piece].size / wave_speed_ ||
+    found.rubs = time > longest_slip * pieces_[sides.piece].size / wave_speed_ ||
                  slip - half_a_step(before - slip) > law.tangential * before;
     return found;
 }
