@@ -187,10 +187,9 @@ const GateRule rules[] = {
      }},
     {{"rebound_lack", "",
       "part of the energy that R_N takes of an impact of a deformable piece which the surface could not take, since it "
-      "gives way by no more than 0.3 of an edge (faces 0.05); the piece rebounds faster",
-      "The impact is too fast for the mesh. Try a larger mesh.size, a smaller speed, or breakable = false with "
-      "[rigid], "
-      "where R_N is exact."},
+      "gives way by a part of an edge alone; the piece rebounds faster",
+      "The impact is too fast for the mesh (check says up to which speed it is not). Try a larger mesh.size, a smaller "
+      "speed, or breakable = false with [rigid], where R_N is exact."},
      {0.1, infinity, fixed},
      [](const GateView& run) {
          const StepReport& worst = run.ledger.worst();

@@ -337,9 +337,10 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
         std::printf("  after the first loss of cohesion h = %s (%.3g CFL): up to %.0f steps\n",
                     readable(plan.limits.cracking, "s", 4).c_str(), plan.limits.cracking / plan.stable_step,
                     std::ceil(scenario.time.end / plan.limits.cracking));
-    const bool breaks_in_contact = model.faces_meet() && std::ranges::any_of(model.interfaces, [&](const Interface& i) {
-                                       return model.laws[i.law].breakable();
-                                   });
+    const bool may_pile_up =
+        model.faces_meet() &&
+        (scenario.time.scheme.rigid.active() ||
+         std::ranges::any_of(model.interfaces, [&](const Interface& i) { return model.laws[i.law].breakable(); }));
     if (cost.given_up_after > 0) {
         std::printf("  %s; a smaller time.step, or %s\n", unknown_text(cost, plan.limits.largest).c_str(),
                     long_measured ? "bulk = \"auto\"" : "--time, which waits ten times as long");
@@ -351,8 +352,8 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
         std::printf("  a step takes %s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
                     readable(cost.first_step, "s", 2).c_str(), long_measured ? "" : ", briefly; --time measures longer",
                     cost.mean_over_first,
-                    breaks_in_contact
-                        ? "pieces that break and lie on each other may take 30 times as long: see the progress line"
+                    may_pile_up
+                        ? "pieces that break or lie on each other may take 30 times as long: see the progress line"
                         : "within a factor of 2 there, more for a body that fragments");
     }
     if (scenario.adapt.active()) {

@@ -73,11 +73,10 @@ void add_matter_and_motion(KeyTable& t) {
 void add_rebound(KeyTable& t) {
     t.number("R_N", "", "normal coefficient of restitution of bodies, instead of restitution: of a rigid one exactly "
         "that of its point of contact; a deformable one rebounds with it where it would with more, since the surface "
-        "gives way, up to 0.3 of an edge (check says to which speed, the gate rebound_lack what was missed); explicit "
-        "steps").at_least(0).at_most(1);
+        "gives way by a part of an edge (check says up to which speed, the gate rebound_lack what was missed); "
+        "explicit steps").at_least(0).at_most(1);
     t.number("R_T", "", "tangential coefficient of restitution of bodies: an impact leaves R_T of the slip of the "
-        "point of contact, or more where friction cannot take as much; 0: friction alone, and the shear of a "
-        "deformable body springs back, so that it may keep more slip than with 0.01; explicit steps")
+        "point of contact, or more where friction cannot take as much; explicit steps")
         .at_least(0).at_most(1).computed("0").to(&ContactLaw::tangential);
 }
 

@@ -5,6 +5,7 @@
 #include "base/stopwatch.hpp"
 #include "figures/figures.hpp"
 #include "stepper/moreau_jean.hpp"
+#include "stepper/rigid/freeze.hpp"
 
 #include <algorithm>
 #include <array>
@@ -118,6 +119,14 @@ double mean_over_first(const Scenario& scenario, const Model& model, double n_st
     return 1 + (where_all_breaks - 1) * all_over;
 }
 
+/// All pieces are rigid, and none of them can break.
+bool stays_rigid(const Model& model, const RigidOptions& options) {
+    if (!options.active()) return false;
+    State start = initial_state(model);
+    return std::ranges::none_of(freeze(model, start).body->pieces,
+                                [&](const FrozenBody::Piece& piece) { return can_break(piece, options); });
+}
+
 }  // namespace
 
 Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan& plan, double model_seconds,
@@ -131,18 +140,23 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
     const double largest = static_cast<double>(plan.n_steps);
     cost.n_steps =
         plan.limits.changes() ? largest : std::max(largest, std::ceil(scenario.time.end / plan.limits.cracking));
+    const double rigid = plan.limits.rigid.step;
+    const bool is_rigid = rigid > 0 && stays_rigid(model, scenario.time.scheme.rigid);
+    if (is_rigid) cost.n_steps = scenario.time.end / rigid;
     MoreauJean stepper(model, scenario.time.scheme);
     deadline = Stopwatch::seconds(CLOCK_PROCESS_CPUTIME_ID) + longest_measurement * measure_for;
     try {
-        cost.first_step = measured_step(model, stepper, plan.limits.largest, measure_for);
-        if (const double rigid = plan.limits.rigid.step; rigid > 0)
+        cost.first_step = is_rigid ? measured_step(model, stepper, rigid, measure_for, Motion::rigid)
+                                   : measured_step(model, stepper, plan.limits.largest, measure_for);
+        if (rigid > 0)
             cost.rigid_steps =
-                scenario.time.end / rigid * measured_step(model, stepper, rigid, measure_for, Motion::rigid);
+                scenario.time.end / rigid *
+                (is_rigid ? cost.first_step : measured_step(model, stepper, rigid, measure_for, Motion::rigid));
     } catch (const StepGivenUp&) {
         cost.given_up_after = longest_measurement * measure_for;
         cost.first_step = NAN;
     }
-    cost.mean_over_first = mean_over_first(scenario, model, cost.n_steps);
+    cost.mean_over_first = is_rigid ? 1 : mean_over_first(scenario, model, cost.n_steps);
     double growth = 1, largest_growth = 1;  // of the number of triangles, at the end
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);

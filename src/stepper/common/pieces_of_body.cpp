@@ -8,7 +8,7 @@ namespace knap {
 namespace {
 
 /// [0/1] Per point: it holds its sides together.
-std::vector<std::uint8_t> joining_points(const Model& model, const State& state) {
+std::vector<std::uint8_t> joining_points(const Model& model, const State& state, Hinges hinges) {
     std::vector<std::uint8_t> joins(model.n_points(), 0);
     for (std::size_t f = 0; f < model.fans.size(); ++f) {
         const Index rank = state.split_rank[f];
@@ -19,18 +19,21 @@ std::vector<std::uint8_t> joining_points(const Model& model, const State& state)
                 (rank < 0 ? !points[j].cracked && model.laws[points[j].law].sigma_c > 0
                           : state.points[state.first_point[rank] + static_cast<Index>(j)].cohesion > 0);
     }
+    if (hinges == Hinges::part)
+        for (std::size_t p = 0; p < state.retired.size(); ++p)
+            if (state.retired[p] == Retirement::parted) joins[p] = 0;
     return joins;
 }
 
 }  // namespace
 
-PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<const Dashpot> dashpots) {
+PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<const Dashpot> dashpots, Hinges hinges) {
     const Mesh& mesh = model.mesh;
     const Index n = mesh.n_triangles(), n_points = model.points_per_interface();
     UnionFind sets(n);
     // [0/1] at first of the triangles that something holds, then of the lowest one of their piece
     std::vector<std::uint8_t> held(n, 0);
-    const std::vector<std::uint8_t> joins = joining_points(model, state);
+    const std::vector<std::uint8_t> joins = joining_points(model, state, hinges);
     for (std::size_t i = 0; i < model.interfaces.size(); ++i) {
         if (std::ranges::none_of(std::span(joins).subspan(i * n_points, n_points), [](auto joined) { return joined; }))
             continue;
@@ -39,7 +42,10 @@ PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<co
         else held[std::max(a, b)] = 1;
     }
     for (Index f = 0; f < static_cast<Index>(model.fans.size()); ++f) {  // one node, whatever its points bear
-        if (state.split_rank[f] >= 0) continue;
+        const auto parts = [&](const FanPoint& point) {
+            return hinges == Hinges::part && !state.retired.empty() && state.retired[point.point] == Retirement::parted;
+        };
+        if (state.split_rank[f] >= 0 || std::ranges::any_of(model.points(model.fans[f]), parts)) continue;
         const auto corners = model.corners(model.fans[f]);
         for (const Index corner : corners) sets.join(mesh.triangle_of(corners[0]), mesh.triangle_of(corner));
     }

@@ -13,6 +13,9 @@ struct PiecesOfBody {
     std::vector<Index> first;        // per triangle: the lowest one of its piece
     std::vector<std::uint8_t> held;  // [0/1] per triangle: something holds its piece, or it has vanished
 };
-PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<const Dashpot> dashpots);
+/// What parted points (Retirement::parted) are: they hold the sides of a wide crack together, which turn about them.
+enum class Hinges : std::uint8_t { join, part };
+PiecesOfBody pieces_of_body(const Model& model, const State& state, std::span<const Dashpot> dashpots,
+                            Hinges hinges = Hinges::join);
 
 }  // namespace knap

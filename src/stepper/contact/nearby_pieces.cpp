@@ -26,16 +26,12 @@ void NearbyPieces::read(std::span<const FreeEdge> edges, std::span<const CornerM
         return edge.ground ? ground : static_cast<std::size_t>(body.piece_of_triangle[edge.start / 3]);
     };
     const auto along = [&](Index e) -> Vec2 { return corners[edges[e].end_place].x - corners[edges[e].start_place].x; };
-    const auto protrudes = [&](Index i) {
-        const Vec2 in = along(edges[i].entering).normalized(), out = along(i).normalized();
-        return cross(in, out) > even_turn || in.dot(out) < 0;
-    };
     outlines_.assign(ground + 1, {});
     for (std::size_t p = 0; p < ground; ++p) outlines_[p].radius = body.pieces[p].radius;
     std::vector<std::uint8_t> touches(edges.size());
     for (Index e = 0; e < std::ssize(edges); ++e) {
         Outline& outline = outlines_[piece_of(edges[e])];
-        touches[e] = NearbyEdges::is_vertex(edges, e) && protrudes(e);
+        touches[e] = NearbyEdges::is_vertex(edges, e);
         ++outline.last_edge, outline.last_vertex += touches[e];
         outline.longest = std::max(outline.longest, along(e).norm());
     }
@@ -66,13 +62,16 @@ void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const C
         const Outline& outline = outlines_[p];
         Box& box = boxes_[p] = {Vec2::Constant(infinity), Vec2::Constant(-infinity),
                                 (touching_part + largest_motion) * outline.longest};
+        double fastest = 0;  // [m/s] of the corners
         for (Index k = outline.first_edge; k < outline.last_edge; ++k)
-            for (const Index end : {edges[edges_[k]].start_place, edges[edges_[k]].end_place})
+            for (const Index end : {edges[edges_[k]].start_place, edges[edges_[k]].end_place}) {
                 box.low = box.low.cwiseMin(corners[end].x), box.high = box.high.cwiseMax(corners[end].x);
-        const bool is_ground = p == std::ssize(pieces);
-        box.room += h * (is_ground ? mean.norm()
-                                   : (pieces[p].velocity - mean).norm() +
-                                         prolonged * std::abs(pieces[p].spin) * outline.radius);
+                fastest = std::max(fastest, (corners[end].v - mean).squaredNorm());
+            }
+        const bool is_rigid = p < std::ssize(pieces) && pieces[p].state != PieceState::deformable;
+        box.room +=
+            h * (is_rigid ? (pieces[p].velocity - mean).norm() + prolonged * std::abs(pieces[p].spin) * outline.radius
+                          : std::sqrt(fastest));
     }
 }
 
@@ -126,8 +125,10 @@ void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerM
                              std::abs(two.spin - one.spin) * radius;
         pair.reach = std::min((touching_part + largest_motion) * longest + h * speed,
                               boxes_[pair.of[0]].room + boxes_[pair.of[1]].room);
+        const bool deforms = one.state == PieceState::deformable || two.state == PieceState::deformable;
+        if (deforms) pair.reach = boxes_[pair.of[0]].room + boxes_[pair.of[1]].room;
         const double moved = (offset - pair.offset).norm() + std::abs(turn - pair.turn) * radius;
-        if (reach_margin * pair.reach + motion_margin * moved <= pair.margin &&
+        if (!deforms && reach_margin * pair.reach + motion_margin * moved <= pair.margin &&
             std::abs(turn - pair.turn) <= turned_list)
             continue;
         pair.offset = offset, pair.turn = turn;
@@ -156,6 +157,8 @@ void NearbyPieces::search(Pair& pair, std::span<const FreeEdge> edges, std::span
                 if (n.dot(from_a) > pair.margin) continue;
                 if (distance_to_segment(start(e), end(e), x) > far || !NearbyEdges::may_meet(edges, i, e)) continue;
                 const Vec2 in = end(edges[i].entering) - start(edges[i].entering), out = end(i) - start(i);
+                const double turn = cross(in, out), beside = in.dot(out);
+                if (beside >= 0 && turn <= even_turn * in.norm() * out.norm()) continue;
                 if (n.dot(in) > (VertexCone::widened + turned_list) * in.norm() ||
                     n.dot(out) < -(VertexCone::widened + turned_list) * out.norm())
                     continue;

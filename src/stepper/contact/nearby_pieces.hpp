@@ -3,7 +3,8 @@
 //
 // Boxes round the pieces, sorted along one axis, tell the pairs of pieces that may meet in a step. Each pair keeps a
 // list of vertices and edges that stays complete while the pieces move little relative to each other, however fast they
-// move together. What is listed depends on the step alone: for_near() has a reach, by which the caller looks again.
+// move together; where one of them is deformable it is made anew in each step. What is listed depends on the step
+// alone: for_near() has a reach, by which the caller looks again.
 #include "model/rigid_body.hpp"
 #include "stepper/contact/nearby_edges.hpp"
 
@@ -13,8 +14,7 @@ namespace knap {
 
 class NearbyPieces {
 public:
-    /// Reads the outlines. A vertex where the outline of a rigid piece does not protrude touches nothing that its
-    /// neighbours do not touch.
+    /// Reads the outlines.
     void read(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, const FrozenBody& body);
     /// Finds the pairs for a step of h [s].
     void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
@@ -48,6 +48,7 @@ private:
     void find_boxes(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
                     std::span<const RigidPiece> pieces, double h);
     void find_pairs();
+    /// A vertex where the outline does not protrude touches nothing that its neighbours do not touch.
     void search(Pair& pair, std::span<const FreeEdge> edges, std::span<const CornerMotion> corners) const;
 
     std::vector<Outline> outlines_;        // per piece, then of the ground

@@ -172,6 +172,16 @@ bool joined_nonadjacent_corners_overlap(const Model& model, const State& state, 
     return false;
 }
 
+/// A fan that is still one node parts, too, where the other end of an edge has retired and its sides turn about it.
+void part_bonded_hinges(const Model& model, const std::vector<Retirement>& before, const Fan& fan, State& end) {
+    for (const FanPoint& point : model.points(fan)) {
+        if (before[point.point] != Retirement::retired) continue;
+        const FanPoint& other = model.fan_points[model.fan_point_of[point.point ^ 1]];
+        if (end.split_rank[model.fan_of_corner[other.corner()]] < 0 && Sides(model, end, other).turned(parting_turn))
+            end.retired[other.point] = Retirement::parted;
+    }
+}
+
 }  // namespace
 
 void retire_points(const Model& model, const std::vector<Retirement>& before, State& end) {
@@ -181,6 +191,7 @@ void retire_points(const Model& model, const std::vector<Retirement>& before, St
     for_blocks((n + block - 1) / block, [&](std::ptrdiff_t b) {
         for (std::ptrdiff_t rank = b * block; rank < std::min(n, (b + 1) * block); ++rank) {
             const Fan& fan = model.fans[end.split_fans[rank]];
+            part_bonded_hinges(model, before, fan, end);
             if (!may_change(model, before, end, static_cast<Index>(rank))) continue;
             const auto points = model.points(fan);
             const PointState* state = end.points.data() + end.first_point[rank];

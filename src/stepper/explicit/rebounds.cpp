@@ -39,10 +39,11 @@ double Rebounds::depth_of_faces() { return deepest_face; }
 void Rebounds::begin(const State& begin) {
     if (is_idle()) return;
     const Index n = model_.mesh.n_triangles();
-    const auto n_broken = std::ranges::count(begin.points, 0.0, &PointState::cohesion);
+    const auto n_broken = std::ranges::count(begin.points, 0.0, &PointState::cohesion) +
+                          std::ranges::count(begin.retired, Retirement::parted);
     if (n_broken != n_broken_) {
         n_broken_ = n_broken;
-        const PiecesOfBody triangles = pieces_of_body(model_, begin, dashpots_);
+        const PiecesOfBody triangles = pieces_of_body(model_, begin, dashpots_, Hinges::part);
         first_.assign(triangles.first.begin(), triangles.first.end());
         pieces_.assign(n, {});
         for (Index t = 0; t < n; ++t) {
@@ -141,7 +142,7 @@ GivingWay Rebounds::find(const Sides& sides, const Vec2& place, const Vec2& rate
             rate.x() + half_a_step(rate.x() + impact->approach) < std::max(R, rests_below) * impact->approach;
     }
     const double before = std::abs(impact->slip), slip = impact->slip < 0 ? -rate.y() : rate.y();
-    found.rubs = law.tangential == 0 || time > longest_slip * pieces_[sides.piece].size / wave_speed_ ||
+    found.rubs = time > longest_slip * pieces_[sides.piece].size / wave_speed_ ||
                  slip - half_a_step(before - slip) > law.tangential * before;
     return found;
 }

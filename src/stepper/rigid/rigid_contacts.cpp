@@ -328,6 +328,20 @@ void RigidContacts::solve(std::size_t number, const RigidStep& step, std::vector
 }
 
 RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
+    Motion fastest;
+    for (const Row& row : rows_) {
+        if (!(row.own_N > 0) || row.gap + step.drift_time * row.before.x() >= 0 ||
+            sides_of(row, bodies) == Sides::deformable)
+            continue;
+        const bool of_faces = row.source == Source::face || row.source == Source::point;
+        const double speed = of_faces ? row.before.norm() : -row.before.x();
+        fastest.at_least({step.drift_time * speed / row.length, row.place});
+    }
+    if (const auto& refusal = faces_.refusal();
+        refusal && refusal->reason == ContactRefusal::Reason::speed && meets_faces())
+        report.reject(Rejection::contact_speed, refusal->place, refusal->value);
+    const bool is_too_fast = report.rejection != Rejection::none || fastest.value > largest_motion;
+    if (is_too_fast && !step.closing && weakest_ == infinity) return fastest;  // else it may be a blow, too
     if (work_.size() < clusters_.size()) work_.resize(clusters_.size());
     for_blocks(std::ssize(clusters_), [&](std::ptrdiff_t k) { solve(k, step, bodies, work_[k]); });
     for (MovingBody& body : bodies) body.end = body.free;
@@ -339,15 +353,8 @@ RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<Mo
         }
     for (MovingBody& body : bodies)
         if (body.struck_at > 0) body.strike = body.struck_at * (body.flight - body.end);
-    Motion fastest;
     for (Row& row : rows_) {
         row.after = rate(row, bodies, &MovingBody::end);
-        if (row.own_N > 0 && row.gap + step.drift_time * row.before.x() < 0 &&
-            sides_of(row, bodies) != Sides::deformable) {
-            const bool of_faces = row.source == Source::face || row.source == Source::point;
-            const double speed = of_faces ? row.before.norm() : -row.before.x();
-            fastest.at_least({step.drift_time * speed / row.length, row.place});
-        }
         for (int k = 0; k < row.n_terms; ++k) {
             const MovingBody& body = bodies[row.terms[k].body];
             const double turn = step.drift_time * body.end.z();
@@ -355,9 +362,6 @@ RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<Mo
             if (!body.deformable) fastest.at_least({largest_motion * std::sqrt(bend / allowed_bend), row.place});
         }
     }
-    if (const auto& refusal = faces_.refusal();
-        refusal && refusal->reason == ContactRefusal::Reason::speed && meets_faces())
-        report.reject(Rejection::contact_speed, refusal->place, refusal->value);
     return fastest;
 }
 

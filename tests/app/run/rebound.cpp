@@ -115,9 +115,12 @@ TEST_CASE("rebound: two deformable bodies part with R_N of their materials") {
 TEST_CASE("rebound: friction leaves R_T of the slip of a deformable disc or takes mu of the normal impulse") {
     const Folder folder("slip");
     const std::string disc = "shape = \"disc\"\ncentre = [0, 0.35]\nradius = 0.35\n" + size(0.14);
-    const auto with = [&](double mu) {
-        return rebound_of(folder, disc, 0, "R_N = 0.4\nR_T = 0.8\nfriction = " + std::to_string(mu) + "\n", 4).slip;
+    const auto with = [&](double mu, const std::string& R_T = "R_T = 0.8\n") {
+        return rebound_of(folder, disc, 0, "R_N = 0.4\n" + R_T + "friction = " + std::to_string(mu) + "\n", 4).slip;
     };
+    // without R_T the least of all, and not what the shear of the body springs back
+    CHECK(std::abs(with(0.8, "")) < 0.05 * 4);
+    CHECK(std::abs(with(0.8, "R_T = 0.01\n") - 0.01 * 4) < 0.05 * 4);
     CHECK(with(2) == doctest::Approx(0.8 * 4).epsilon(0.08));
     CHECK(with(0.02) == doctest::Approx(4 - 3 * 0.02 * 1.4 * 5).epsilon(0.05));  // its mobility is 1/m + r^2/J = 3/m
 }

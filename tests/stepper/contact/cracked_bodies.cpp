@@ -1,12 +1,15 @@
 // Contacts between the faces of cracks, beside the points that are still live.
 #include "base/random.hpp"
+#include "stepper/common/pieces_of_body.hpp"
 #include "stepper/contact/retirement.hpp"
+#include "stepper/rigid/freeze.hpp"
 #include "support/pieces.hpp"
 
 #include <doctest/doctest.h>
 
 #include <algorithm>
 #include <numbers>
+#include <optional>
 
 namespace cracked_bodies_test {
 
@@ -17,10 +20,11 @@ namespace {
 
 constexpr double h = 1e-3;
 
-/// Splits every fan; points between triangles of different parts lose their cohesion.
-void crack(Pieces& scene, const std::vector<int>& part) {
+/// Splits every fan, but for one at `bonded`; points between triangles of different parts lose their cohesion.
+void crack(Pieces& scene, const std::vector<int>& part, std::optional<Vec2> bonded = std::nullopt) {
     scene.body.assign(part.begin(), part.end());
     for (Index f = 0; f < Index(scene.model.fans.size()); ++f) {
+        if (bonded && scene.model.mesh.corner(scene.model.corners(scene.model.fans[f])[0]) == *bonded) continue;
         split(scene.model, f, scene.state);
         PointState* state = scene.state.points.data() + scene.state.first_point.back();
         for (const FanPoint& point : scene.model.points(scene.model.fans[f]))
@@ -198,34 +202,66 @@ TEST_CASE("a broken point that is alone in its slip retires on the surface and n
 TEST_CASE("the corner of a crack that a live point holds as a hinge touches what lies in its opening") {
     // two cells side by side, cracked along x = 1 but for the point at (1, 1), the left one turned clockwise; a block to
     // the left of the hinge, its right side inclined as `angle` says
-    for (const double opening : {0.15, 0.5, 2.0, 3.0}) {
-        CAPTURE(opening);
-        Mesh block = bar_mesh(1, 1, 0.3, 0.4);
-        Pieces scene({bar_mesh(2, 1, 2, 1), block});
-        crack(scene, {0, 0, 1, 1, 2, 2});
-        const double angle = -0.2, gap = 1e-4;
-        scene.put(0, Vec2::Zero(), -opening, {1, 1});
-        const Vec2 normal = turned({1, 0}, angle);
-        scene.put(2, Vec2(1, 1) - gap * normal - Vec2(0.3, 0.2), angle, {0.3, 0.2});
-        // the point at (1, 1) holds, that at (1, 0) does not
-        for (std::size_t rank = 0; rank < scene.state.split_fans.size(); ++rank) {
-            const Fan& fan = scene.model.fans[scene.state.split_fans[rank]];
-            for (Index j = 0; j < fan.n_points; ++j)
-                if (scene.model.mesh.corner(scene.model.points(fan)[j].after) == Vec2(1, 1))
-                    scene.state.points[scene.state.first_point[rank] + j].cohesion = 1;
+    for (const bool bonded : {false, true})
+        for (const double opening : {0.15, 0.5, 2.0, 3.0}) {
+            CAPTURE(opening);
+            CAPTURE(bonded);
+            Mesh block = bar_mesh(1, 1, 0.3, 0.4);
+            Pieces scene({bar_mesh(2, 1, 2, 1), block});
+            const Vec2 hinge(1, 1);
+            crack(scene, {0, 0, 1, 1, 2, 2}, bonded ? std::optional(hinge) : std::nullopt);
+            const double angle = -0.2, gap = 1e-4;
+            scene.put(0, Vec2::Zero(), -opening, {1, 1});
+            const Vec2 normal = turned({1, 0}, angle);
+            scene.put(2, Vec2(1, 1) - gap * normal - Vec2(0.3, 0.2), angle, {0.3, 0.2});
+            // the point at (1, 1) holds, that at (1, 0) does not
+            for (std::size_t rank = 0; rank < scene.state.split_fans.size(); ++rank) {
+                const Fan& fan = scene.model.fans[scene.state.split_fans[rank]];
+                for (Index j = 0; j < fan.n_points; ++j)
+                    if (scene.model.mesh.corner(scene.model.points(fan)[j].after) == Vec2(1, 1))
+                        scene.state.points[scene.state.first_point[rank] + j].cohesion = 1;
+            }
+            scene.retire();
+            CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 1);
+            CHECK(std::ranges::count(scene.state.retired, Retirement::parted) == (opening > 0.2));
+            const auto piece_of_right = [&](Hinges hinges) {
+                return pieces_of_body(scene.model, scene.state, {}, hinges).first[2];
+            };
+            CHECK(piece_of_right(Hinges::join) == 0);
+            CHECK(piece_of_right(Hinges::part) == (opening > 0.2 ? 2 : 0));
+            const auto contacts = scene.contacts(h);
+            // in a crack that is hardly open there is no room for the block: nothing is looked for there
+            REQUIRE(contacts.size() == (opening > 0.2 ? 1 : 0));
+            if (contacts.empty()) continue;
+            CHECK(scene.body_of(contacts[0].vertex[0]) == 1);
+            CHECK(scene.body_of(contacts[0].edge[0]) == 2);
+            CHECK(contacts[0].gap == doctest::Approx(gap).epsilon(1e-9));
+            CHECK((contacts[0].normal - normal).norm() < 1e-12);
         }
-        scene.retire();
-        CHECK(std::ranges::count(scene.state.retired, Retirement::retired) == 1);
-        CHECK(std::ranges::count(scene.state.retired, Retirement::parted) == (opening > 0.2));
-        const auto contacts = scene.contacts(h);
-        // in a crack that is hardly open there is no room for the block: nothing is looked for there
-        REQUIRE(contacts.size() == (opening > 0.2 ? 1 : 0));
-        if (contacts.empty()) continue;
-        CHECK(scene.body_of(contacts[0].vertex[0]) == 1);
-        CHECK(scene.body_of(contacts[0].edge[0]) == 2);
-        CHECK(contacts[0].gap == doctest::Approx(gap).epsilon(1e-9));
-        CHECK((contacts[0].normal - normal).norm() < 1e-12);
-    }
+}
+
+TEST_CASE("a hinge that closes while its piece stays where it is meets what lies in its opening") {
+    // the cells of the test before, opened wide, and a block in the opening; then the left one turns back onto its corner
+    Pieces scene({bar_mesh(2, 1, 2, 1), bar_mesh(1, 1, 0.1, 0.1)});
+    const Vec2 hinge(1, 1), from_hinge(-0.55, -0.35);  // to the corner
+    crack(scene, {0, 0, 1, 1, 2, 2}, hinge);
+    scene.put(2, hinge + from_hinge - Vec2(0, 0.1));
+    scene.put(0, Vec2::Zero(), -2.5, hinge);
+    scene.retire();
+    FrozenPieces pieces = freeze(scene.model, scene.state);
+    REQUIRE(pieces.pieces.size() == 2);
+    scene.state.frozen = pieces.body, scene.state.rigid_pieces = std::move(pieces.pieces);
+    scene.state.rigid_pieces[0].state = PieceState::deformable;
+    FaceContacts found(scene.model);
+    found.set_pieces(scene.state.frozen);
+    found.find(scene.state, h);
+    CHECK(found.all().empty());
+    const double gap = 1e-4, touch = std::atan2(-from_hinge.x(), -from_hinge.y());
+    scene.put(0, Vec2::Zero(), -(touch + gap / from_hinge.norm()), hinge);
+    found.find(scene.state, h);
+    REQUIRE(found.all().size() == 1);
+    CHECK(scene.body_of(found.all()[0].vertex[0]) == 2);
+    CHECK(found.all()[0].gap == doctest::Approx(gap).epsilon(1e-3));
 }
 
 TEST_CASE("pieces of a triple junction touch their neighbours and the live point keeps its own") {
