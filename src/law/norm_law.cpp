@@ -100,7 +100,9 @@ double NormLaw::slip_after(double W_N, double A_T, double k, double F, double r)
     const auto missing = [&](double W_T) -> ValueAndSlope {
         ValueAndSlope at = cohesion(W_T);
         if (W_T == 0 && set_valued > 0) at.value = sign * set_valued;  // of the side of the interval
-        return {W_T - A_T + at.value + constant, 1 + at.slope};
+        const double value = W_T - A_T + at.value + constant,
+                     size = std::abs(W_T) + std::abs(A_T) + std::abs(at.value) + std::abs(constant);
+        return {std::abs(value) <= root_rounding * size ? 0 : value, 1 + at.slope};  // what is rounding has no sign
     };
     const double guess =
         std::clamp(A_T - constant - (N == 0 ? sign * k * gamma * rho(gamma * std::abs(A_T)) : 0), low, high);
@@ -141,7 +143,7 @@ NormLaw::Response NormLaw::respond(const Vec2& Q, double r) const {
         const double S = length(A.x(), A.y() / gamma) <= k * rho(0) ? 0 : size_after(A, k), force = k * rho(S);
         found.sticks = S == 0;
         W = found.sticks ? Vec2(Vec2::Zero()) : Vec2(A.x() * S / (S + force), A.y() * S / (S + gamma * gamma * force));
-    } else if (k > 0) {
+    } else if (k > 0 && !(contact.may_touch && A.x() < bound)) {
         W.y() = slip_after(A.x(), A.y(), k, 0, r);
     }
     found.closed = contact.may_touch && W.x() < bound;

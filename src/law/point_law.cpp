@@ -324,6 +324,7 @@ Eigen::Matrix2d tangent_of_norm(const PointLaw& law, const Multipliers& at, cons
         if (r.closed) loss.x() = 0;
         D -= modulus * (loss * loss.transpose());
     }
+    D(1, 0) = D(0, 1);  // but for rounding, and what is not symmetric to the bit is solved as friction
     if (r.sticks) D.row(1) << 0, weight;
     else if (r.closed && r.friction_sign != 0 && at.friction_follows && softening != Softening::at_all)
         D(1, 0) = -rubs(law, r) * weight * (1 - D(1, 1) / weight);

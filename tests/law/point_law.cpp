@@ -129,6 +129,24 @@ TEST_CASE("the tangent of a point is the derivative of its law and that of frict
     for (const int n : {n_coupled, n_left_out, n_stick, n_open}) CHECK(n > 50);
 }
 
+TEST_CASE("without friction the tangent of the norm is symmetric to the bit so that it is no friction to iterate for") {
+    CohesiveLaw norm = material;
+    norm.coupling = Coupling::norm;
+    Random random(7, "norm");
+    int n_coupled = 0, n_soften = 0;
+    for (int count = 0; count < 2000; ++count) {
+        Point point;
+        make_random(random, point);
+        point.law.material = &norm, point.law.friction = 0;
+        const PointResponse here = point.response(point.rate);
+        const Eigen::Matrix2d D = tangent(point.law, point.at, here, Softening::now);
+        CHECK(D(0, 1) == D(1, 0));
+        n_coupled += D(0, 1) != 0;
+        n_soften += D(0, 1) != 0 && here.softens;
+    }
+    for (const int n : {n_coupled, n_soften}) CHECK(n > 200);
+}
+
 TEST_CASE("the tangent of a ramp is the derivative of its law") {
     Random random(6, "ramps");
     int n_on_ramp = 0, n_stick = 0, n_closed = 0, n_land = 0, n_soften = 0, n_rub = 0;
