@@ -1,6 +1,7 @@
 // Bodies that nothing holds: damping leaves their flight alone, and bulk viscosity keeps those that rub from creeping.
 #include "app/program.hpp"
 
+#include "base/random.hpp"
 #include "output/history_csv.hpp"
 
 #include <nlohmann/json.hpp>
@@ -139,6 +140,45 @@ TEST_CASE("viscosity: a block that a pulse shakes slips as far as Newmark's rigi
     const double A = 8, T = 0.15, a = 0.5 * 9.81;
     CHECK(number(folder.path / "run", "mean_displacement_x") ==
           doctest::Approx(A * T * T * (A - a) / (2 * a)).epsilon(0.005));
+}
+
+TEST_CASE("rubble that falls in implicit steps of 10 ms comes to rest to rounding") {
+    constexpr int n = 12, in_a_row = 4;
+    const auto number_text = [](double value) { return std::to_string(value); };
+    knap::Random random(1, "rubble");
+    std::string text =
+        "knap = 1\n[domain]\nrotation = \"large\"\n[mesh]\nsize = 0.3\n[material.rock]\n"
+        "density = 2600\n" +
+        on_a_plane + "normal = [0, 1]\nfriction = 0.5\n";
+    text.replace(text.find("[contact]"), 9, "[contact]\nfriction = 0.5");
+    for (const char* wall : {"at = [0, 0]\nnormal = [1, 0]\n", "at = [4.6, 0]\nnormal = [-1, 0]\n"})
+        text += std::string("[[obstacle]]\nshape = \"half plane\"\n") + wall + "friction = 0.5\n";
+    for (int i = 0; i < n; ++i) {
+        const int row = i / in_a_row;
+        text += "[[body]]\nname = \"b" + std::to_string(i) + "\"\nshape = \"rectangle\"\nsize = [" +
+                number_text(random.uniform(0.4, 0.8)) + ", " + number_text(random.uniform(0.25, 0.45)) +
+                "]\norigin = [" + number_text(0.4 + i % in_a_row + 0.3 * (row % 2)) + ", " +
+                number_text(0.5 + 0.95 * row) + "]\nangle = \"" + number_text(random.uniform(-40, 40)) + " deg\"\n";
+    }
+    text +=
+        "[[load]]\nacceleration = [0, -9.81]\n[time]\nend = 4\nbulk = \"implicit\"\nstep = 0.01\ntheta = 1\n"
+        "[output]\nevery = 0.1\nfields = false\n";
+    const Folder folder("rubble");
+    write_scene(folder, text);
+    const Answer answer = run_scene(folder, "-j 1 -o " + folder.in_shell("run"));
+    CAPTURE(answer.text);
+    REQUIRE(answer.code == 0);
+    const fs::path run = folder.path / "run";
+    CHECK(number(run, "kinetic_energy") < 1e-20);
+    CHECK(number(run, "impact_work") < -1000);
+    const nlohmann::json record = nlohmann::json::parse(text_of(run / "run.json"));
+    for (const auto& gate : record["gates"]) {
+        const std::string name = gate["name"];
+        if (name == "energy_residual") CHECK(gate["value"] < 1e-13);
+        if (name == "contact_depth") CHECK(gate["value"] < 2e-3);
+        if (name == "contact_injection") CHECK(gate["value"] < 1e-10);
+    }
+    CHECK(record["steps"] < 1000);
 }
 
 }  // namespace free_bodies_test

@@ -175,7 +175,7 @@ TEST_CASE("run directory: what runs did not make stays") {
     }
 }
 
-TEST_CASE("run directory: where a file that the scenario reads has changed since, an unfinished run names it") {
+TEST_CASE("run directory: an unfinished run names the file that has changed since it began") {
     const Folder folder("changed file");
     const auto write_layers = [&](const char* angle) {
         write(folder.path / "layers.csv",
