@@ -196,18 +196,17 @@ const GateRule rules[] = {
          return GateValue{.value = worst.rebound_lack, .place = worst.lack_place, .judged = worst.rebound_lack > 0};
      }},
     {{"fluttering_friction", "",
-      "mean friction coefficient of what slid under a friction over pressure in explicit steps or with theta below 1: "
-      "faces that slide flutter, and the mean of a concave friction is less than that of the mean pressure, by up to "
-      "0.5 % at 0.4, 17 % at 0.6 and 43 % at 1.2; without viscosity 18, 34 and 54 %",
-      "What slides may be too fast; what stands, and its strength, are not concerned. Try shear_viscosity = 0.3 and "
-      "bulk_viscosity = [0, 1.2] in [material.*] where they are not on, or implicit steps with theta = 1."},
-     {0.45, infinity, fixed},
+      "mean friction coefficient of what slid under a friction over pressure or slip in explicit steps or with theta "
+      "below 1: faces that slide fast flutter, so that a friction over pressure is less than that of the mean pressure "
+      "(by 0.5 to 10 % at 0.4, up to 17 % at 0.6 and 43 % at 1.2, more in thick bodies and fine meshes; without "
+      "viscosity 14 % at 0.25 and 18 % at 0.4), and slips forth and back use up the slip_distance",
+      "What stands, its strength and slow slides are not concerned. Compare with implicit steps and theta = 1, or try "
+      "shear_viscosity = 0.3 and bulk_viscosity = [0, 1.2] in [material.*] where they are not on."},
+     {0.2, infinity, fixed},
      [](const GateView& run) {
          const StepReport& sum = run.ledger.worst();
          const bool slid = sum.fluttering_work > 1e-3 * run.ledger.largest_energy();
-         return GateValue{.value = slid ? sum.fluttering_work / sum.fluttering_slip : 0,
-                          .warning = run.ledger.row().bulk_viscosity_work < 0 ? 0.45 : 0.25,
-                          .judged = run.ended && slid};
+         return GateValue{.value = slid ? sum.fluttering_work / sum.fluttering_slip : 0, .judged = run.ended && slid};
      }},
     {{"missed_blow", "",
       "energy dissipated in the first step of pieces that a blow made deformable, over the dissipated energy: no wave "

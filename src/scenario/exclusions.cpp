@@ -75,6 +75,7 @@ std::span<const Exclusion> exclusions() {
         {"[rigid]", "[[excavation]]", "the forces that fade stress what stays, and a rigid piece has no stresses"},
         {"[rigid]", "[[absorb]]", "waves that leave the body are those of a deformable one"},
         {"[rigid]", "[specimen]", "its gauges and its stress are those of a body under load, which is not rigid"},
+        {"[rigid]", "a probe of stress", "a rigid piece has no stresses"},
         {"[rigid]", "friction_over_pressure",
          "a rigid piece bears on corners, and nobody knows the pressure of its faces"},
         {"[rigid]", "unloading = \"vertical\"",

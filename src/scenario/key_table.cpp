@@ -206,11 +206,11 @@ void add_keys_of_microstructure(KeyTable& t) {
     t.number("E", "Pa", "Young's modulus").above(0).required().to(&Elastic::E);
     t.number("nu", "", "Poisson's ratio").above(-1).below(0.5).required().to(&Elastic::nu);
     t.number("bulk_viscosity", "", "linear (b1) and quadratic (b2, in compression) bulk viscosity of explicit steps")
-        .pair().at_least(0).computed("[0, 1.2] with [contact], friction on an obstacle or friction over pressure, "
-        "unless the step is in s or order 2 meets [[excavation]]; else [0, 0]").to(&Elastic::bulk_viscosity);
+        .pair().at_least(0).computed("[0, 1.2] with [contact], friction on an obstacle or friction over pressure or "
+        "slip, unless the step is in s or order 2 meets [[excavation]]; else [0, 0]").to(&Elastic::bulk_viscosity);
     t.number("shear_viscosity", "", "viscosity (b3) of explicit steps that resists changes of shape")
-        .at_least(0).computed("0.1 where bulk_viscosity is [0, 1.2] by default, 0.3 with friction over pressure; "
-        "else 0")
+        .at_least(0).computed("0.3 with friction over pressure or slip, unless the step is in s or "
+        "order 2 meets [[excavation]]; else 0.1 where bulk_viscosity is [0, 1.2] by default; else 0")
         .to(&Elastic::shear_viscosity);
     add_thermal(t);
     t.table("material.*.bedding", "layers with these constants across them (transverse isotropy): E and nu of the "

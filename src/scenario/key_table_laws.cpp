@@ -82,7 +82,8 @@ void add_keys_of_laws(KeyTable& t) {
     t.number("kinetic_friction", "", "friction coefficient after the slip_distance; in between it changes linearly "
         "with the way that the sides have slid, from friction (static) on").at_least(0)
         .to(&CohesiveLaw::kinetic_friction);
-    t.number("slip_distance", "m", "slip over which friction changes to kinetic_friction").above(0)
+    t.number("slip_distance", "m", "slip, forth and back, over which friction changes to kinetic_friction; faces that "
+        "were never joined keep friction").above(0)
         .to(&CohesiveLaw::slip_distance);
     t.table("interface.*.scatter", "random strength of every interface, drawn with the seed; its mean is the value of "
         "the law");

@@ -78,6 +78,8 @@ void read_rigid(Reading& reading) {
     exclude(!scenario.excavations.empty(), "[[excavation]]", "no [[excavation]]");
     exclude(!scenario.time.scheme.absorbing.empty(), "[[absorb]]", "a support or an obstacle");
     exclude(reading.table("specimen").given(), "[specimen]", "no [specimen]");
+    exclude(std::ranges::any_of(reading.list("probe"), [](const Table& at) { return at.text("watch") == "stress"; }),
+            "a probe of stress", "no such probe");
     const auto any_law = [&](const auto& has) {
         return std::ranges::any_of(scenario.laws,
                                    [&](const NamedLaw& law) { return law.law.breakable() && has(law.law); });

@@ -41,14 +41,14 @@ void check_large_rotation(const Table& domain) {
 }
 
 /// Faces that rub while the body flutters slip where their mean force would hold them, so viscosity is on there, unless
-/// something else that the file says does not go with it. With friction over pressure their mean force is too small
-/// besides, and the viscosity larger.
+/// something else that the file says does not go with it. With friction over pressure or slip their mean force is too
+/// small besides, and the viscosity larger, whatever the bulk has.
 void read_viscosity(Reading& reading) {
     Scenario& scenario = reading.scenario;
     const TimeOptions& time = scenario.time;
-    const bool over_pressure = std::ranges::any_of(scenario.laws,
-                                                   [](const NamedLaw&of) { return of.law.over_pressure != nullptr; }),
-               rubs = reading.table("contact").given() || over_pressure ||
+    const bool changes =
+                   std::ranges::any_of(scenario.laws, [](const NamedLaw&of) { return of.law.friction_changes(); }),
+               rubs = reading.table("contact").given() || changes ||
                       std::ranges::any_of(
                           scenario.obstacles,
                           [](const Obstacle&obstacle) {
@@ -72,7 +72,7 @@ void read_viscosity(Reading& reading) {
                           Node::of_list({Node::of_number(otherwise[0]), Node::of_number(otherwise[1])}));
         }
         if (!table.given("shear_viscosity")) {
-            material.shear_viscosity = !is_on || is_given ? 0 : over_pressure ? 0.3 : 0.1;
+            material.shear_viscosity = !is_on ? 0 : changes ? 0.3 : is_given ? 0 : 0.1;
             table.compute("shear_viscosity", Node::of_number(material.shear_viscosity));
         }
         if (!material.has_viscosity()) continue;
@@ -90,7 +90,8 @@ void read_viscosity(Reading& reading) {
             "in seconds leaves out the viscosity that faces which rub have by default, since the step may be too "
             "large for it: what friction holds may creep",
             "step = \"0.8 CFL\", or shear_viscosity = 0.1 and bulk_viscosity = [0, 1.2] in [material.*] (the largest "
-            "step is 16 % smaller then), 0.3 with friction over pressure; bulk_viscosity = [0, 0] says that none is "
+            "step is 16 % smaller then), 0.3 with friction over pressure or slip; bulk_viscosity = [0, 0] says that "
+            "none is "
             "meant");
 }
 

@@ -148,7 +148,7 @@ TEST_CASE("toughness: a mesh without calibration is an error with its cure") {
     const std::string measured = "toughness = \"as measured\"";
     CHECK(codes(measured, {"mesh.size=2 um"}) == "no-calibration");
     CHECK(codes(measured, {"interface.glass-glass.gamma=50"}) == "no-calibration");
-    CHECK(codes(measured, {"interface.glass-glass.softening=mc2010"}) == "no-calibration");
+    CHECK(codes(measured, {"interface.glass-glass.unloading=vertical"}) == "no-calibration");
     CHECK(codes("", {"mesh.size=2 um"}).empty());
 }
 

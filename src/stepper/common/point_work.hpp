@@ -29,7 +29,7 @@ struct ContactWork {
         0;  // [N s] pull of the cohesion along N, which a part of `contact` balances: that of the point, and
             // what the other point of its face leaves
     double work_error = 0;     // [J] by the residual in the impulses
-    bool may_flutter = false;  // friction over pressure, in a step that hardly damps
+    bool may_flutter = false;  // friction over pressure or slip, in a step that hardly damps
 };
 
 inline void account_contact(const ContactWork& at, StepReport& report) {

@@ -76,7 +76,7 @@ struct StepReport {
     Vec2 approach_place = Vec2::Zero();  // [m] where that is, in the deformed body
     double rebound_lack = 0;             // [-] part of what R_N takes of an impact and the surface could not take
     Vec2 lack_place = Vec2::Zero();      // [m] where that is, in the deformed body
-    double fluttering_work = 0;          // [J] >= 0: of friction over pressure, in steps that hardly damp
+    double fluttering_work = 0;          // [J] >= 0: of friction over pressure or slip, in steps that hardly damp
     double fluttering_slip = 0;          // [J] likewise of the pressure on the slip
     double largest_opened = 0;           // [-] by which a point that loses cohesion opens, over its delta_c; explicit
     double largest_beta_growth = 0;      // [-] must be 0

@@ -360,7 +360,7 @@ void VertexContacts::finish(const ExplicitStep& step, StepReport& report) {
              .rate_error = clusters_[lists_.of_row(i)].error + rate_rounding * (row.before.norm() + after.norm()),
              // of faces contact_depth has it
              .opening = i < n_faces() || row.gives.lies_deep ? 0 : row.gap + step.drift_time * after.x(),
-             .may_flutter = row.law.changing >= 0 && model_.laws[row.law.changing].over_pressure},
+             .may_flutter = row.law.changing >= 0},
             report);
         report.contact_injection += positive_work(P, mean);
         if (i >= n_faces()) continue;

@@ -487,7 +487,7 @@ void ImplicitScheme::account_points(StepReport& report) const {
                          .rate_error = (rate_rounding + report.residual) * solver_.unit() / (point.mass * step_.theta),
                          .opening = u_N,
                          .cohesive = pull_on_contact(model_, x_.points, active_point_of_, point),
-                         .may_flutter = law.pressed && step_.theta < 1},
+                         .may_flutter = law.material->friction_changes() && step_.theta < 1},
                         report);
         if (point.fan < 0) continue;
         report.rotation_work += Vec2(q.normal(law), q.tangential).dot(point.support_rate) / step_.theta;

@@ -113,6 +113,29 @@ TEST_CASE("rigid pieces: what begins to slide goes on however slowly and what is
           doctest::Approx(0.01 * 0.01 / (2 * (0.61 * 8.4088 - 5.0525))).epsilon(0.1));
 }
 
+TEST_CASE("rigid pieces: a driven obstacle wakes what it touches however slowly it moves") {
+    const Folder folder("rigid woken");
+    const auto with_plate = [&](const std::string& velocity) {
+        return scene(
+            block("b", "0, 0", "0.4, 0.3") +
+                ground("friction = 0.5\nvelocity = [0, " + velocity + "]\ntable = [[0, 0], [0.5, 0], [0.501, 1]]\n") +
+                weight,
+            "", "1.5");
+    };
+    for (const double velocity : {0.005, -0.005}) {
+        REQUIRE(run_to_end(folder, with_plate(std::to_string(velocity))).code == 0);
+        CHECK(last(table(folder, "fragment_history.csv"), "to_y") - 0.15 ==
+              doctest::Approx(velocity * 0.9995).epsilon(1e-3));
+    }
+    const std::string platen =
+        "[[obstacle]]\nname = \"platen\"\nshape = \"half plane\"\nat = [0, 0.303]\nnormal = "
+        "[0, -1]\nfriction = 0.5\nvelocity = [0, -0.01]\n";
+    REQUIRE(
+        run_to_end(folder, scene(block("b", "0, 0", "0.4, 0.3") + ground() + platen + weight, "", "0.5", weak)).code ==
+        0);
+    CHECK(record(folder)["summary"]["broken_length"] > 0.3);
+}
+
 TEST_CASE("rigid pieces: what can break rebounds with R_N below a blow and pieces take the law of their rank") {
     const Folder folder("rigid rank");
     // falls without weight at 0.15 m/s, where 0.28 m/s may break it; back from the ground with
