@@ -44,6 +44,9 @@ std::span<const Exclusion> exclusions() {
         {"coupling = \"norm\"", "unloading = \"vertical\"",
          "at the largest opening, an ellipse of the norm, the traction has any size and a direction that turns with "
          "the opening, and its projection knows such a set at zero opening alone"},
+        {"coupling = \"norm\"", "G_II in steps of implicit bulk and cohesion",
+         "the traction of steps of implicit bulk and cohesion (bulk = \"auto\" has them) is the gradient of the size "
+         "of the opening, and a cohesion that follows its direction, too, leaves it no potential"},
         {"slip_distance", "friction_table",
          "each of them is the friction, over the slip and over the temperature, and together they would be a table of "
          "both"},

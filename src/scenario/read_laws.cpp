@@ -380,12 +380,8 @@ void check_laws(Reading& reading) {
         if (const CohesiveLaw& law = reading.scenario.laws[k++].law;
             law.has_mode_mix() && law.coupling == Coupling::norm &&
             reading.scenario.time.scheme.bulk != BulkScheme::explicit_lumped)
-            table.error(
-                "exclusive-keys", "G_II",
-                "does not go with coupling = \"norm\" in steps of implicit bulk and cohesion: its traction is the "
-                "gradient of the size of the opening, and a cohesion that follows its direction, too, leaves it no "
-                "potential",
-                "coupling = \"sum\", or cohesion = \"explicit\" in [time]");
+            table.exclude("G_II", "G_II in steps of implicit bulk and cohesion", "coupling = \"norm\"",
+                          "coupling = \"sum\", or cohesion = \"explicit\" in [time]");
     std::size_t i = 0;
     for (const Table& table : reading.list("interface")) {
         const auto& softening = reading.scenario.laws[i++].law.softening;

@@ -358,10 +358,12 @@ def _toml(value):
     return json.dumps(value.item() if isinstance(value, np.generic) else value, ensure_ascii=False)
 
 
-def read_csv(file):
+def read_csv(file, comment=None):
     """A table with its units. A column with texts other than numbers stays text, but "0.6 mm", "1 mm" of a sweep are
-    numbers in mm."""
+    numbers in mm. Lines end where `comment` stands, and empty ones are left out then."""
     with open(file, newline="", encoding="utf-8") as lines:
+        if comment:
+            lines = filter(None, (line.split(comment)[0].strip() for line in lines))
         header, *rows = csv.reader(lines)
     table = Table()
     for title, column in zip(header, zip(*rows) if rows else [()] * len(header)):
