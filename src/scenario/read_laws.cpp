@@ -381,7 +381,7 @@ void check_laws(Reading& reading) {
             law.has_mode_mix() && law.coupling == Coupling::norm &&
             reading.scenario.time.scheme.bulk != BulkScheme::explicit_lumped)
             table.exclude("G_II", "G_II in steps of implicit bulk and cohesion", "coupling = \"norm\"",
-                          "coupling = \"sum\", or cohesion = \"explicit\" in [time]");
+                          "coupling = \"sum\", or bulk = \"explicit\" in [time]");
     std::size_t i = 0;
     for (const Table& table : reading.list("interface")) {
         const auto& softening = reading.scenario.laws[i++].law.softening;
