@@ -215,8 +215,8 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
     }
 }
 
-/// What is hit faster than the speed of sleep wakes, and so does what an awake body that bore it leaves; what a driven
-/// obstacle touches, however slowly it moves; and what lies on these.
+/// What is hit faster than the speed of sleep wakes, and so does what an awake body that bore it leaves; what an awake
+/// body begins to touch and a driven obstacle touches, however slowly they move; and what lies on these.
 void RigidContacts::wake(std::vector<MovingBody>& bodies) const {
     if (std::ranges::none_of(bodies, &MovingBody::asleep)) return;
     std::vector<std::uint8_t> woken(bodies.size(), 0);
@@ -233,8 +233,10 @@ void RigidContacts::wake(std::vector<MovingBody>& bodies) const {
                 is_driven || (!body.is_piece && !body.moves() && !(body.before.isZero(0) && body.free.isZero(0)));
         }
         const double approach = -row.before.x();
-        const bool touches = row.lasting.x() > 0 || row.gap <= begin_->last_step * approach;
-        if ((has_awake && (approach > options_.sleep || (row.lasting.x() > 0 && -approach > options_.sleep))) ||
+        const bool touches = row.lasting.x() > 0 || row.gap <= begin_->last_step * approach,
+                   is_new = touches && row.lasting.x() == 0 && approach > stands_below * options_.sleep;
+        if ((has_awake &&
+             (approach > options_.sleep || is_new || (row.lasting.x() > 0 && -approach > options_.sleep))) ||
             (is_driven && touches))
             for_asleep(row, [&](Index body) { woken[body] = 1; });
     }

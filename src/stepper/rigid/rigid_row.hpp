@@ -33,6 +33,8 @@ struct MovingBody {
     bool moves() const { return inverse_mass.x() > 0 || inverse_mass.y() > 0 || inverse_mass.z() > 0; }
 };
 
+constexpr double stands_below = 1e-3;  // [-] of the speed of sleep: slower motions are rounding and sweeps
+
 struct RigidStep {
     const State& begin;
     double drift_time, kick_time;  // [s] of the positions, of the velocities

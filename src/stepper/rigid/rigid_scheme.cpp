@@ -13,7 +13,6 @@ namespace knap {
 namespace {
 
 constexpr double slow_for = 0.2;          // [s] until a piece falls asleep
-constexpr double stands_below = 1e-3;     // [-] of the speed of sleep: slower motions are rounding and sweeps
 constexpr std::size_t few_pieces = 1000;  // one thread is as fast as two
 constexpr double largest_turn = 0.7;      // [rad] of a piece in a step: 40 degrees
 

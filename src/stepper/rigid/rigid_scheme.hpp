@@ -14,7 +14,8 @@
 // or a lasting force above sigma_c/2 over an edge.
 //
 // Pieces that have been slower than `sleep` for 0.2 s without setting out (what accelerates slowly does), and that
-// press on what stands still, fall asleep. They stand still until something hits them faster than that.
+// press on what stands still, fall asleep. They stand still until something hits them faster than that or begins to
+// touch them, or a driven obstacle touches them.
 //
 // A step has two parts, so that deformable pieces can take their own one between them (stepper/islands): a trial, which
 // finds the impulses of all contacts, and its end, which moves what is rigid. The impulses on a deformable piece are

@@ -136,6 +136,22 @@ TEST_CASE("rigid pieces: a driven obstacle wakes what it touches however slowly 
     CHECK(record(folder)["summary"]["broken_length"] > 0.3);
 }
 
+TEST_CASE("rigid pieces: what slides slowly against a sleeping piece pushes it on by its weight") {
+    const Folder folder("rigid pushed");
+    const auto pushed = [&](const std::string& rigid) {
+        const std::string line =
+            "[[obstacle]]\nname = \"ground\"\nshape = \"polyline\"\npoints = [[5, 0], [-5, 0]]\n"
+            "friction = 0.0072\nR_N = 0\n[[obstacle.range]]\nfrom = 0.501\nto = 5\nfriction = 0\n";
+        const std::string text = scene(block("a", "-0.5, 0", "1, 1") + block("b", "0.5022, 0", "1, 1") + line +
+                                           "[[load]]\nacceleration = [-0.068486, -9.80976]\n",  // 0.4 degrees
+                                       "restitution = 0\n" + rigid, "4", whole, "0.3");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        return last(table(folder, "fragment_history.csv"), "to_x");
+    };
+    const double without = pushed("sleep = 0\n");
+    CHECK(pushed("") == doctest::Approx(without).epsilon(1e-3));
+}
+
 TEST_CASE("rigid pieces: what can break rebounds with R_N below a blow and pieces take the law of their rank") {
     const Folder folder("rigid rank");
     // falls without weight at 0.15 m/s, where 0.28 m/s may break it; back from the ground with
