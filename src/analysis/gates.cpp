@@ -198,8 +198,7 @@ const GateRule rules[] = {
     {{"fluttering_friction", "",
       "mean friction coefficient of what slid under a friction over pressure or slip in explicit steps or with theta "
       "below 1: faces that slide fast flutter, so that a friction over pressure is less than that of the mean pressure "
-      "(by 0.5 to 10 % at 0.4, up to 17 % at 0.6 and 43 % at 1.2, more in thick bodies and fine meshes; without "
-      "viscosity 14 % at 0.25 and 18 % at 0.4), and slips forth and back use up the slip_distance",
+      "(scenarios/results/friction_lack.csv), and slips forth and back use up the slip_distance",
       "What stands, its strength and slow slides are not concerned. Compare with implicit steps and theta = 1, or try "
       "shear_viscosity = 0.3 and bulk_viscosity = [0, 1.2] in [material.*] where they are not on."},
      {0.2, infinity, fixed},

@@ -426,16 +426,15 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
                 pull += std::max(0.0, beside.cohesive_impulse - beside.contact);
             }
         }
-        account_contact(
-            {.contact = found.contact,
-             .friction = found.friction_part,
-             .rate_N = mean_N,
-             .rate_T = mean_T,
-             .rate_error = rate_error,
-             .opening = overlap,
-             .cohesive = pull,
-             .may_flutter = i < fan.n_points && law_of(model_, step.begin, model_.points(fan)[i]).friction_changes()},
-            report);
+        account_contact({.contact = found.contact,
+                         .friction = found.friction_part,
+                         .rate_N = mean_N,
+                         .rate_T = mean_T,
+                         .rate_error = rate_error,
+                         .opening = overlap,
+                         .cohesive = pull,
+                         .may_flutter = i < fan.n_points && model_.laws[model_.points(fan)[i].law].friction_changes()},
+                        report);
     }
 }
 

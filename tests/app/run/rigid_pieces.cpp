@@ -137,13 +137,11 @@ TEST_CASE("rigid pieces: a driven obstacle wakes what it touches however slowly 
 }
 
 TEST_CASE("rigid pieces: a probe of stress is refused since they have none") {
-    const Folder folder("rigid probe");
-    const Answer answer = run_to_end(folder, scene(block("b", "0, 0", "0.4, 0.3") + ground() +
-                                                       "[[probe]]\nname = \"p\"\nwatch = \"stress\"\nbox = "
-                                                       "[0, 0, 0.4, 0.3]\n",
-                                                   "", "0.1"));
-    CHECK(answer.code == 2);
-    CHECK(answer.has("a rigid piece has no stresses"));
+    check_refused(Folder("rigid probe"),
+                  scene(block("b", "0, 0", "0.4, 0.3") + ground() +
+                            "[[probe]]\nname = \"p\"\nwatch = \"stress\"\nbox = [0, 0, 0.4, 0.3]\n",
+                        "", "0.1"),
+                  "exclusive-keys", "a rigid piece has no stresses");
 }
 
 TEST_CASE("rigid pieces: what slides slowly against a sleeping piece pushes it on by its weight") {

@@ -182,8 +182,7 @@ TEST_CASE("run directory: an unfinished run names the file that has changed sinc
               std::string("x [m], y [m], angle [deg]\n-1, -1, 0\n2, -1, 0\n0, 2, ") + angle + "\n");
     };
     write_layers("10");
-    write(folder.path / "s.toml", R"(knap = 1
-name = "s"
+    write_scene(folder, R"(knap = 1
 [domain]
 shape = "rectangle"
 size = ["20 mm", "10 mm"]
@@ -203,15 +202,14 @@ breakable = false
 end = "2 us"
 [output]
 fields = false
-report = false
 )");
-    const std::string line = "run " + folder.in_shell("s.toml") + " -q -o " + folder.in_shell("run");
-    REQUIRE(command(line).code == 0);
+    const std::string into_run = "-o " + folder.in_shell("run");
+    REQUIRE(run_scene(folder, into_run).code == 0);
     std::string record = text_of(folder.path / "run/run.json");
     record.replace(record.find("\"done\""), 6, "\"running\"");
     write(folder.path / "run/run.json", record);
     write_layers("20");
-    const Answer answer = command(line);
+    const Answer answer = run_scene(folder, into_run);
     CAPTURE(answer.text);
     CHECK(answer.code == 2);
     CHECK(answer.has("another scenario, nothing was run; `material_glass_bedding_angle.csv` has changed since"));
