@@ -135,6 +135,17 @@ Vec2 opening(const Model& model, const State& state, Index point) {
     return state.opening_of(at, point_frame(model, state, at));
 }
 
+Vec2 cohesive_opening(const Model& model, const State& state, const FanPoint& point, const Rotation& frame,
+                      double beta) {
+    constexpr double closed = 1e-5;  // [-] of the softening length
+    Vec2 u = state.opening_of(point, frame);
+    if (frame.sine == 0 || !(beta > 0) || state.has_end_velocities()) return u;
+    const double least = closed * law_of(model, state, point).softening_length();
+    for (double& component : u)
+        if (std::abs(component) <= least) component = 0;
+    return u;
+}
+
 double touching_gap(const Model& model, const State& state, const FanPoint& point) {
     const double displacements = state.displacement_of(point.before).norm() + state.displacement_of(point.after).norm();
     return 1e-11 * (displacements + point.gap + model.laws[point.law].delta_c());

@@ -222,6 +222,12 @@ const PointState* state_of(const Model& model, const State& state, Index point);
 
 /// [m] (u_N, u_T) of a point in the frame of its interface (A to B), where it has the same components.
 Vec2 opening(const Model& model, const State& state, Index point);
+/// [m] Likewise in a frame, as explicit steps read it with the cohesion `beta`: where fans turn, what is left of an
+/// opening that cohesion has closed turns from one component into the other, and the rates that would close it again
+/// contradict each other round the vertex, by next to nothing: too little to tell which of them hold. A component below
+/// a fraction of the softening length is zero, also in the energy of the interface.
+Vec2 cohesive_opening(const Model& model, const State& state, const FanPoint& point, const Rotation& frame,
+                      double beta);
 /// [m] The rounding error of a closed gap; a smaller opening counts as none. Without this tolerance a point with
 /// restitution that is held closed would lose its contact in every step that leaves u_N = +1e-17.
 double touching_gap(const Model& model, const State& state, const FanPoint& point);

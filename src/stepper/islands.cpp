@@ -254,9 +254,7 @@ StepReport Islands::take_micro_steps(double h) {
     const StepReport surface = surface_energy(part_.model, now_);
     std::vector<Vec2> force;
     const double strain = elastic_energy(part_.model, now_, force);
-    const double more = surface.recoverable + surface.interface_elastic - step.recoverable - step.interface_elastic;
-    works.cohesive_work += more;
-    works.step_change_work += more + strain - step.strain;
+    works.step_change_work += strain - step.strain;
     works.kinetic = step.kinetic, works.strain = strain, works.dissipated = surface.dissipated;
     works.recoverable = surface.recoverable, works.interface_elastic = surface.interface_elastic;
     return works;

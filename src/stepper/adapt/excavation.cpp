@@ -240,16 +240,17 @@ void add_lost_surface(const Model& model, const State& state, const Model& rest,
         const auto points = model.points(model.fans[state.split_fans[s]]);
         for (std::size_t j = 0; j < points.size(); ++j) {
             if (rest.fan_point_of[points[j].point] >= 0 || unbreakable(model, points[j])) continue;
-            const Vec2 u = state.opening_of(points[j], point_frame(model, state, points[j]));
             const CohesiveLaw& law = law_of(model, state, points[j]);
             const PointState& known = state.points[state.first_point[s] + j];
             const double beta = known.cohesion;
+            const Rotation frame = point_frame(model, state, points[j]);
+            const Vec2 u = cohesive_opening(model, state, points[j], frame, beta);
             const auto rate = [&](Index corner) -> Vec2 {
                 return corner == rigid_support ? Vec2::Zero() : state.velocity[state.node_of_corner[corner]];
             };
-            const Vec2 n = point_frame(model, state, points[j]).turned(points[j].normal),
-                       half = (state.has_end_velocities() ? 0 : 0.5) * state.last_step *
-                              (rate(points[j].after) - rate(points[j].before));
+            const Vec2 n = frame.turned(points[j].normal), half = (state.has_end_velocities() ? 0 : 0.5) *
+                                                                  state.last_step *
+                                                                  (rate(points[j].after) - rate(points[j].before));
             const Vec2 middle = u - Vec2(n.dot(half), turned_left(n).dot(half));
             account_cohesion(points[j], law,
                              {.area = points[j].area * state.strength_factor(state.split_fans[s]),

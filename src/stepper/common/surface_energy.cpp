@@ -9,7 +9,7 @@ namespace {
 
 void add_point(const Model& model, const State& state, const FanPoint& point, const PointState& at, StepReport& sum) {
     const CohesiveLaw& law = law_of(model, state, point);
-    const Vec2 u = opening(model, state, point.point);
+    const Vec2 u = cohesive_opening(model, state, point, point_frame(model, state, point), at.cohesion);
     const double s = law.equivalent_opening(u.x(), u.y());
     account_cohesion(point, law,
                      {.area = point.area,

@@ -12,9 +12,7 @@ namespace knap {
 namespace {
 
 constexpr double rest_tolerance = 1e-9, max_rest_tolerance = 1e-6;  // [-] of the largest speed
-constexpr double closed_opening =
-    1e-5;                         // [-] of the softening length: where fans turn, an opening below it counts as none
-constexpr double far_away = 1e6;  // [m] a gap that no step closes
+constexpr double far_away = 1e6;                                    // [m] a gap that no step closes
 // [-] The width of the ramp of vertical unloading: of the speed that its cohesion causes, and of kappa/h.
 constexpr double step_width = 1e-7, least_width = 1e-12;
 constexpr double stick_tolerance =
@@ -49,11 +47,6 @@ double restitution_under(const FanProblem& problem, const FanLink& link, double 
 double far(const Model& model, const FanPoint& point) {
     return model.interfaces[model.interface_of(point.point)].length;
 }
-
-/// Large rotations: what is left of the opening of a point that cohesion has closed turns from one component into the
-/// other. The rates that would close it again contradict each other round the vertex, by next to nothing: too little to
-/// tell which of them hold. A component below a fraction of the softening length is zero.
-double closed_below(double length, double u) { return std::abs(u) <= closed_opening * length ? 0 : u; }
 
 /// [m/s] Size of the terms of which the velocities of a fan are sums: impulses that hold a body together cancel.
 double speed_scale(const SolvedFan& fan) {
@@ -166,9 +159,9 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
         const CohesiveLaw& law = law_of(model_, begin, point);
         const Rotation frame = point_frame(model_, begin, point);
         const bool retired = begin.has_retired(point.point);  // its sides meet as free faces, elsewhere
-        const Vec2 u = retired ? Vec2(far(model_, point), 0) : begin.opening_of(point, frame);
         const bool sticks = unbreakable(model_, point);
         const double beta = sticks || point.cracked ? 0 : cohesion_before(model_, f, i, begin);
+        const Vec2 u = retired ? Vec2(far(model_, point), 0) : cohesive_opening(model_, begin, point, frame, beta);
         problem.links.push_back(
             {.before = body(point.before, shift + i - 1),
              .after = body(point.after, shift + i),
@@ -186,8 +179,6 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
             link.coupling = law.coupling;
             problem.is_curved = problem.is_curved || beta > 0;
         }
-        if (frame.sine != 0 && beta > 0)
-            for (double* u : {&link.u_N, &link.u_T}) *u = closed_below(law.softening_length(), *u);
         const double kappa = law.ramp(beta, largest_opening(f, i, begin));
         if (kappa > 0 && law.unloading == Unloading::vertical) {
             const Vec2 mobility = problem.inverse_mass(link.after) + problem.inverse_mass(link.before);
