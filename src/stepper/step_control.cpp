@@ -1,5 +1,7 @@
 #include "stepper/step_control.hpp"
 
+#include "stepper/common/contact_search.hpp"
+
 #include <algorithm>
 #include <limits>
 
@@ -124,8 +126,8 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
 /// A step of rigid pieces. What cannot be resolved with smaller ones is left to the deformable body; what islands
 /// cannot resolve has the reason of their own steps.
 std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, const StepReport& report) {
-    constexpr double aimed_motion = 0.04, largest_growth = 1.5, smallest_part = 1. / 64;
-    const double motion = std::max(report.contact_motion, 1e-300), smallest = smallest_part * limits_.rigid.step;
+    constexpr double aimed_motion = 0.04, largest_growth = 1.5;
+    const double motion = std::max(report.contact_motion, 1e-300), smallest = limits_.rigid.smallest;
     const double fitting = std::min(aimed_motion / motion, largest_growth) * h;
     if (report.rejection == Rejection::none) {
         rigid_step_ = std::clamp(fitting, smallest, limits_.rigid.step);
@@ -142,7 +144,8 @@ std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, co
         cut.reason = CutbackReason::blow, cut.thaws = true, cut.to = step_;
         deformable_until_ = begin.time + h + limits_.rigid.hold;
     } else {
-        cut.to = rigid_step_ = std::max(std::min(fitting, 0.5 * h), smallest);
+        // speeds are those of the start of the step, so that a motion is in proportion to it
+        cut.to = rigid_step_ = std::max(motion > largest_motion ? fitting : 0.5 * h, smallest);
         if (stuck_ = h <= smallest; stuck_) cut.to = 0.5 * smallest;
     }
     ++n_cutbacks_[static_cast<std::size_t>(cut.reason)];

@@ -18,9 +18,9 @@
 //                                 after each that counts; explicit ones have a size of their own. A size that was not
 //                                 solved is tried again after 8 steps, where it fails again after 16, up to 128
 //     rigid pieces ([rigid])      steps have a size of their own, in which faces that meet move by at most a twentieth
-//                                 of an edge. After a blow the body is deformable until nothing has lost cohesion for
-//                                 `hold` passages of a wave; then a step of rigid pieces is tried, which counts if it
-//                                 is no blow and no piece vibrates as fast as one
+//                                 of an edge, down to that of a deformable body. After a blow the body is deformable
+//                                 until nothing has lost cohesion for `hold` passages of a wave; then a step of rigid
+//                                 pieces is tried, which counts if it is no blow and no piece vibrates as fast as one
 //     near the end                the rest, or two halves of it: the last step ends there and is no sliver
 //
 // It depends on the reports alone, so a run takes the same steps whenever it is interrupted.
@@ -45,6 +45,7 @@ struct StepLimits {
     SchemeChangeOptions change = {};
     struct Rigid {
         double step = 0;                // largest of rigid pieces; 0: there are none
+        double smallest = 0;            // of rigid pieces
         double hold = 0;                // for which the body stays deformable after the last blow
         double not_before = -infinity;  // loads change until then, and what is held and may break bears them
     } rigid = {};
@@ -133,8 +134,11 @@ public:
         return now.motion == Motion::thawed && now.time >= std::max(deformable_until_, limits_.rigid.not_before);
     }
 
-    bool is_stuck() const { return stuck_; }              // the last cutback led below the smallest step
-    double smallest_against(CutbackReason reason) const;  // [s] that step
+    bool is_stuck() const { return stuck_; }  // the last cutback led below the smallest step
+    /// [s] That step, from a state.
+    double smallest_step(const State& begin, CutbackReason reason) const {
+        return begin.motion == Motion::rigid ? limits_.rigid.smallest : smallest_against(reason);
+    }
 
     /// Whether a state is at `time` [s], up to the rounding of the sum of its steps.
     static bool has_reached(const State& state, double time);
@@ -160,7 +164,8 @@ private:
     std::optional<Cutback> reason_against(const State& begin, double h, const StepReport& report) const;
     void begin_stage(double step, double largest);
     void shorten_or_change(Cutback& cut);
-    double least_after_impact() const;  // [s]
+    double smallest_against(CutbackReason reason) const;  // [s]
+    double least_after_impact() const;                    // [s]
     bool is_struck(const State& begin) const { return begin.time < struck_until_; }
 
     StepLimits limits_;

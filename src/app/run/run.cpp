@@ -282,7 +282,8 @@ void Run::step() {
     if (const std::optional<Cutback> cut = control_.judge(now_, h, report)) {
         const Vec2 where = place_of(*cut, setup_.model, now_, next_);
         log_.add(cutback_text(*cut, where, setup_.scenario.time.end));
-        if (control_.is_stuck()) throw SimulationError(stuck_text(*cut, where, control_.smallest_against(cut->reason)));
+        if (control_.is_stuck())
+            throw SimulationError(stuck_text(*cut, where, control_.smallest_step(now_, cut->reason)));
         if (cut->changes_to_explicit) begin_leapfrog(now_);
         if (const auto thawed = cut->thaws ? stepper_->thaw(now_, next_) : std::nullopt) count(*thawed);
         return;

@@ -68,8 +68,10 @@ double requested_step(const TimeOptions& time, double stable_step) {
     return step;
 }
 
-/// D/c of the largest body. What is held and may break is not rigid before its loads have settled.
-StepLimits::Rigid rigid_limits(const RigidOptions& rigid, const Model& model, double end) {
+/// D/c of the largest body. What is held and may break is not rigid before its loads have settled. What is as fast as a
+/// tenth of a wave moves by a twentieth of an edge in half a stable step.
+StepLimits::Rigid rigid_limits(const RigidOptions& rigid, const Model& model, double end, double stable_step) {
+    constexpr double smallest_part = 1. / 64;
     State start = initial_state(model);
     const FrozenPieces frozen = freeze(model, start);
     double passage = 0, not_before = -infinity;
@@ -78,7 +80,11 @@ StepLimits::Rigid rigid_limits(const RigidOptions& rigid, const Model& model, do
         passage = std::max(passage, std::sqrt(piece.area * material.density / material.E));
         if (piece.held && piece.weakest < infinity) not_before = settling_time(model);
     }
-    return {.step = std::min(rigid.step, end), .hold = rigid.hold * passage, .not_before = not_before};
+    const double step = std::min(rigid.step, end);
+    return {.step = step,
+            .smallest = std::min(smallest_part * step, 0.5 * stable_step),
+            .hold = rigid.hold * passage,
+            .not_before = not_before};
 }
 
 }  // namespace
@@ -146,7 +152,7 @@ StepPlan plan_steps(const TimeOptions& time, const AdaptOptions& adapt, const Mo
         quiet_for = quiet_passages * plan.limits.passage;
     plan.limits.change.weakest_point = weakest_point(model);
     if (const RigidOptions& rigid = time.scheme.rigid; rigid.active())
-        plan.limits.rigid = rigid_limits(rigid, model, time.end);
+        plan.limits.rigid = rigid_limits(rigid, model, time.end, smallest);
     plan.stable_of_triangle = std::move(stable);
     if (time.scheme.takes_implicit_steps()) count_corners(model, std::min(time.end, until), plan);
     return plan;
