@@ -390,11 +390,13 @@ std::string rigid_text(const Model& model, const RigidOptions& options, const Co
     const FrozenPieces frozen = freeze(model, start);
     std::size_t n = 0;
     for (const FrozenBody::Piece& piece : frozen.body->pieces) n += can_break(piece, options);
+    const char* const above = may_be_parted(model) ? "; the time above has a blow a second, which makes all deformable"
+                                                   : ", as above: a blow makes all pieces deformable";
     return formatted(
         "  rigid   %zu pieces at the start, %zu of them can break; steps take %s of processor time if all are rigid at "
         "all times%s\n",
         frozen.body->pieces.size(), n, readable(cost.rigid_steps, "s", 2).c_str(),
-        n == 0 ? ", as here" : ("; the times above are those if none is, " + readable(cost.steps, "s", 2)).c_str());
+        n == 0 ? ", as here" : (", " + readable(cost.deformable_steps, "s", 2) + " if none is" + above).c_str());
 }
 
 void print_grains(const Scenario& scenario, const Mesh& mesh) {

@@ -4,6 +4,7 @@
 #include "base/display_unit.hpp"
 #include "base/stopwatch.hpp"
 #include "figures/figures.hpp"
+#include "model/part_of_body.hpp"
 #include "stepper/moreau_jean.hpp"
 #include "stepper/rigid/freeze.hpp"
 
@@ -23,6 +24,10 @@ constexpr double of_frame = 1.5e-3, of_frame_triangle = 0.4e-6;  // a frame
 constexpr double of_figure = 0.035, of_figure_triangle = 5e-6;   // a figure; of the body
 constexpr double of_rebuilds = 1.4;                              // [-] of steps with refinements over those without
 constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of the tables
+
+// [1/s] With [rigid], each of which makes a body deformable for `hold`: of boulders on slopes (rockfall_ensemble: within
+// a factor of 2).
+constexpr double blows_a_second = 1;
 
 constexpr double longest_measurement = 200;  // [-] in units of measure_for
 
@@ -163,7 +168,10 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
         growth = expected.at_end / triangles, largest_growth = expected.at_most / triangles;
         cost.mean_over_first *= 0.5 * (1 + growth) * of_rebuilds;
     }
-    cost.steps = cost.n_steps * cost.first_step * cost.mean_over_first;
+    cost.steps = cost.deformable_steps = cost.n_steps * cost.first_step * cost.mean_over_first;
+    if (rigid > 0 && !is_rigid && may_be_parted(model))
+        cost.steps = cost.rigid_steps + std::min(1.0, blows_a_second * plan.limits.rigid.hold) *
+                                            (cost.deformable_steps - cost.rigid_steps);
 
     if (scenario.output.fields)
         cost.n_frames = std::min(std::ceil(scenario.time.end / scenario.output.between_frames()), largest) + 1;

@@ -18,7 +18,8 @@ struct Cost {
     double first_step = 0;      // [s] processor time of a step at the start; NaN: given up, and so are steps and total
     double given_up_after = 0;  // [s] processor time
     double mean_over_first = 1;
-    double rigid_steps = 0;  // [s] with [rigid]: of steps if all is rigid; `steps`: if nothing is that may break
+    double rigid_steps = 0;       // [s] with [rigid]: of steps if all is rigid
+    double deformable_steps = 0;  // [s] of steps if nothing is rigid that may break
     double n_steps = 0;
     double n_frames = 0;
     double memory = 0, disk = 0;  // [MB] at most
