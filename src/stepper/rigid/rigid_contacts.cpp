@@ -371,13 +371,45 @@ RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<Mo
     return fastest;
 }
 
+double RigidContacts::move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked,
+                                     std::vector<MovingBody>& bodies) {
+    double error = 0;
+    std::vector<Row> rows;
+    for (std::size_t k = 0; k < clusters_.size(); ++k) {
+        const auto members = lists_.members(0, k);
+        if (std::ranges::none_of(members, [&](Index body) { return marked[body] != 0; })) continue;
+        const Cluster cluster = clusters_[k];
+        rows.clear();
+        for (const Index r : lists_.rows(k)) {
+            Row& row = rows_[r];
+            rows.push_back(row);
+            row.before = rate(row, bodies, &MovingBody::before), row.free = rate(row, bodies, &MovingBody::free);
+            if (row.lasting.x() > 0) row.gap = std::min(row.gap, 0.0);
+            row.law.restitution = row.law.tangential = 0, row.is_struck = false;
+        }
+        for (const Index b : members) bodies[b].end = bodies[b].free;
+        solve(k, step, bodies, work_[0]);
+        error = std::max(error, clusters_[k].residual);
+        clusters_[k] = cluster;
+        for (std::size_t i = 0; i < rows.size(); ++i) {
+            Row& row = rows_[lists_.rows(k)[i]];
+            for (int j = 0; j < row.n_terms; ++j) {
+                MovingBody& body = bodies[row.terms[j].body];
+                body.end += body.inverse_mass.cwiseProduct(row.terms[j].wrench(row.impulse));
+            }
+            rows[i].borne = row.impulse, row = rows[i];
+        }
+    }
+    return error;
+}
+
 RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
                                                 std::vector<double>& of_piece) const {
     Blow hardest;
     of_piece.assign(n_pieces_, 0);
     for (const Row& row : rows_) {
         if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
-        const Vec2 sudden = row.impulse - row.lasting;
+        const Vec2 sudden = row.impulse - (row.borne.x() > row.lasting.x() ? row.borne : row.lasting);
         const bool is_sudden = sudden.x() > 0;
         // friction stops a part of the approach, too, so W_NN p alone may be less
         const double approach = is_sudden ? std::max(0.0, -row.before.x()) : 0;
@@ -444,7 +476,7 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
                              .opening = 0,
                              .work_error = by_impulse(0, row.own_N) + by_impulse(1, row.own_T)},
                             report);
-            report.rigid_injection += positive_work(P, mean);
+            report.rigid_injection += std::max(0.0, positive_work(P, mean) - merged * P.norm());
         }
         const double depth = depth_at_end(row, step, bodies);
         const bool gave_way = row.law.rebound == ContactLaw::Rebound::of_bodies && depth <= -row.gap;

@@ -41,6 +41,10 @@ public:
     };
     /// Finds the impulses, end velocities and shifts.
     Motion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
+    /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, and what their
+    /// contacts bear of it. Of clusters with a body that is marked [0/1]. [m/s] The largest error of a rate.
+    double move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked,
+                          std::vector<MovingBody>& bodies);
     /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place;
     /// `of_piece` [-]: likewise of each piece, and of those that it hits, whose waves are part of the blow.
     struct Blow {

@@ -10,12 +10,13 @@
 // A step in which a contact hits a piece that can break so hard that it may break is rejected as a blow: it counts for
 // nothing, and the body is deformable from its start on (freeze.hpp). The hit is the approach V_N-, or W_NN p, if that
 // is more (what others hand on), times sqrt(1 + (P_T/p)^2), of the impulses p and P_T (friction) beyond the forces of
-// the step before; more than k sigma_c/(rho c) min(1, sqrt(10 L/D)) (c = sqrt(E/rho), edge L, D = sqrt(area)),
-// or a lasting force above sigma_c/2 over an edge.
+// the step before and beyond what loads alone cause from rest (many contacts share a weight in many ways); more than
+// k sigma_c/(rho c) min(1, sqrt(10 L/D)) (c = sqrt(E/rho), edge L, D = sqrt(area)), or a lasting force above sigma_c/2
+// over an edge.
 //
-// Pieces that have been slower than `sleep` for 0.2 s without setting out (what accelerates slowly does), and that
-// press on what stands still, fall asleep. They stand still until something hits them faster than that or begins to
-// touch them, or a driven obstacle touches them.
+// Pieces that have been slower than `sleep` for 0.2 s without setting out (what accelerates slowly does), that press on
+// what stands still, and whose contacts would bear them at rest, fall asleep. They stand still until something hits
+// them faster than that or begins to touch them, or a driven obstacle touches them.
 //
 // A step has two parts, so that deformable pieces can take their own one between them (stepper/islands): a trial, which
 // finds the impulses of all contacts, and its end, which moves what is rigid. The impulses on a deformable piece are
@@ -73,6 +74,7 @@ private:
     bool lies_still(const RigidStep& step);
     StepReport stay(const RigidStep& step, StepReport report, State& end);
     void find_free_motion(const RigidStep& step);
+    std::vector<MovingBody> at_rest() const;
     void fall_asleep(const RigidStep& step, State& end, StepReport& report);
     void move_pieces(const RigidStep& step, State& end, StepReport& report);
 
