@@ -76,7 +76,8 @@ void add_rebound(KeyTable& t) {
         "gives way by a part of an edge (check says up to which speed, the gate rebound_lack what was missed); "
         "explicit steps").at_least(0).at_most(1);
     t.number("R_T", "", "tangential coefficient of restitution of bodies: an impact leaves R_T of the slip of the "
-        "point of contact, or more where friction cannot take as much; explicit steps")
+        "point of contact (not of the centre), more where friction times the normal impulse cannot take as much, less "
+        "where the normal impulse alone takes more; what slides, rolls or rests has friction alone. Explicit steps")
         .at_least(0).at_most(1).computed("0").to(&ContactLaw::tangential);
 }
 
@@ -458,7 +459,8 @@ void add_keys_of_loads(KeyTable& t) {
         "`vibration_booked`. It needs [contact], and loads that are accelerations; without this table all is "
         "deformable always");
     t.number("step", "s", "largest step of rigid pieces; it is divided where faces that meet move by more than a "
-        "twentieth of an edge").above(0).computed("0.5 ms").to(&RigidOptions::step);
+        "twentieth of an edge, down to half the stable step of the mesh").above(0).computed("0.5 ms")
+        .to(&RigidOptions::step);
     t.number("thaw", "", "k of the blow k sigma_c/(rho c) min(1, sqrt(10 L/D)) (a speed; c = sqrt(E/rho), L edge, D = "
         "sqrt(area) of the piece, sigma_c its smallest strength now) from which on a piece may break; 0: pieces are "
         "never rigid").at_least(0).computed("0.3").to(&RigidOptions::thaw);
@@ -468,7 +470,8 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("smallest", "m", "pieces of a smaller diameter (fragments.csv) never break; run.json has their mass")
         .at_least(0).computed("0").to(&RigidOptions::smallest);
     t.number("sleep", "m/s", "pieces that stay slower for 0.2 s and do not set out (the speed of what slides from rest "
-        "grows), and press on what stands still, fall asleep: they stand still until they are hit faster; 0: none does")
+        "grows), press on what stands still, and whose contacts would bear them at rest (not where they turn back, or "
+        "on a corner), fall asleep: they stand still until they are hit faster; 0: none does")
         .at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
     t.number("restitution", "", "Newton's coefficient of rigid pieces that cannot break, where neither the pair of "
         "materials or the obstacle, nor [contact] (obstacles that give none have its R_N or restitution), nor the "
