@@ -397,25 +397,43 @@ double RigidContacts::move_from_rest(const RigidStep& step, const std::vector<st
                 MovingBody& body = bodies[row.terms[j].body];
                 body.end += body.inverse_mass.cwiseProduct(row.terms[j].wrench(row.impulse));
             }
-            rows[i].borne = row.impulse, row = rows[i];
+            row = rows[i];
         }
     }
     return error;
+}
+
+/// [J] Without limit where an obstacle is driven.
+std::vector<double> RigidContacts::kinetic_of_clusters(const std::vector<MovingBody>& bodies) const {
+    std::vector<double> kinetic(clusters_.size(), 0);
+    for (std::size_t k = 0; k < clusters_.size(); ++k)
+        for (const Index b : lists_.members(0, k))
+            for (int i = 0; i < 3; ++i)
+                if (const double inverse = bodies[b].inverse_mass[i]; inverse > 0)
+                    kinetic[k] += 0.5 * bodies[b].before[i] * bodies[b].before[i] / inverse;
+    for (const Row& row : rows_)
+        for (int k = 0; k < row.n_terms && row.cluster >= 0; ++k)
+            if (const MovingBody& body = bodies[row.terms[k].body]; !body.moves() && !body.before.isZero(0))
+                kinetic[row.cluster] = infinity;
+    return kinetic;
 }
 
 RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
                                                 std::vector<double>& of_piece) const {
     Blow hardest;
     of_piece.assign(n_pieces_, 0);
+    const std::vector<double> kinetic = kinetic_of_clusters(bodies);
     for (const Row& row : rows_) {
         if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
-        const Vec2 sudden = row.impulse - (row.borne.x() > row.lasting.x() ? row.borne : row.lasting);
+        const Vec2 sudden = row.impulse - row.lasting;
         const bool is_sudden = sudden.x() > 0;
         // friction stops a part of the approach, too, so W_NN p alone may be less
         const double approach = is_sudden ? std::max(0.0, -row.before.x()) : 0;
         // the impulse of the rebound comes after that which stopped the approach, and loads no more than this
         const double rebound = row.law.rebounds() && approach > 0 ? std::max(0.0, row.after.x()) / approach : 0;
-        const double stopped = is_sudden && !step.first ? sudden.x() * row.own_N / (1 + rebound) : 0;
+        const double handed = is_sudden && !step.first ? sudden.x() * row.own_N / (1 + rebound) : 0;
+        // W p^2/2 of what moves is no more than its kinetic energy; the rest is a weight that contacts share anew
+        const double stopped = std::min(handed, std::sqrt(2 * kinetic[row.cluster] * row.own_N));
         const double slope = is_sudden ? std::min(std::abs(sudden.y()) / sudden.x(), row.law.friction) : 0;
         const double blow = std::hypot(1, slope) * std::max(approach, stopped + std::max(0.0, -row.after.x()));
         const double load =

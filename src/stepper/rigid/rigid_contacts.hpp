@@ -41,8 +41,8 @@ public:
     };
     /// Finds the impulses, end velocities and shifts.
     Motion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
-    /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, and what their
-    /// contacts bear of it. Of clusters with a body that is marked [0/1]. [m/s] The largest error of a rate.
+    /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, in clusters with a
+    /// body that is marked [0/1]. [m/s] The largest error of a rate.
     double move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked,
                           std::vector<MovingBody>& bodies);
     /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place;
@@ -128,6 +128,7 @@ private:
     /// alone.
     ContactLaw law_for(ContactLaw law, bool breaks) const;
     void find_clusters(const std::vector<MovingBody>& bodies);
+    std::vector<double> kinetic_of_clusters(const std::vector<MovingBody>& bodies) const;
     void solve(std::size_t cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);
     bool mark_rigid_sides(const Row& row, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;

@@ -48,7 +48,6 @@ struct RigidRow : ContactRow {
     Source source;
     Index number;                                    // in the list of its source
     Vec2 lasting = Vec2::Zero();                     // [N s] the impulse under the force of the step before
-    Vec2 borne = Vec2::Zero();                       // [N s] that which loads alone cause, where it was asked for
     Vec2 free = Vec2::Zero(), after = Vec2::Zero();  // [m/s] V without and with the impulses
     double apart = 0;                                // [m] the gap; of faces less where corners overlap less
     double own_N = 0, own_T = 0;                     // [1/kg]

@@ -107,14 +107,6 @@ bool RigidScheme::mark_struck(std::vector<std::uint8_t>& marked) {
     marked.resize(blows_.size(), 0);
     if (stays_) return false;
     blow_ = contacts_.hardest_blow(*trial_, bodies_, blows_);
-    const auto is_hard = [](double blow) { return blow > 1; };
-    if (std::ranges::any_of(blows_, is_hard)) {  // what loads cause from rest is none
-        std::vector<std::uint8_t> hit(bodies_.size(), 0);
-        std::ranges::transform(blows_, hit.begin(), is_hard);
-        std::vector<MovingBody> resting = at_rest();
-        contacts_.move_from_rest(*trial_, hit, resting);
-        blow_ = contacts_.hardest_blow(*trial_, bodies_, blows_);
-    }
     bool any = false;
     for (std::size_t p = 0; p < blows_.size(); ++p)
         if (blows_[p] > 1 && !marked[p]) marked[p] = 1, any = true;

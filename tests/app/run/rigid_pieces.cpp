@@ -301,6 +301,7 @@ TEST_CASE("rigid pieces: check estimates the steps of what cannot break as rigid
             return text.substr(at + start.size(), text.find(end, at) - at - start.size());
         };
         CHECK((between(", steps ", ", frames") == between("steps take ", " of processor")) == !breaks);
+        CHECK((text.find("if none is; the time above has a blow a second") != std::string::npos) == breaks);
     }
 }
 
@@ -319,6 +320,74 @@ TEST_CASE("rigid pieces: a tip does not pass through a wide crack that one whole
     REQUIRE(answer.code == 0);
     for (const auto& gate : record(folder)["gates"])
         if (gate["name"] == "contact_depth") CHECK(gate["value"] < 0.02);
+}
+
+TEST_CASE("rigid pieces: what turns back or comes to a stand on a corner does not fall asleep there") {
+    const Folder folder("rigid turn");
+    const std::string pull = "[[load]]\nacceleration = [-0.1712, -9.8085]\n";  // 1 degree
+    const std::string up = block("b", "-0.5, 0", "1, 1", "velocity = [0.1, 0]\n") + ground("friction = 0\n") + pull;
+    REQUIRE(run_to_end(folder, scene(up, "restitution = 0\n", "1.6")).code == 0);  // slower than 2 cm/s for 0.23 s
+    CHECK(record(folder)["pieces"]["asleep"] == 0);
+    CHECK(last(table(folder, "fragment_history.csv"), "to_x") ==
+          doctest::Approx(0.1 * 1.6 - 0.5 * 0.1712 * 1.6 * 1.6).epsilon(1e-9));
+
+    // its energy is that of the block on its corner
+    const std::string tipped = block("b", "0, 0", "0.2, 1",
+                                     "velocity = [0.37230798986302027, 0.07446159797260406]\n"
+                                     "spin = \"-42.66335329630099 deg/s\"\n") +
+                               ground("friction = 5\n") + weight;
+    double x[2];
+    for (const int sleeps : {0, 1}) {
+        REQUIRE(run_to_end(folder, scene(tipped, sleeps ? "restitution = 0\n" : "restitution = 0\nsleep = 0\n", "3"))
+                    .code == 0);
+        x[sleeps] = last(table(folder, "fragment_history.csv"), "to_x");
+    }
+    CHECK(record(folder)["pieces"]["asleep"] == 0);
+    CHECK(std::abs(x[1] - x[0]) < 1e-12);
+}
+
+TEST_CASE("rigid pieces: steps are divided as far as a small fast piece needs") {
+    const Folder folder("rigid small");
+    const std::string text = scene(
+        block("b", "0, 0.2", "0.05, 0.05", "velocity = [0, -40]\n") + ground("friction = 0\nR_N = 0.5\n") + weight, "",
+        "0.0055", whole, "0.005");
+    REQUIRE(run_to_end(folder, text).code == 0);
+    const double struck = std::sqrt(40 * 40 + 2 * 9.81 * 0.2), at = (struck - 40) / 9.81;
+    CHECK(last(table(folder, "fragments.csv"), "centre_y") ==
+          doctest::Approx(0.025 + 0.5 * struck * (0.0055 - at)).epsilon(1e-4));
+}
+
+TEST_CASE("rigid pieces: an opening that counts as none in a step is none in the books of an island") {
+    const Folder folder("rigid closed");
+    const std::string wedge =
+        "[[obstacle]]\nname = \"w\"\nshape = \"polyline\"\nfriction = 0.4\nR_N = 0.3\npoints = [[3, -0.8], [0.6, "
+        "-0.8], "
+        "[0, 0], [-0.6, -0.8], [-3, -0.8]]\n";
+    const std::string beam =
+        block("a", "-1, 0.02", "2, 0.4", "velocity = [0, -4]\ncrack = [{ points = [[0.01, 0.42], [0, 0.12]] }]\n");
+    REQUIRE(run_to_end(folder, scene(beam + wedge + weight, "", "0.04", "sigma_c = 3e6\nG_c = 2e5\n", "0.13")).code ==
+            0);
+    const knap::History energy = table(folder, "energy.csv");
+    CHECK(record(folder)["pieces"]["micro_steps"].get<int>() > 1000);
+    CHECK(last(energy, "dissipated") + last(energy, "recoverable") > 1000);
+    // 1e-5 of delta_c times sigma_c at twenty points is 18 J, which each of 70 closings booked again
+    CHECK(std::abs(last(energy, "step_change_work")) <
+          0.01 * (last(energy, "dissipated") + last(energy, "recoverable")));
+    CHECK(balance(energy) < 1e-12);
+}
+
+// A third of the weight of the slab, in a step of 0.5 ms, makes 0.07 m/s of the mass of a foot: twice the least blow.
+TEST_CASE("rigid pieces: weight alone thaws nothing that it cannot break") {
+    const Folder folder("rigid weight");
+    std::string bodies = block("slab", "0, 0.1405", "1, 0.6") + ground("friction = 0.5\nR_N = 0.3\n") + weight;
+    for (const char* foot : {"0.02, 0.14", "0.3, 0.139", "0.6, 0.1395", "0.85, 0.14"}) {
+        const std::string at = foot, x = at.substr(0, at.find(','));
+        bodies += block("foot" + x.substr(2), x + ", 0", "0.1" + at.substr(at.find(',')));
+    }
+    REQUIRE(run_to_end(folder, scene(bodies, "", "0.8", "sigma_c = 1e6\nG_c = 50\n")).code == 0);
+    const Json pieces = record(folder)["pieces"];
+    CHECK(pieces["asleep"] == 5);
+    CHECK(pieces["deformable_time_s"] < 0.2);
 }
 
 TEST_CASE("rigid pieces: momenta of a free cluster are exact and its balance closes") {
