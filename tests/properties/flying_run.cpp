@@ -231,8 +231,9 @@ struct Flight {
         double passage = 0;
         for (std::size_t b = 0; b < area.size(); ++b)
             passage = std::max(passage, std::sqrt(area[b] * scene.bodies[b].density / scene.bodies[b].E));
-        limits.rigid = {
-            .step = scene.rigid.step, .smallest = std::min(scene.rigid.step / 64, h), .hold = scene.rigid.hold * passage};
+        limits.rigid = {.step = scene.rigid.step,
+                        .smallest = std::min(scene.rigid.step / 64, h),
+                        .hold = scene.rigid.hold * passage};
         return limits;
     }
 

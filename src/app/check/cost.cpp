@@ -25,8 +25,7 @@ constexpr double of_figure = 0.035, of_figure_triangle = 5e-6;   // a figure; of
 constexpr double of_rebuilds = 1.4;                              // [-] of steps with refinements over those without
 constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of the tables
 
-// [1/s] With [rigid], each of which makes a body deformable for `hold`: of boulders on slopes (rockfall_ensemble: within
-// a factor of 2).
+// [1/s] With [rigid]; each makes a body deformable for `hold`. Within a factor of 2 for boulders on slopes.
 constexpr double blows_a_second = 1;
 
 constexpr double longest_measurement = 200;  // [-] in units of measure_for
