@@ -12,19 +12,21 @@
 
 namespace knap {
 
-Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<const std::array<Index, 2>> joined) {
-    UnionFind sets(triangles.size());
-    for (const auto& [a, b] : joined) sets.join(a, b);
+namespace {
 
+/// `content_of(t, moments)` of a triangle, with its moments or without, is asked twice: to keep them all would take 128
+/// bytes a triangle.
+template <class Content>
+Fragments fragments_of_sets(UnionFind& sets, Index n_triangles, const Content& content_of) {
     Fragments found;
-    found.piece_of_triangle.reserve(triangles.size());
-    for (Index t = 0; t < static_cast<Index>(triangles.size()); ++t) {
+    found.piece_of_triangle.reserve(n_triangles);
+    for (Index t = 0; t < n_triangles; ++t) {
         const Index first = sets.find(t);  // the lowest triangle of its fragment
         if (first == t) found.pieces.push_back({.first_triangle = t});
         found.piece_of_triangle.push_back(first == t ? static_cast<Index>(found.pieces.size()) - 1
                                                      : found.piece_of_triangle[first]);
         Fragment& piece = found.pieces[found.piece_of_triangle[t]];
-        const TriangleContent& content = triangles[t];
+        const TriangleContent& content = content_of(t, false);
         ++piece.n_triangles;
         piece.area += content.area;
         piece.mass += content.mass;
@@ -35,8 +37,8 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
     }
     for (Fragment& piece : found.pieces)
         piece.velocity /= piece.mass, piece.centre /= piece.mass, piece.start /= piece.mass;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {  // moments about the centre of mass (Steiner)
-        const TriangleContent& content = triangles[t];
+    for (Index t = 0; t < n_triangles; ++t) {  // moments about the centre of mass (Steiner)
+        const TriangleContent& content = content_of(t, true);
         Fragment& piece = found.pieces[found.piece_of_triangle[t]];
         const Vec2 arm = content.centroid - piece.centre;
         piece.spread += content.spread + content.mass * arm * arm.transpose();
@@ -48,55 +50,58 @@ Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<c
     std::ranges::stable_sort(found.pieces, std::greater<>(), &Fragment::mass);
     for (std::size_t p = 0; p < found.pieces.size(); ++p)
         found.piece_of_triangle[found.pieces[p].first_triangle] = static_cast<Index>(p);
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        found.piece_of_triangle[t] = found.piece_of_triangle[sets.find(static_cast<Index>(t))];
+    for (Index t = 0; t < n_triangles; ++t) found.piece_of_triangle[t] = found.piece_of_triangle[sets.find(t)];
     return found;
 }
 
-namespace {
+/// `n` corners a triangle.
+template <Index n>
+TriangleContent content_of(const Model& model, const State& state, Index t, bool moments) {
+    TriangleContent content{.area = model.mesh.area(t), .mass = model.triangle_mass(t)};
+    const double* mass = &model.corner_mass[n * t];
+    std::array<Vec2, n> at_start, now, velocity;
+    for (Index k = 0; k < n; ++k) {
+        const Index node = state.node_of_corner[n * t + k];
+        velocity[k] = state.velocity[node];
+        at_start[k] = model.mesh.corner(t, k);
+        now[k] = at_start[k] + state.displacement[node];
+        const double part = mass[k] / content.mass;
+        content.momentum += mass[k] * velocity[k];
+        content.centroid += part * now[k];
+        content.start += part * at_start[k];
+        content.kinetic_energy += 0.5 * mass[k] * velocity[k].squaredNorm();
+    }
+    for (Index k = 0; moments && k < n; ++k) {
+        const Vec2 arm = now[k] - content.centroid;
+        content.spread += mass[k] * arm * arm.transpose();
+        content.spin += mass[k] * cross(arm, velocity[k]);
+        const Vec2 from = at_start[k] - content.start;
+        content.turn += mass[k] * Vec2(from.dot(arm), cross(from, arm));
+    }
+    return content;
+}
 
 /// `whole`: with what the pieces are and how they move, beyond their masses.
 Fragments fragments_of(const Model& model, const State& state, bool whole) {
-    std::vector<TriangleContent> triangles;
     std::vector<Index> number,
         place(model.mesh.n_triangles(), -1);  // of the triangles that have not vanished, and back
-    triangles.reserve(model.mesh.triangles.size());
-    const Index n = model.mesh.corners_per_triangle();
-    for (Index t = 0; t < model.mesh.n_triangles(); ++t) {
-        if (model.has_vanished(t)) continue;
-        place[t] = static_cast<Index>(number.size()), number.push_back(t);
-        TriangleContent& content =
-            triangles.emplace_back(TriangleContent{.area = model.mesh.area(t), .mass = model.triangle_mass(t)});
-        if (!whole) continue;
-        const double* mass = &model.corner_mass[n * t];
-        std::array<Vec2, 7> at_start, now;
-        const auto velocity = [&](Index k) -> const Vec2& { return state.velocity[state.node_of_corner[n * t + k]]; };
-        for (Index k = 0; k < n; ++k) {
-            at_start[k] = model.mesh.corner(t, k);
-            now[k] = at_start[k] + state.displacement[state.node_of_corner[n * t + k]];
-            const double part = mass[k] / content.mass;
-            content.momentum += mass[k] * velocity(k);
-            content.centroid += part * now[k];
-            content.start += part * at_start[k];
-            content.kinetic_energy += 0.5 * mass[k] * velocity(k).squaredNorm();
-        }
-        for (Index k = 0; k < n; ++k) {
-            const Vec2 arm = now[k] - content.centroid;
-            content.spread += mass[k] * arm * arm.transpose();
-            content.spin += mass[k] * cross(arm, velocity(k));
-            const Vec2 from = at_start[k] - content.start;
-            content.turn += mass[k] * Vec2(from.dot(arm), cross(from, arm));
-        }
-    }
+    for (Index t = 0; t < model.mesh.n_triangles(); ++t)
+        if (!model.has_vanished(t)) place[t] = static_cast<Index>(number.size()), number.push_back(t);
+    const auto content_at = [&](Index i, bool moments) {
+        const Index t = number[i];
+        if (!whole) return TriangleContent{.area = model.mesh.area(t), .mass = model.triangle_mass(t)};
+        return model.mesh.order == 1 ? content_of<3>(model, state, t, moments)
+                                     : content_of<7>(model, state, t, moments);
+    };
     const std::vector<InterfaceStatus> status = interface_status(model, state);
-    std::vector<std::array<Index, 2>> joined;
+    UnionFind sets(number.size());
     for (std::size_t i = 0; i < status.size(); ++i) {
         const auto [a, b] = model.interfaces[i / model.mesh.order].triangle;
         const bool unbroken = status[i] == InterfaceStatus::intact || status[i] == InterfaceStatus::damaged;
         if (!unbroken || a == rigid_support || b == rigid_support) continue;
-        if (!model.is_gone(model.interfaces[i / model.mesh.order])) joined.push_back({place[a], place[b]});
+        if (!model.is_gone(model.interfaces[i / model.mesh.order])) sets.join(place[a], place[b]);
     }
-    Fragments found = find_fragments(triangles, joined);
+    Fragments found = fragments_of_sets(sets, static_cast<Index>(number.size()), content_at);
     for (Fragment& piece : found.pieces) piece.first_triangle = number[piece.first_triangle];
     std::vector<Index> piece_of(model.mesh.n_triangles(), -1);
     for (std::size_t i = 0; i < number.size(); ++i) piece_of[number[i]] = found.piece_of_triangle[i];
@@ -106,6 +111,12 @@ Fragments fragments_of(const Model& model, const State& state, bool whole) {
 }
 
 }  // namespace
+
+Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<const std::array<Index, 2>> joined) {
+    UnionFind sets(triangles.size());
+    for (const auto& [a, b] : joined) sets.join(a, b);
+    return fragments_of_sets(sets, static_cast<Index>(triangles.size()), [&](Index t, bool) { return triangles[t]; });
+}
 
 Fragments find_fragments(const Model& model, const State& state) { return fragments_of(model, state, true); }
 

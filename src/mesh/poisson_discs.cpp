@@ -7,9 +7,7 @@
 namespace knap {
 namespace {
 
-Index clamped(double position, Index n) {
-    return std::clamp(static_cast<Index>(std::floor(position)), Index{0}, n - 1);
-}
+Index clamped(double position, Index n) { return std::clamp(static_cast<Index>(position), Index{0}, n - 1); }
 
 /// The inner ends of random pieces of 1 to 1.42 in a length; both without a unit.
 std::vector<double> random_pieces(double length, Random& random) {
@@ -49,19 +47,26 @@ std::vector<Vec2> poisson_points(const Shape& shape, const std::vector<Vec2>& on
     std::vector<CellGrid::Cell> cells = grid.cells_of_body();
     for (std::size_t i = cells.size(); i > 1; --i) std::swap(cells[i - 1], cells[random.bits() % i]);
 
+    std::erase_if(cells, [&](const CellGrid::Cell& cell) { return !grid.empty(cell); });
+
     // dart throwing: one dart in every free cell, a few times; the remaining gaps are closed by the Delaunay refinement
     constexpr int n_rounds = 12;
-    for (int round = 0; round < n_rounds; ++round)
+    for (int round = 0; round < n_rounds; ++round) {
+        if (round == 1) {  // most gaps are too small from now on, so that most darts need no look at points
+            const std::vector<std::uint64_t> covered = grid.covered_parts(radius);
+            for (CellGrid::Cell& cell : cells) cell.covered = covered[grid.number(cell)];
+        }
         std::erase_if(cells, [&](const CellGrid::Cell& cell) {
-            if (!grid.empty(cell)) return true;
             const double u = random.uniform(), v = random.uniform();
-            const Vec2 dart = grid.place(cell, u, v);
             const double factor = random.uniform(1 - CellGrid::spread, 1 + CellGrid::spread);
+            if (cell.is_covered(u, v)) return false;
+            const Vec2 dart = grid.place(cell, u, v);
             const bool hits = !grid.crowded({dart, radius(dart), factor}) && shape.contains(dart);
             if (hits) grid.add(dart, factor);
             return hits;
         });
-    return {grid.points().begin() + static_cast<std::ptrdiff_t>(on_lines.size()), grid.points().end()};
+    }
+    return grid.inner_points();
 }
 
 CellGrid::CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius)
@@ -135,38 +140,75 @@ void CellGrid::add(const Vec2& p, double factor) {
         block = &blocks_[block->first_child + 2 * (p.y() >= middle.y()) + (p.x() >= middle.x())];
     }
     Index& first = first_[block->cell(block->cell_along(0, p.x()), block->cell_along(1, p.y()))];
-    next_.push_back(first);
-    first = static_cast<Index>(points_.size());
-    points_.push_back(p);
-    factor_.push_back(factor);
+    points_.push_back({p, factor, first});
+    first = static_cast<Index>(points_.size()) - 1;
 }
 
 bool CellGrid::crowded(const Disc& disc) const {
     const double reach = (1 + 0.5 * spread + 0.5 * (disc.factor - 1)) * disc.radius;
-    const Box near{disc.centre - Vec2::Constant(reach), disc.centre + Vec2::Constant(reach)};
+    const Vec2 margin = Vec2::Constant(reach), centre = disc.centre;
+    return any_near({centre - margin, centre + margin}, [&](const Point& point, bool is_on_line) {
+        return (point.place - centre).norm() < disc.radius * (is_on_line ? 1 : 0.5 * (disc.factor + point.factor));
+    });
+}
+
+std::vector<std::uint64_t> CellGrid::covered_parts(const SizeField& radius) const {
+    std::vector<std::uint64_t> covered(first_.size(), 0);
+    for (const Cell& cell : cells_of_body()) {  // in order of place, so that points are in the cache
+        const double width = blocks_[cell.block].width / blocks_[cell.block].n_cells, part = width / Cell::n_parts;
+        const double at_middle = radius(place(cell, 0.5, 0.5)), change = radius.slope() * width * std::sqrt(0.5);
+        const Vec2 low = place(cell, 0, 0), margin = Vec2::Constant(at_middle + change - part);
+        std::uint64_t& parts = covered[number(cell)];
+        any_near({low - margin, low + Vec2::Constant(width) + margin}, [&](const Point& point, bool is_on_line) {
+            const double factor = is_on_line ? 1 : 0.5 * (1 - spread + point.factor);
+            const double least =
+                (1 - 1e-6) * factor * (at_middle - change);  // of any disc in the cell, without rounding
+            const auto square_to_far_side = [&](int axis, int i) {
+                const double from = low[axis] + i * part - point.place[axis], to = from + part;
+                return std::max(from * from, to * to);
+            };
+            std::array<double, Cell::n_parts> columns;
+            for (int i = 0; i < Cell::n_parts; ++i) columns[i] = square_to_far_side(0, i);
+            for (int row = 0; row < Cell::n_parts; ++row) {
+                const double rest = least * least - square_to_far_side(1, row);
+                for (int i = 0; rest > 0 && i < Cell::n_parts; ++i)
+                    parts |= std::uint64_t{columns[i] < rest} << (Cell::n_parts * row + i);
+            }
+            return parts == ~std::uint64_t{0};
+        });
+    }
+    return covered;
+}
+
+std::vector<Vec2> CellGrid::inner_points() const {
+    std::vector<Vec2> places;
+    for (Index k = n_on_lines_; k < std::ssize(points_); ++k) places.push_back(points_[k].place);
+    return places;
+}
+
+template <class Visit>
+bool CellGrid::any_near(const Box& near, const Visit& visit) const {
     for (Index y = root_along(1, near.low.y()); y <= root_along(1, near.high.y()); ++y)
         for (Index x = root_along(0, near.low.x()); x <= root_along(0, near.high.x()); ++x)
-            if (crowded_in(blocks_[y * n_roots_[0] + x], disc, near)) return true;
+            if (any_in(blocks_[y * n_roots_[0] + x], near, visit)) return true;
     return false;
 }
 
-/// Among the points of one block within the square `near` around the disc.
-bool CellGrid::crowded_in(const Block& block, const Disc& disc, const Box& near) const {
+template <class Visit>
+bool CellGrid::any_in(const Block& block, const Box& near, const Visit& visit) const {
     if (block.first_child >= 0) {
         const Vec2 middle = block.middle();
         for (Index y = near.low.y() >= middle.y(); y <= Index{near.high.y() >= middle.y()}; ++y)
             for (Index x = near.low.x() >= middle.x(); x <= Index{near.high.x() >= middle.x()}; ++x)
-                if (crowded_in(blocks_[block.first_child + 2 * y + x], disc, near)) return true;
+                if (any_in(blocks_[block.first_child + 2 * y + x], near, visit)) return true;
         return false;
     }
     const Index left = block.cell_along(0, near.low.x()), right = block.cell_along(0, near.high.x());
     const Index bottom = block.cell_along(1, near.low.y()), top = block.cell_along(1, near.high.y());
     for (Index row = bottom; row <= top; ++row)
         for (Index column = left; column <= right; ++column)
-            for (Index k = first_[block.cell(column, row)]; k >= 0; k = next_[k]) {
-                const double factor = k < n_on_lines_ ? 1 : 0.5 * (disc.factor + factor_[k]);
-                if ((points_[k] - disc.centre).norm() < disc.radius * factor) return true;
-            }
+            for (Index k = first_[block.cell(column, row)]; k >= 0; k = points_[k].next)
+                if (visit(points_[k], k < n_on_lines_)) return true;
     return false;
 }
 

@@ -9,6 +9,7 @@
 #include "mesh/size_field.hpp"
 
 #include <array>
+#include <cstdint>
 
 namespace knap {
 
@@ -42,14 +43,22 @@ public:
     static constexpr double spread = 0.15;
 
     struct Cell {
+        static constexpr int n_parts = 8;  // per side
         Index block, column, row;
+        std::uint64_t covered = 0;  // a bit for each of its parts: any disc in it is too near to a point
+
+        /// At (u, v) in [0, 1)^2.
+        bool is_covered(double u, double v) const {
+            return covered >> (n_parts * static_cast<int>(n_parts * v) + static_cast<int>(n_parts * u)) & 1;
+        }
     };
 
     CellGrid(const Shape& shape, const std::vector<Vec2>& on_lines, const SizeField& radius);
 
     /// The cells of all blocks that the body reaches.
     std::vector<Cell> cells_of_body() const;
-    bool empty(const Cell& cell) const { return first_[blocks_[cell.block].cell(cell.column, cell.row)] < 0; }
+    Index number(const Cell& cell) const { return blocks_[cell.block].cell(cell.column, cell.row); }
+    bool empty(const Cell& cell) const { return first_[number(cell)] < 0; }
     /// The point at (u, v) in [0, 1)^2 of a cell.
     Vec2 place(const Cell& cell, double u, double v) const;
 
@@ -58,8 +67,11 @@ public:
     /// of lines keep a whole radius, so that no point of the body lies in the diametral circle of a piece of a line.
     bool crowded(const Disc& disc) const;
 
-    /// Points of lines first.
-    const std::vector<Vec2>& points() const { return points_; }
+    /// `Cell::covered` of all cells by their numbers, for the points that are there.
+    std::vector<std::uint64_t> covered_parts(const SizeField& radius) const;
+
+    /// All but those of lines.
+    std::vector<Vec2> inner_points() const;
 
 private:
     /// A square with four children or with n_cells x n_cells cells; one that the body does not reach is one cell.
@@ -76,19 +88,28 @@ private:
         Index cell(Index column, Index row) const { return first_cell + row * n_cells + column; }
     };
 
+    struct Point {
+        Vec2 place;     // [m]
+        double factor;  // [-]
+        Index next;     // of the same cell; -1: none
+    };
+
     void divide(Index block, const SizeField& radius);
     Index root_along(int axis, double x) const;  // column or row
     Index root_at(double x, double y) const { return root_along(1, y) * n_roots_[0] + root_along(0, x); }
-    bool crowded_in(const Block& block, const Disc& disc, const Box& near) const;
+    /// True when `visit(point, is_on_line)` says so of a point within the square `near`; it is not called again then.
+    template <class Visit>
+    bool any_near(const Box& near, const Visit& visit) const;
+    template <class Visit>
+    bool any_in(const Block& block, const Box& near, const Visit& visit) const;
 
-    Vec2 low_;                         // [m] lower left corner of the first root
-    double width_;                     // [m] of a root
-    std::array<Index, 2> n_roots_;     // per direction
-    std::vector<Block> blocks_;        // the roots first, row by row
-    Index n_on_lines_;                 // points of lines
-    std::vector<Index> first_, next_;  // linked lists of points: per cell, per point; -1 ends one
-    std::vector<Vec2> points_;         // [m]
-    std::vector<double> factor_;       // [-] per point
+    Vec2 low_;                      // [m] lower left corner of the first root
+    double width_;                  // [m] of a root
+    std::array<Index, 2> n_roots_;  // per direction
+    std::vector<Block> blocks_;     // the roots first, row by row
+    Index n_on_lines_;              // points of lines
+    std::vector<Index> first_;      // point of each cell; -1: none
+    std::vector<Point> points_;     // those of lines first
 };
 
 }  // namespace knap

@@ -34,12 +34,18 @@ void relax(Mesh& mesh, const std::vector<char>& fixed, const SizeOfTriangle& siz
     const auto quality = [&](Index t) { return target(mesh, t, size_of(t)); };
     // No angle becomes worse than the target for a better one: where the shape itself has small details the step ratio
     // cannot be reached, and angles must not pay for trying. Ends with the first triangle that decides against it.
+    // Begins with the triangle that decided last: it mostly does so again.
+    std::size_t deciding = 0;
     const auto improves = [&](std::span<const Index> star, TriangleQuality& best) {
         TriangleQuality found{infinity, infinity};
-        for (const Index t : star) {
-            const TriangleQuality q = quality(t);
+        for (std::size_t i = 0; i < star.size(); ++i) {
+            const std::size_t k = (deciding + i) % star.size();
+            const TriangleQuality q = quality(star[k]);
             found = {std::min(found.step, q.step), std::min(found.angle, q.angle)};
-            if (found.angle < std::min(1.0, best.angle) || found.worse() <= best.worse()) return false;
+            if (found.angle < std::min(1.0, best.angle) || found.worse() <= best.worse()) {
+                deciding = k;
+                return false;
+            }
         }
         best = found;
         return true;

@@ -9,6 +9,9 @@
 #include "mesh/shape_graph.hpp"
 
 #include <cmath>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <map>
 #include <numbers>
 #include <set>
@@ -233,10 +236,16 @@ Mesh triangulate(const Shape& shape, const MeshOptions& options) {
     const PlanarGraph graph = checked_graph(shape, options, 0.15 * size.smallest());
     Random random(options.seed, "mesh");
     const PlanarGraph lines = divided(graph, radius, random);
-    const std::vector<Vec2> points = poisson_points(shape, lines.nodes, radius, random);
-    RefinedDelaunay delaunay(lines, points, radius, options.min_angle);
-    Mesh mesh = delaunay.mesh();
-    std::vector<GraphSegment> on_lines = delaunay.edges_on_lines();
+    Mesh mesh;
+    std::vector<GraphSegment> on_lines;
+    {
+        const std::vector<Vec2> points = poisson_points(shape, lines.nodes, radius, random);
+        RefinedDelaunay delaunay(lines, points, radius, options.min_angle);
+        mesh = delaunay.mesh(), on_lines = delaunay.edges_on_lines();
+    }
+#ifdef __GLIBC__
+    malloc_trim(0);  // 150 bytes a triangle in small pieces, which no later list would use
+#endif
     std::vector<char> fixed(mesh.vertices.size(), 0);
     for (const GraphSegment& edge : on_lines) fixed[edge.from] = fixed[edge.to] = 1;
     relax_worst(mesh, fixed, size, QualityTarget(options.min_angle + 2));

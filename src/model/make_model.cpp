@@ -340,7 +340,12 @@ std::vector<Vec2> given_velocities(const std::vector<InitialVelocity>& given, co
 /// step would otherwise join them with a loss of energy that no term of the balance covers. On the support they are at
 /// rest.
 void set_initial_velocities(const std::vector<InitialVelocity>& given, Model& model) {
-    model.initial_velocity.assign(model.mesh.n_corners(), Vec2::Zero());
+    const auto is_rate = [](const PrescribedMotion& motion) {
+        return (motion.component[0] && !motion.is_displacement[0]) ||
+               (motion.component[1] && !motion.is_displacement[1]);
+    };
+    if (!given.empty() || std::ranges::any_of(model.prescribed, is_rate))
+        model.initial_velocity.assign(model.mesh.n_corners(), Vec2::Zero());
     if (given.empty()) return;
     const std::vector<Vec2> of_corner = given_velocities(given, model);
     struct Sum {  // over the corners of a part

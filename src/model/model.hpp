@@ -35,11 +35,12 @@ struct Interface {
     Vec2 normal;                    // N, from side A to side B; T = turned_left(N)
     double length;                  // [m]
     Index law;                      // into Model::laws
-    Index joint_law;                // that of the joint here, one number where its strength is random; -1: no joint
-    bool cracked;                   // no cohesion from the start
+    Index joint_law : 31;           // that of the joint here, one number where its strength is random; -1: no joint
+    bool cracked : 1;               // no cohesion from the start
     double gap;                     // [m] initial opening (supports only)
     double beyond = 0;              // [m] how far the ground goes on straight where the support ends (supports only)
 };
+static_assert(sizeof(Interface) == 64);  // a million triangles have 1.5 million
 
 /// An interface point between the corners `before` and `after` (counterclockwise); either may be the support.
 struct FanPoint {
@@ -161,7 +162,7 @@ struct Model {
     std::vector<CrackFluid> crack_fluids;
     std::vector<PrescribedMotion> prescribed;
     std::vector<Index> prescribed_of_corner;  // per corner: into `prescribed`, or -1
-    std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one
+    std::vector<Vec2> initial_velocity;       // [m/s] per corner; equal where corners move as one; empty: zero
     // [Pa] xx, yy, xy of the undeformed body, per triangle (order 2: at the middles of its edges); empty: none. Its
     // forces are among corner_loads, so that its work is one of loads and the elastic energy counts from there.
     std::vector<std::array<double, 3>> initial_stress;
@@ -212,6 +213,9 @@ struct Model {
     }
     std::span<const FanPoint> points(const Fan& fan) const {
         return {fan_points.data() + fan.first_point, std::size_t(fan.n_points)};
+    }
+    Vec2 initial_velocity_of(Index corner) const {
+        return initial_velocity.empty() ? Vec2(Vec2::Zero()) : initial_velocity[corner];
     }
     /// Null where nothing is prescribed.
     const PrescribedMotion* motion_of(Index corner) const {

@@ -75,7 +75,6 @@ PartOfBody part_of(const Model& model, std::span<const Index> triangles) {
     for (CornerLoad load : model.corner_loads)
         if (load.corner = part.in_part(load.corner); load.corner >= 0) own.corner_loads.push_back(load);
     own.prescribed_of_corner.assign(own.mesh.n_corners(), -1);
-    own.initial_velocity.assign(own.mesh.n_corners(), Vec2::Zero());
     own.obstacles = model.obstacles;
     own.large_rotation = model.large_rotation, own.contact_of_pair = model.contact_of_pair;
     return part;

@@ -15,7 +15,7 @@ State initial_state(const Model& model) {
     State state;
     const std::size_t n_fans = model.fans.size();
     state.displacement.assign(n_fans, Vec2::Zero());
-    state.velocity.resize(n_fans);
+    state.velocity.assign(n_fans, Vec2::Zero());
     state.node_of_corner = model.fan_of_corner;
     state.split_rank.assign(n_fans, -1);
     state.reaction.assign(model.prescribed.size(), Vec2::Zero());
@@ -25,7 +25,7 @@ State initial_state(const Model& model) {
         if (model.fans[f].split_at_start) split(model, static_cast<Index>(f), state);
     if (has_incubation(model)) state.incubation.resize(n_fans);
     if (model.heat) state.temperature = state.temperature_before = field_at(model, 0);
-    for (Index c = 0; c < model.mesh.n_corners(); ++c)  // equal at all corners of a node
+    for (std::size_t c = 0; c < model.initial_velocity.size(); ++c)  // equal at all corners of a node
         state.velocity[state.node_of_corner[c]] = model.initial_velocity[c];
     return state;
 }

@@ -8,6 +8,7 @@
 #include "record/version.hpp"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <sstream>
 
@@ -54,10 +55,16 @@ std::uint64_t sum_of(const Moment& moment, std::string_view memory) {
 
 }  // namespace
 
-std::string packed_checkpoint(const std::string& memory, const Moment& moment) {
-    return formatted("%s %d %s %s %zu %ju\n", magic, format_number, program().c_str(), moment_text(moment).c_str(),
-                     memory.size(), std::uintmax_t{sum_of(moment, memory)}) +
-           memory;
+std::string packed_checkpoint(std::string room_and_memory, const Moment& moment) {
+    const std::string_view behind = std::string_view(room_and_memory).substr(room_for_head);
+    const std::string head = formatted("%s %d %s %s %zu ", magic, format_number, program().c_str(),
+                                       moment_text(moment).c_str(), behind.size());
+    // zeros before the checksum fill the line, so that each of its bytes counts
+    const std::string sum =
+        formatted("%0*ju\n", static_cast<int>(room_for_head - 1 - head.size()), std::uintmax_t{sum_of(moment, behind)});
+    assert(head.size() + sum.size() == room_for_head);
+    std::ranges::copy(head + sum, room_and_memory.begin());
+    return room_and_memory;
 }
 
 std::string unpacked_checkpoint(const std::string& file) {

@@ -26,8 +26,10 @@ struct Moment {
     double last_step = 0;  // [s]
 };
 
-/// A file from the bytes of a memory, and back. Unpacking throws SimulationError with the fault of the file.
-std::string packed_checkpoint(const std::string& memory, const Moment& moment);
+/// A file from the bytes of a memory behind `room_for_head` others, without a copy of them, and back to those bytes.
+/// Unpacking throws SimulationError with the fault of the file.
+inline constexpr std::size_t room_for_head = 256;
+std::string packed_checkpoint(std::string room_and_memory, const Moment& moment);
 std::string unpacked_checkpoint(const std::string& file);
 
 /// Name of a state file [s]: "states/4e-05.state".

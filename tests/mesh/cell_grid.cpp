@@ -41,7 +41,8 @@ TEST_CASE("cells of a graded grid hold one point each and are not much smaller t
 TEST_CASE("a graded grid finds the same neighbours as a look at all points") {
     const MeshOptions options = graded();
     const SizeField radius(options, 1);
-    CellGrid grid(block(), {{0, 0}, {0.1, 0}, {0.05, 0.02}}, radius);
+    std::vector<Vec2> points = {{0, 0}, {0.1, 0}, {0.05, 0.02}};
+    CellGrid grid(block(), points, radius);
     std::vector<double> factors(3, 1.0);
     Random random(1, "darts");
     int n_crowded = 0, n_wrong = 0;
@@ -51,16 +52,32 @@ TEST_CASE("a graded grid finds the same neighbours as a look at all points") {
         const double factor = random.uniform(1 - CellGrid::spread, 1 + CellGrid::spread);
         bool crowded = false;
         for (std::size_t k = 0; k < factors.size(); ++k)
-            crowded |= (grid.points()[k] - dart).norm() < radius(dart) * (k < 3 ? 1 : 0.5 * (factor + factors[k]));
+            crowded |= (points[k] - dart).norm() < radius(dart) * (k < 3 ? 1 : 0.5 * (factor + factors[k]));
         n_crowded += crowded;
         n_wrong += grid.crowded({dart, radius(dart), factor}) != crowded;
         if (crowded) continue;
         grid.add(dart, factor);
-        factors.push_back(factor);
+        points.push_back(dart), factors.push_back(factor);
     }
     CHECK(n_wrong == 0);
     CHECK(n_crowded > 500);
     CHECK(factors.size() > 500);
+
+    const std::vector<std::uint64_t> covered = grid.covered_parts(radius);
+    std::vector<CellGrid::Cell> cells = grid.cells_of_body();
+    int n_covered = 0;
+    n_crowded = n_wrong = 0;
+    for (int i = 0; i < 20'000; ++i) {
+        CellGrid::Cell& cell = cells[random.bits() % cells.size()];
+        cell.covered = covered[grid.number(cell)];
+        const double u = random.uniform(), v = random.uniform();
+        const Vec2 dart = grid.place(cell, u, v);
+        const bool crowded = grid.crowded({dart, radius(dart), 1 - CellGrid::spread});
+        n_crowded += crowded, n_covered += cell.is_covered(u, v);
+        n_wrong += cell.is_covered(u, v) && !crowded;
+    }
+    CHECK(n_wrong == 0);
+    CHECK(n_covered > 0.6 * n_crowded);
 }
 
 }  // namespace cell_grid_test

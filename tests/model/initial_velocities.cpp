@@ -45,12 +45,12 @@ Momentum momentum_of(const Model& model, const MeshPart& part) {
     for (Index c = first; c < end; ++c) {
         sum.mass += model.corner_mass[c];
         sum.centre += model.corner_mass[c] * model.mesh.corner(c);
-        sum.linear += model.corner_mass[c] * model.initial_velocity[c];
+        sum.linear += model.corner_mass[c] * model.initial_velocity_of(c);
     }
     sum.centre /= sum.mass;
     for (Index c = first; c < end; ++c) {
         const Vec2 arm = model.mesh.corner(c) - sum.centre;
-        sum.angular += model.corner_mass[c] * cross(arm, model.initial_velocity[c]);
+        sum.angular += model.corner_mass[c] * cross(arm, model.initial_velocity_of(c));
         sum.inertia += model.corner_mass[c] * arm.squaredNorm();
     }
     return sum;
@@ -74,7 +74,7 @@ TEST_CASE("initial velocity and spin of a body are exact") {
         // a rigid motion strains nothing: all corners at a place have one velocity
         for (const Fan& fan : model.fans)
             for (const Index c : model.corners(fan))
-                CHECK((model.initial_velocity[c] - model.initial_velocity[model.corners(fan)[0]]).norm() == 0);
+                CHECK((model.initial_velocity_of(c) - model.initial_velocity_of(model.corners(fan)[0])).norm() == 0);
     }
 }
 
@@ -88,7 +88,7 @@ TEST_CASE("a body that expands has velocities that are linear about its centre a
     for (Index c = 3 * part.first_triangle; c < 3 * (part.first_triangle + part.n_triangles); ++c) {
         const Vec2 arm = model.mesh.corner(c) - bar.centre;
         const Vec2 exact(3 + 2 * arm.x() + 0.5 * arm.y(), -4 + 0.5 * arm.x() - arm.y());
-        CHECK((model.initial_velocity[c] - exact).norm() <= 1e-13);
+        CHECK((model.initial_velocity_of(c) - exact).norm() <= 1e-13);
     }
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("a later initial velocity overwrites an earlier one where it acts") {
         for (Index c = 3 * t; c < 3 * t + 3; ++c) {
             const Vec2 arm = model.mesh.corner(c) - Vec2(3, 0.5);
             const Vec2 expected = t >= 16 ? Vec2(0, 2) : model.mesh.centroid(t).x() < 2 ? Vec2(1, 0) : turned_left(arm);
-            CHECK((model.initial_velocity[c] - expected).norm() <= 1e-14);
+            CHECK((model.initial_velocity_of(c) - expected).norm() <= 1e-14);
         }
 }
 

@@ -41,10 +41,10 @@ double speed_of_impact(const Scenario& scenario, const Model& model) {
     }
     if (model.faces_meet())
         for (const MeshPart& part : model.mesh.parts)
-            others.push_back(model.initial_velocity[model.mesh.corners_per_triangle() * part.first_triangle]);
+            others.push_back(model.initial_velocity_of(model.mesh.corners_per_triangle() * part.first_triangle));
     double speed = 0, gap = infinity, pull = 0;  // [m/s], [m], [m/s2]
-    for (const Vec2& v : model.initial_velocity)
-        for (const Vec2& other : others) speed = std::max(speed, (v - other).norm());
+    for (Index c = 0; c < model.mesh.n_corners(); ++c)
+        for (const Vec2& other : others) speed = std::max(speed, (model.initial_velocity_of(c) - other).norm());
     for (const Load& load : scenario.loads)
         if (load.kind == Load::Kind::acceleration) pull += load.vector().norm();
     for (const Obstacle& obstacle : model.obstacles) {
@@ -172,7 +172,7 @@ double n_edges_of(const FluidMoment& start, const Model& model) {
 std::vector<Diagnostic> findings_of_fluids(const ReadResult& read, const Model& model) {
     std::vector<Diagnostic> found;
     if (model.crack_fluids.empty()) return found;
-    const bool has_cracks = std::ranges::any_of(model.interfaces, &Interface::cracked);
+    const bool has_cracks = std::ranges::any_of(model.interfaces, [](const Interface& i) { return bool{i.cracked}; });
     const std::vector<FluidMoment> start = CrackForces(model).moments(initial_state(model));
     for (std::size_t i = 0; i < start.size(); ++i) {
         const auto may_open_at_source = [&](std::size_t edge) {

@@ -257,7 +257,7 @@ public:
             Motion& body = of(c);
             body.mass += model_.corner_mass[c];
             body.centre += model_.corner_mass[c] * mesh_.corner(c);
-            body.velocity += model_.corner_mass[c] * model_.initial_velocity[c];
+            body.velocity += model_.corner_mass[c] * model_.initial_velocity_of(c);
             body.held = body.held || model_.motion_of(c) != nullptr;
         }
         for (const FanPoint& point : model_.fan_points)
@@ -266,7 +266,8 @@ public:
             Motion& body = of(c);
             const Vec2 arm = mesh_.corner(c) - body.centre / body.mass;
             body.inertia += model_.corner_mass[c] * arm.squaredNorm();
-            body.momentum += model_.corner_mass[c] * cross(arm, model_.initial_velocity[c] - body.velocity / body.mass);
+            const Vec2 velocity = model_.initial_velocity_of(c) - body.velocity / body.mass;
+            body.momentum += model_.corner_mass[c] * cross(arm, velocity);
         }
         constexpr double from = 5;  // [deg] where the gate warns
         for (const Motion& body : motion) {

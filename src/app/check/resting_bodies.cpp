@@ -139,7 +139,7 @@ private:
         }
         for (Index c = 0; c < mesh_.n_corners(); ++c) {
             const Index piece = piece_of(c);
-            if (!model_.initial_velocity[c].isZero()) forces_.erase(piece);  // moves
+            if (!model_.initial_velocity_of(c).isZero()) forces_.erase(piece);  // moves
             corners_[piece].push_back(c);
         }
     }

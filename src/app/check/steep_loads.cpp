@@ -81,7 +81,7 @@ private:
         const Elastic& material = model_.materials[mesh_.region[face.edge->triangle]];
         // behind the face: corners with a prescribed velocity start with it
         const Index behind = mesh_.corners_per_triangle() * face.edge->triangle + (face.edge->side + 2) % 3;
-        const Vec2& start = model_.initial_velocity[behind];
+        const Vec2 start = model_.initial_velocity_of(behind);
         Rise largest;
         for (int k = 0; k < 2; ++k) {
             const double value = load.value[k].value_or(0);

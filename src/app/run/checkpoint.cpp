@@ -56,12 +56,20 @@ void serialize(Archive& archive, RunMemory& memory) {
     archive(memory.recorder, memory.triangle_steps, memory.log_size, memory.spent);
 }
 
-std::string bytes_of(RunMemory& memory) {
+namespace {
+
+/// The bytes of a memory behind some others.
+std::string bytes_behind(std::size_t n, RunMemory& memory) {
     std::ostringstream stream;
+    stream << std::string(n, ' ');
     cereal::BinaryOutputArchive archive(stream);
     archive(memory);
     return std::move(stream).str();
 }
+
+}  // namespace
+
+std::string bytes_of(RunMemory& memory) { return bytes_behind(0, memory); }
 
 void restore(const std::string& bytes, RunMemory& memory) {
     std::istringstream stream(bytes);
@@ -75,7 +83,8 @@ void restore(const std::string& bytes, RunMemory& memory) {
 }
 
 std::string packed(RunMemory& memory) {
-    return packed_checkpoint(bytes_of(memory), {.time = memory.now.time, .last_step = memory.now.last_step});
+    return packed_checkpoint(bytes_behind(room_for_head, memory),
+                             {.time = memory.now.time, .last_step = memory.now.last_step});
 }
 
 // ---- the start of another run

@@ -304,10 +304,10 @@ TEST_CASE("a checkpoint of another format names the version that reads it") {
 }
 
 TEST_CASE("damaged checkpoints are told from whole ones") {
-    const std::string memory = "all that a run remembers\n";
-    const std::string whole = knap::packed_checkpoint(memory, {.time = 1e-5, .last_step = 1e-8});
+    const std::string memory = "all that a run remembers\n", room(knap::room_for_head, ' ');
+    const std::string whole = knap::packed_checkpoint(room + memory, {.time = 1e-5, .last_step = 1e-8});
     CHECK(knap::unpacked_checkpoint(whole) == memory);
-    CHECK(knap::unpacked_checkpoint(knap::packed_checkpoint("", {})) == "");
+    CHECK(knap::unpacked_checkpoint(knap::packed_checkpoint(room, {})) == "");
     for (std::size_t i = 0; i < whole.size(); ++i) {
         CHECK_THROWS_AS(knap::unpacked_checkpoint(whole.substr(0, i)), knap::SimulationError);
         std::string damaged = whole;
