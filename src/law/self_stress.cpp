@@ -95,15 +95,20 @@ SelfStress find_self_stress(const std::vector<HalfPlane>& planes, const Vec2& st
 void StrengthPolygon::add_chords(Index link, const Vec2& P, const Vec2& undetermined,
                                  std::vector<HalfPlane>& planes) const {
     constexpr int n_chords = 16;  // of the whole domain up to 1 - cos(pi/32) = 0.005
+    constexpr double d = std::numbers::pi / (2 * n_chords);
+    static const auto directions = [] {  // (cos a, sin a)
+        std::array<Vec2, n_chords> made;
+        for (int k = 0; k < n_chords; ++k)
+            made[k] = {std::cos((2 * k + 1 - n_chords) * d), std::sin((2 * k + 1 - n_chords) * d)};
+        return made;
+    }();
+    static const double reach = std::cos(d);
     const Vec2 tangent = turned_left(normal);
     const double N = P.dot(normal), T = P.dot(tangent);
-    for (int k = 0; k < n_chords; ++k) {
+    for (const Vec2& a : directions)
         // through the points of the ellipse at the angles a -+ d:  cos a (-N/C) + sin a T/jump <= cos d
-        const double d = std::numbers::pi / (2 * n_chords), a = (2 * k + 1 - n_chords) * d;
-        planes.push_back({cohesive * (std::cos(d) + std::cos(a) * N / cohesive - std::sin(a) * T / jump),
-                          undetermined.cwiseProduct(std::cos(a) * normal - std::sin(a) * cohesive / jump * tangent),
-                          link, 0});
-    }
+        planes.push_back({cohesive * (reach + a.x() * N / cohesive - a.y() * T / jump),
+                          undetermined.cwiseProduct(a.x() * normal - a.y() * cohesive / jump * tangent), link, 0});
     visit_lines([&](const FrictionLine& line) {
         for (const int sign : {1, -1})
             planes.push_back({jump + line.offset + line.slope * N - sign * T,

@@ -264,7 +264,8 @@ void add_keys_of_calibration(KeyTable& t) {
         "specimen, and the interfaces get G_c over the surplus of this mesh, order and gamma")
         .otherwise("of interfaces");
     t.text("table", "file of `knap calibrate` with the surplus, relative to the scenario file")
-        .computed("a table of the program for glass and linear softening").only_with("meaning", {"as measured"});
+        .computed("a table of the program for glass: BENCHMARKS.md, Toughness of the mesh")
+        .only_with("meaning", {"as measured"});
 
     t.table("strength", "what sigma_c means in bodies that break by compression; as a text: strength = "
         "\"as measured\", above all tables").or_text("meaning");

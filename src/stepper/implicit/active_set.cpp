@@ -14,7 +14,6 @@ constexpr int max_steps = 40, max_stalled_steps = 6, first_local_step = 2, max_m
 constexpr int min_stalled_steps = 4;   // before the friction of points that cycle lags
 constexpr double lost_balance = 1e6;   // of the scale: all friction lags, from the first guess
 constexpr double near_balance = 1e-6;  // of the scale
-constexpr double slow_ratio = 0.3;     // of a residual to the one before
 constexpr double law_goal = NewtonIteration::law_goal, law_tolerance = NewtonIteration::law_tolerance;
 
 }  // namespace
@@ -107,8 +106,8 @@ ActiveSet::Checkpoint ActiveSet::judge() {
     if (n_found_ == 2) return Checkpoint::solved;
     // nearly redundant points, contradictory bounds: the multipliers converge linearly or move by the same step for
     // ever, and their extrapolation is quicker
-    const bool slow =
-        (n_changed_ == 0 && !of_whole_body && norm_ > slow_ratio * last_norm_) || marching_ >= max_marching_steps;
+    const bool slow = (n_changed_ == 0 && !of_whole_body && norm_ > NewtonIteration::slow_ratio * last_norm_) ||
+                      marching_ >= max_marching_steps;
     is_series_ = slow && norm_ <= near_balance * unit_ && n_found_ == 0 && !lag_.is_used();
     if (!is_series_) series_.forget();
     if (n_changed_ < fewest_ || (n_changed_ == fewest_ && norm_ < 0.5 * best_)) stalled_ = 0;

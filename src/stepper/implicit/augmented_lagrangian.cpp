@@ -57,7 +57,8 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
     if (!std::isfinite(first_unit_ + bulk_.largest_impulse())) return false;  // every tolerance would be met
     kind_ = {.friction = std::ranges::any_of(points, [](const ActivePoint& p) { return p.law.friction > 0; }),
              .obstacles = std::ranges::any_of(points, [](const ActivePoint& p) { return p.fan < 0; }),
-             .faces = std::ranges::any_of(points, [](const ActivePoint& p) { return p.fan == between_faces; })};
+             .faces = std::ranges::any_of(points, [](const ActivePoint& p) { return p.fan == between_faces; }),
+             .curved = std::ranges::any_of(points, [](const ActivePoint& p) { return p.law.is_curved(); })};
     first_ = newton_.x, newton_.final_augmentation = kind_.faces ? face_augmentation : full_augmentation;
     sweeps_ = points.size() >= min_points;
     // on ramps of secant unloading the active set found other solutions with friction than the method of multipliers
@@ -273,7 +274,7 @@ bool AugmentedLagrangian::continue_penalties(double tolerance) {
 
 /// Newton's method with line search, for given multipliers. Where it stalls, ImplicitScheme::check_residual decides.
 bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
-    double best = infinity;
+    double best = infinity, last = infinity;
     int stalled = 0;
     bool met = false;
     cycle_.begin();
@@ -288,6 +289,9 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
             sweeps_ && !matrix_.has_far_nodes() && !met && tolerance <= newton_.balance_goal(newton_.unit);
         met = met || norm <= tolerance;
         if (norm <= (adds ? 0.1 : 1) * tolerance) return true;
+        // states of curved laws are alike within some hundredths: the factor may be that of other directions
+        if (kind_.curved && norm > NewtonIteration::slow_ratio * std::exchange(last, norm))
+            newton_.newton_matrix.forget();
         stalled = norm > 0.5 * best ? stalled + 1 : 0;
         const bool near = norm <= 1e3 * newton_.balance_goal(newton_.unit);
         if (stalled >= 3 && (near || norm <= 1e-12 * bulk_.largest_elastic_impulse(newton_.x.rate)))

@@ -82,7 +82,7 @@ private:
     enum class Outcome { solved, cycling, jammed };
     /// What the points are, which decides what is tried.
     struct Kind {
-        bool friction = false, obstacles = false, faces = false;
+        bool friction = false, obstacles = false, faces = false, curved = false;
         bool has_pieces = false;  // the active set is tried
     };
 

@@ -18,6 +18,23 @@ constexpr double max_series = 20, max_sure_series = 1e3;
 constexpr double sure_part = 0.1;    // over the relative deviation
 constexpr double least_part = 1e-3;  // of the longest move of contacts between faces: less belongs to another series
 
+/// Until a point of a curved law leaves its half ellipse or the shear that it bears under compression; where it slides,
+/// until it is no longer pressed.
+double moves_to_edge(const ActivePoint& point, const Vec2& d) {
+    const PointLaw& law = point.law;
+    const double C = law.strength * point.response.cohesion_theta, most = law.material->gamma * C;
+    const Vec2 q(point.multipliers.contact - law.strength * law.cohesion, point.multipliers.tangential),
+        p(q.x() / C, q.y() / most), along(d.x() / C, d.y() / most);  // of the unit circle
+    const double a = along.squaredNorm(), b = p.dot(along), c = p.squaredNorm() - 1, root = b * b - a * c;
+    if (a == 0) return infinity;
+    if (!point.response.sticks) return d.x() < 0 ? std::max(0.0, q.x() + C * point.response.pull) / -d.x() : infinity;
+    const double moves = root > 0 ? (-b + std::sqrt(root)) / a : 0;
+    if (q.x() + moves * d.x() <= 0) return std::max(0.0, moves);
+    if (d.y() == 0) return infinity;
+    const double left = law.rubbing(std::max(0.0, q.x())) + most - std::copysign(q.y(), q.y() * d.y());
+    return std::max(0.0, left) / std::abs(d.y());
+}
+
 }  // namespace
 
 MultiplierSeries::MultiplierSeries(const Model& model, const ThetaMatrix& matrix) : matrix_(matrix) {
@@ -56,8 +73,13 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             length += d.squaredNorm();
             const PointLaw& law = point.law;
             const Multipliers& multipliers = point.multipliers;
-            is_rigid = is_rigid && (!point.response.on_ramp || point.law.drops);
+            const bool turns = point.response.curvature > 0 && point.response.opens;
+            is_rigid = is_rigid && !turns && (!point.response.on_ramp || point.law.drops);
             if (d.cwiseAbs().maxCoeff() < least) continue;
+            if (law.is_curved()) {
+                to_bound = std::min(to_bound, moves_to_edge(point, d));
+                continue;
+            }
             if ((point.response.closed || law.holds_cohesion()) && d.x() < 0)
                 to_bound = std::min(to_bound, multipliers.contact / -d.x());
             if (law.drops && point.response.on_ramp && !point.response.closed && d.x() > 0)  // until it bears nothing

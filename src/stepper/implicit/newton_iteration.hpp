@@ -30,7 +30,8 @@ public:
     /// [-] Of the scale: natural residual of the laws, and where rounding prevents more; of the laws and of the balance
     /// of a preliminary solution.
     static constexpr double law_goal = 1e-13, law_tolerance = 5e-11, preliminary_goal = 1e-4;
-    static constexpr double same_move = 0.7;  // of a move of multipliers to the one before: it marches on
+    static constexpr double same_move = 0.7;   // of a move of multipliers to the one before: it marches on
+    static constexpr double slow_ratio = 0.3;  // of a residual to the one before
 
     NewtonIteration(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix, Iterate& iterate)
         : x(iterate), system(model, bulk, matrix, iterate.rate), newton_matrix(model, matrix), bulk_(bulk) {}

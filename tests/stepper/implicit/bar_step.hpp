@@ -6,10 +6,10 @@
 
 namespace knap::tests {
 
-inline Model clamped_bar(Index order) {
+inline Model clamped_bar(Index order, Coupling coupling = Coupling::sum) {
     ModelInput input =
         body_with(order == 1 ? bar_mesh(5, 3, 1, 0.6) : bar_mesh(3, 2, 1, 0.6), {.density = 1, .E = 1, .nu = 0.3},
-                  {.sigma_c = 0.05, .G_c = 2e-2, .gamma = 1, .friction = 0});
+                  {.sigma_c = 0.05, .G_c = 2e-2, .gamma = 1, .friction = 0, .coupling = coupling});
     input.mesh.order = order;
     input.loads = {load(Load::Kind::velocity, "left", 0, 0), load(Load::Kind::velocity, "left", 1, 0)};
     return make_model(std::move(input));
@@ -25,8 +25,8 @@ struct BarStep {
     ThetaMatrix matrix;
     Iterate x;
 
-    explicit BarStep(Index order)
-        : model(clamped_bar(order)),
+    explicit BarStep(Index order, Coupling coupling = Coupling::sum)
+        : model(clamped_bar(order, coupling)),
           begin(initial_state(model)),
           bulk(model, MassMatrix::lumped),
           matrix(model, MassMatrix::lumped) {

@@ -4,6 +4,9 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
+
 namespace multiplier_series_test {
 
 using namespace knap;
@@ -41,7 +44,49 @@ double extrapolated(double q, double angle) {
     return way;
 }
 
+/// Of a bar whose points hold by the norm: self-stress of an interior vertex, in the direction c. Returned: impulses
+/// over the half ellipse of each of its points, or the shear that it bears under pressure; the first has reached 1.
+std::vector<double> edges_after_self_stress(const Vec2& c, bool one_turns) {
+    BarStep bar(1, Coupling::norm);
+    bar.matrix.set_all_near();
+    MultiplierSeries series(bar.model, bar.matrix);
+    const auto fan =
+        std::ranges::find_if(bar.model.fans, [](const Fan& f) { return f.n_points > 2 && f.n_points == f.n_corners; });
+    const Index at = static_cast<Index>(fan - bar.model.fans.begin());
+    std::vector<Vec2> move(bar.x.points.size(), Vec2::Zero());
+    for (std::size_t j = 0; j < move.size(); ++j) {
+        ActivePoint& point = bar.x.points[j];
+        point.response.sticks = point.response.closed = true, point.response.cohesion_theta = 1;
+        if (point.fan != at) continue;
+        move[j] = 1e-4 * bar.scale() * point.in_frame(c);
+        if (one_turns && move[j - 1].isZero(0)) {
+            point.response.sticks = point.response.closed = false;
+            point.response.opens = true, point.response.curvature = 0.7;
+        }
+    }
+    series.extrapolate(move, 1e-10 * bar.scale(), bar.x.points);
+    std::vector<double> edges;
+    for (const ActivePoint& point : bar.x.points) {
+        if (point.fan != at) continue;
+        const double N = point.multipliers.contact / point.law.strength - 1,
+                     T = point.multipliers.tangential / point.law.strength;  // gamma is 1
+        edges.push_back(N < 0 ? std::hypot(N, T) : std::abs(T));
+    }
+    return edges;
+}
+
 }  // namespace
+
+TEST_CASE("multiplier series: self-stress of points that hold by the norm grows until the first half ellipse is met") {
+    for (const Vec2& c : {Vec2(1, 0), Vec2(-0.4, 0.9), Vec2(0.3, -2)}) {
+        CAPTURE(c);
+        CHECK(std::ranges::max(edges_after_self_stress(c, false)) == doctest::Approx(1).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("multiplier series: a point whose force turns with its opening decides how its vertex shares the forces") {
+    CHECK(std::ranges::max(edges_after_self_stress({-0.4, 0.9}, true)) == 0);
+}
 
 TEST_CASE(
     "multiplier series: moves of one direction are extrapolated to their sum where it is below a thousand moves") {
