@@ -9,7 +9,8 @@ namespace {
 constexpr double fast = 10, fast_at_begin = 100;  // [-] over quiet_below, so that the schemes do not alternate
 constexpr double max_lag_of_step = 0.05;          // [-] law lag over the energy that the step consumed
 constexpr double max_lag_of_all = 1e-3;           // [-] or over all that was consumed so far
-constexpr double max_patience = 16;               // [-]
+constexpr double max_patience = 256;              // [-]
+constexpr double short_stage = 10;                // [-] of implicit steps, over the waiting time before it
 
 double surface_of(const StepReport& report) {
     return report.dissipated + report.recoverable + report.interface_elastic;
@@ -50,7 +51,7 @@ void SchemeChange::after_step(const State& begin, double h, const StepReport& re
 }
 
 void SchemeChange::to_explicit(double time) {
-    const bool was_short = time - changed_ <= waiting_time();
+    const bool was_short = time - changed_ <= short_stage * waiting_time();
     patience_ = was_short ? std::min(2 * patience_, max_patience) : 1;
     changed_ = quiet_since_ = time;
     calms_down_ = true, kinetic_ = infinity, look_again_ = time + options_.quiet_for;

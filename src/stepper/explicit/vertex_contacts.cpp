@@ -311,7 +311,8 @@ void VertexContacts::solve_cluster(Cluster& cluster, const ExplicitStep& step, s
     // a residual changes no momentum and no energy, but the sign of single works: a gate judges their sum
     if (!(after <= max_speed_ratio * before) ||
         injected > max_injected * (energy + lost) + error * problem.largest_impulse())
-        report.reject(Rejection::contact_residual, rows_[cluster.worst].place, cluster.residual);
+        report.reject(Rejection::contact_residual, rows_[cluster.worst].place,
+                      cluster.residual > max_contact_residual ? cluster.residual : 0);
 }
 
 void VertexContacts::solve(const ExplicitStep& step, std::vector<std::uint8_t>& splits,

@@ -9,7 +9,8 @@
 namespace knap {
 namespace {
 
-constexpr double no_force = 1e-3;      // of the move: a smaller nodal force leaves the rates as they are
+// A nodal force that is smaller, over the move, leaves the rates as they are; then q is 1 up to this.
+constexpr double no_force = 1e-3;
 constexpr double min_ratio = 0.1;      // of a series worth extrapolating
 constexpr double max_deviation = 0.1;  // of a move from q times the previous one
 // Moves of a series, where q is as uncertain near 1 as a move may deviate; more where it deviates less. (Moves near
@@ -93,7 +94,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
         if (longest <= min_move || points[first].fan == at_obstacle) continue;
         double series = 0;  // moves
         const double q = product / square, deviation2 = length - product * product / square;
-        if (is_rigid && strongest <= no_force * longest) series = infinity;
+        if (is_rigid && strongest <= no_force * longest && q >= 1 - no_force) series = infinity;
         else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
             series = std::min(q / (1 - q), std::clamp(sure_part * std::sqrt(length / std::max(deviation2, 0.0)),
                                                       max_series, max_sure_series));

@@ -2,6 +2,7 @@
 // Vector Aitken extrapolation of multipliers, fan by fan (contacts between faces: all together), in the active set and
 // in the method of multipliers. A move d that is q times the previous one will be followed by q d, q^2 d, ...:
 //     q < 1   nearly redundant points: the rest of the series is q/(1 - q) moves;
+//             (also where the nodal forces nearly cancel: from a bound they would come all the way back)
 //     q = 1   contradictory bounds round a vertex: the nodal forces H' d cancel, no rate responds, and the same move
 //             would repeat for ever. Since w = 0 satisfies all bounds, a point must open or slip: the first to reach
 //             its bound along d.

@@ -14,19 +14,27 @@ using namespace knap::tests;
 
 namespace {
 
+enum class Forces { act, cancel };
+
 /// The way [moves] on which a fan of the bar is taken after the moves d and q d, where the second one is turned by an
-/// angle.
-double extrapolated(double q, double angle) {
+/// angle. Forces that cancel: its last point is there twice, and one of both moves by -d.
+double extrapolated(double q, double angle, Forces forces = Forces::act) {
     BarStep bar(1);
     bar.matrix.set_all_near();
+    if (forces == Forces::cancel) {
+        std::vector<ActivePoint>& points = bar.x.points;
+        points.push_back(points.back());
+        for (ActivePoint& point : points) point.multipliers.contact = 0.5 * bar.scale();
+    }
     MultiplierSeries series(bar.model, bar.matrix);
     const Index fan = bar.x.points.back().fan;
     std::vector<Vec2> move(bar.x.points.size(), Vec2::Zero());
     const double unit = bar.scale();
     for (std::size_t j = 0; j < move.size(); ++j) {
         bar.x.points[j].response.closed = true;
-        if (bar.x.points[j].fan == fan) move[j] = {1e-4 * unit, 1e-5 * unit};
+        if (bar.x.points[j].fan == fan && forces == Forces::act) move[j] = {1e-4 * unit, 1e-5 * unit};
     }
+    if (forces == Forces::cancel) move.back() = {1e-4 * unit, 1e-5 * unit}, move.end()[-2] = -move.back();
     const std::vector<ActivePoint> before = bar.x.points;
     series.extrapolate(move, 1e-10 * unit, bar.x.points);
     for (std::size_t j = 0; j < move.size(); ++j) {
@@ -38,7 +46,7 @@ double extrapolated(double q, double angle) {
     double way = 0;
     for (std::size_t j = 0; j < move.size(); ++j) {
         const double along = bar.x.points[j].multipliers.contact - before[j].multipliers.contact;
-        if (before[j].fan == fan) way = along / move[j].x();
+        if (move[j].x() != 0) way = along / move[j].x();
         else CHECK(along == 0);
     }
     return way;
@@ -102,6 +110,12 @@ TEST_CASE("multiplier series: a ratio that the moves do not tell is not trusted 
     CHECK(extrapolated(0.996, 1e-3) == doctest::Approx(100).epsilon(1e-2));
     CHECK(extrapolated(0.996, 0.2) == 0);
     CHECK(extrapolated(1.01, 0) == 0);
+}
+
+TEST_CASE("multiplier series: contradictory bounds lead to a bound and nearly redundant ones to the sum") {
+    CHECK(extrapolated(1, 0, Forces::cancel) == doctest::Approx(5000));  // 0.5 over 1e-4 of the scale
+    CHECK(extrapolated(0.9999, 0, Forces::cancel) == doctest::Approx(5000).epsilon(1e-3));
+    CHECK(extrapolated(0.996, 0, Forces::cancel) == doctest::Approx(0.996 / 0.004));
 }
 
 }  // namespace multiplier_series_test
