@@ -9,8 +9,8 @@ namespace {
 constexpr double fast = 10, fast_at_begin = 100;  // [-] over quiet_below, so that the schemes do not alternate
 constexpr double max_lag_of_step = 0.05;          // [-] law lag over the energy that the step consumed
 constexpr double max_lag_of_all = 1e-3;           // [-] or over all that was consumed so far
-constexpr double max_patience = 256;              // [-]
-constexpr double short_stage = 10;                // [-] of implicit steps, over the waiting time before it
+constexpr double max_patience = 64;               // [-]
+constexpr double short_stage = 50;                // [-] of implicit steps, over the waiting time before it
 
 double surface_of(const StepReport& report) {
     return report.dissipated + report.recoverable + report.interface_elastic;

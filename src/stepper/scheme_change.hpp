@@ -14,8 +14,8 @@
 //                            not interfaces softened: what softens without motion follows its load. As long as it is
 //                            above quiet_below times the strain energy alone (pieces hardly have any; at least that
 //                            point) and halves within every quiet_for, damping and contacts still bring them to
-//                            rest, and explicit steps go on. An implicit stage that lasts no longer than ten times
-//                            this waiting time doubles the next one, up to 256 times: near a limit of stability
+//                            rest, and explicit steps go on. An implicit stage that lasts no longer than 50 times
+//                            this waiting time doubles the next one, up to 64 times: near a limit of stability
 //                            motion grows slowly from a body that looks quiet, and starts anew after each change.
 //
 // Between steps the explicit scheme has velocities of the middle of the last step, the implicit one those of its end:
