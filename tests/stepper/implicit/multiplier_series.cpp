@@ -72,7 +72,8 @@ std::vector<double> edges_after_self_stress(const Vec2& c, bool one_turns) {
             point.response.opens = true, point.response.curvature = 0.7;
         }
     }
-    series.extrapolate(move, 1e-10 * bar.scale(), bar.x.points);
+    for (int i = 0; i < 2; ++i)
+        series.extrapolate(move, 1e-10 * bar.scale(), bar.x.points);  // a move and the same again
     std::vector<double> edges;
     for (const ActivePoint& point : bar.x.points) {
         if (point.fan != at) continue;
