@@ -45,15 +45,6 @@ void RigidContacts::renew(const State& begin) {
     had_points_ = !points_.empty();
 }
 
-void RigidContacts::add_term(Row& row, const ClusterTerm& term) {
-    for (int k = 0; k < row.n_terms; ++k)
-        if (row.terms[k].body == term.body) {
-            row.terms[k].along_N += term.along_N, row.terms[k].along_T += term.along_T;
-            return;
-        }
-    row.terms[row.n_terms++] = term;
-}
-
 /// When all its terms are there.
 void RigidContacts::add_row(Row& row, const std::vector<MovingBody>& bodies) {
     row.before = rate(row, bodies, &MovingBody::before);
@@ -90,7 +81,7 @@ void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBod
             const Index piece = piece_of(term.body);
             const Vec2 arm = place_of(term.body) - bodies[piece].centre;
             breaks = breaks || can_break(piece);
-            add_term(row, {piece, wrench_of(term.along_N, arm), wrench_of(term.along_T, arm)});
+            row.add({piece, wrench_of(term.along_N, arm), wrench_of(term.along_T, arm)});
         });
         if (row.n_terms == 1 && !on_ground) continue;  // of one piece with itself
         row.law = law_for(row.law, breaks);
@@ -116,8 +107,8 @@ void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<Movin
                  .impulse = scale * before.next(c)},
                 Source::obstacle,
                 i};
-        add_term(row, term_on(piece, c.normal, x - bodies[piece].centre));
-        add_term(row, term_on(body_of_obstacle(c.obstacle), -c.normal, c.arm));
+        row.add(term_on(piece, c.normal, x - bodies[piece].centre));
+        row.add(term_on(body_of_obstacle(c.obstacle), -c.normal, c.arm));
         add_row(row, bodies);
     }
     keep_hull(first);
@@ -173,7 +164,7 @@ void RigidContacts::add_pairs(const RigidStep& step, const std::vector<MovingBod
         Row row{row_of(model_, step.begin, pairs_.all()[i]), Source::pair, i};
         visit_terms(pairs_.all()[i], [&](ClusterTerm term) {
             term.body = body_of_obstacle(term.body);
-            add_term(row, term);
+            row.add(term);
         });
         add_row(row, bodies);
     }
@@ -205,7 +196,7 @@ void RigidContacts::add_points(const RigidStep& step, const std::vector<MovingBo
             if (corner == rigid_support) return;
             const Index piece = piece_of(corner);
             breaks = breaks || can_break(piece);
-            add_term(row, term_on(piece, sign * n, row.place - bodies[piece].centre));
+            row.add(term_on(piece, sign * n, row.place - bodies[piece].centre));
         };
         add(point.after, 1), add(point.before, -1);
         row.law = law_for(
@@ -281,7 +272,8 @@ void RigidContacts::find_clusters(const std::vector<MovingBody>& bodies) {
     for (std::size_t r = 0; r < rows_.size(); ++r) rows_[r].cluster = lists_.of_row(static_cast<Index>(r));
 }
 
-void RigidContacts::solve(std::size_t number, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work) {
+void RigidContacts::solve(std::size_t number, const RigidStep& step, const std::vector<MovingBody>& bodies,
+                          Workspace& work) {
     Cluster& cluster = clusters_[number];
     const std::span<const Index> rows = lists_.rows(number);
     ContactCluster& problem = work.cluster;
@@ -351,12 +343,7 @@ RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<Mo
     if (work_.size() < clusters_.size()) work_.resize(clusters_.size());
     for_blocks(std::ssize(clusters_), [&](std::ptrdiff_t k) { solve(k, step, bodies, work_[k]); });
     for (MovingBody& body : bodies) body.end = body.free;
-    for (const Row& row : rows_)
-        for (int k = 0; k < row.n_terms; ++k) {
-            const ClusterTerm& term = row.terms[k];
-            MovingBody& body = bodies[term.body];
-            body.end += body.inverse_mass.cwiseProduct(term.wrench(row.impulse));
-        }
+    for (const Row& row : rows_) push_bodies(row, bodies);
     for (MovingBody& body : bodies)
         if (body.struck_at > 0) body.strike = body.struck_at * (body.flight - body.end);
     for (Row& row : rows_) {
@@ -371,77 +358,90 @@ RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<Mo
     return fastest;
 }
 
+template <class Change, class Take>
+void RigidContacts::solve_anew(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies,
+                               const Change& change, const Take& take) {
+    const std::span<const Index> rows = lists_.rows(cluster);
+    const Cluster before = clusters_[cluster];
+    std::vector<Row> kept;
+    for (const Index r : rows) {
+        kept.push_back(rows_[r]);
+        change(rows_[r]);
+        rows_[r].law.restitution = rows_[r].law.tangential = 0, rows_[r].is_struck = false;
+    }
+    solve(cluster, step, bodies, work_[0]);
+    for (const Index r : rows) take(r, rows_[r]);
+    for (std::size_t i = 0; i < rows.size(); ++i) rows_[rows[i]] = kept[i];
+    clusters_[cluster] = before;
+}
+
 double RigidContacts::move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked,
                                      std::vector<MovingBody>& bodies) {
     double error = 0;
-    std::vector<Row> rows;
     for (std::size_t k = 0; k < clusters_.size(); ++k) {
         const auto members = lists_.members(0, k);
         if (std::ranges::none_of(members, [&](Index body) { return marked[body] != 0; })) continue;
-        const Cluster cluster = clusters_[k];
-        rows.clear();
-        for (const Index r : lists_.rows(k)) {
-            Row& row = rows_[r];
-            rows.push_back(row);
-            row.before = rate(row, bodies, &MovingBody::before), row.free = rate(row, bodies, &MovingBody::free);
-            if (row.lasting.x() > 0) row.gap = std::min(row.gap, 0.0);
-            row.law.restitution = row.law.tangential = 0, row.is_struck = false;
-        }
         for (const Index b : members) bodies[b].end = bodies[b].free;
-        solve(k, step, bodies, work_[0]);
-        error = std::max(error, clusters_[k].residual);
-        clusters_[k] = cluster;
-        for (std::size_t i = 0; i < rows.size(); ++i) {
-            Row& row = rows_[lists_.rows(k)[i]];
-            for (int j = 0; j < row.n_terms; ++j) {
-                MovingBody& body = bodies[row.terms[j].body];
-                body.end += body.inverse_mass.cwiseProduct(row.terms[j].wrench(row.impulse));
-            }
-            row = rows[i];
-        }
+        solve_anew(
+            k, step, bodies,
+            [&](Row& row) {
+                row.before = rate(row, bodies, &MovingBody::before), row.free = rate(row, bodies, &MovingBody::free);
+                if (row.lasting.x() > 0) row.gap = std::min(row.gap, 0.0);
+            },
+            [&](Index, const Row& row) {
+                error = std::max(error, clusters_[k].residual);
+                push_bodies(row, bodies);
+            });
     }
     return error;
 }
 
-/// [J] Without limit where an obstacle is driven.
-std::vector<double> RigidContacts::kinetic_of_clusters(const std::vector<MovingBody>& bodies) const {
-    std::vector<double> kinetic(clusters_.size(), 0);
-    for (std::size_t k = 0; k < clusters_.size(); ++k)
-        for (const Index b : lists_.members(0, k))
-            for (int i = 0; i < 3; ++i)
-                if (const double inverse = bodies[b].inverse_mass[i]; inverse > 0)
-                    kinetic[k] += 0.5 * bodies[b].before[i] * bodies[b].before[i] / inverse;
-    for (const Row& row : rows_)
-        for (int k = 0; k < row.n_terms && row.cluster >= 0; ++k)
-            if (const MovingBody& body = bodies[row.terms[k].body]; !body.moves() && !body.before.isZero(0))
-                kinetic[row.cluster] = infinity;
-    return kinetic;
-}
-
 RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
-                                                std::vector<double>& of_piece) const {
+                                                std::vector<double>& of_piece) {
     Blow hardest;
     of_piece.assign(n_pieces_, 0);
-    const std::vector<double> kinetic = kinetic_of_clusters(bodies);
-    for (const Row& row : rows_) {
+    std::vector<double> of_motion(rows_.size(), -1);  // [N s] before it is known
+    const auto impulse_of_motion = [&](std::size_t r) {
+        if (of_motion[r] < 0)
+            solve_anew(
+                rows_[r].cluster, step, bodies,
+                [&](Row& row) {
+                    if (row.impulse.x() > 0) row.gap = std::min(row.gap, 0.0);
+                    row.impulse.setZero(), row.free = row.before;
+                    for (int k = 0; k < row.n_terms; ++k)  // what drives an obstacle is no load
+                        if (const MovingBody& body = bodies[row.terms[k].body]; !body.moves())
+                            row.free += row.terms[k].rate(body.free - body.before);
+                },
+                [&](Index i, const Row& row) { of_motion[i] = row.impulse.x(); });
+        return of_motion[r];
+    };
+    for (std::size_t r = 0; r < rows_.size(); ++r) {
+        const Row& row = rows_[r];
         if (!(row.impulse.x() > 0) || !(row.own_N > 0)) continue;
+        // what is handed on to a piece that steps by itself, at another time and by other forces than in this step
+        const double least_mixed = sides_of(row, bodies) == Sides::mixed ? options_.thaw * weakest_ : infinity;
+        double least = least_mixed;
+        const auto may_break = [&](Index body) { return can_break(body) && !bodies[body].asleep; };
+        for (int k = 0; k < row.n_terms; ++k)
+            if (const Index body = row.terms[k].body; may_break(body))
+                least = std::min(least, least_blow(begin_->frozen->pieces[body], options_));
+        if (least == infinity) continue;
         const Vec2 sudden = row.impulse - row.lasting;
         const bool is_sudden = sudden.x() > 0;
         // friction stops a part of the approach, too, so W_NN p alone may be less
         const double approach = is_sudden ? std::max(0.0, -row.before.x()) : 0;
         // the impulse of the rebound comes after that which stopped the approach, and loads no more than this
         const double rebound = row.law.rebounds() && approach > 0 ? std::max(0.0, row.after.x()) / approach : 0;
-        const double handed = is_sudden && !step.first ? sudden.x() * row.own_N / (1 + rebound) : 0;
-        // W p^2/2 of what moves is no more than its kinetic energy; the rest is a weight that contacts share anew
-        const double stopped = std::min(handed, std::sqrt(2 * kinetic[row.cluster] * row.own_N));
         const double slope = is_sudden ? std::min(std::abs(sudden.y()) / sudden.x(), row.law.friction) : 0;
-        const double blow = std::hypot(1, slope) * std::max(approach, stopped + std::max(0.0, -row.after.x()));
+        double handed = is_sudden && !step.first ? sudden.x() * row.own_N / (1 + rebound) : 0;
+        // loads, which contacts may share anew, are no blow
+        if (std::hypot(1, slope) * handed > least) handed = std::min(handed, impulse_of_motion(r) * row.own_N);
+        const double blow = std::hypot(1, slope) * std::max(approach, handed + std::max(0.0, -row.after.x()));
         const double load =
             std::min(row.impulse.x(), row.lasting.x()) / (step.kick_time * row.length * model_.thickness);
-        // what is handed on to a piece that steps by itself, at another time and by other forces than in this step
-        double of_row = sides_of(row, bodies) == Sides::mixed ? blow / (options_.thaw * weakest_) : 0;
+        double of_row = blow / least_mixed;
         for (int k = 0; k < row.n_terms; ++k) {
-            if (!can_break(row.terms[k].body) || bodies[row.terms[k].body].asleep) continue;
+            if (!may_break(row.terms[k].body)) continue;
             const FrozenBody::Piece& piece = begin_->frozen->pieces[row.terms[k].body];
             const double value = std::max(blow / least_blow(piece, options_), load / (lasting_load * piece.strength));
             if (value > hardest.value) hardest = {value, row.place};

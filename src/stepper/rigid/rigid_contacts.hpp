@@ -51,8 +51,7 @@ public:
         double value = 0;
         Vec2 place = Vec2::Zero();
     };
-    Blow hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies,
-                      std::vector<double>& of_piece) const;
+    Blow hardest_blow(const RigidStep& step, const std::vector<MovingBody>& bodies, std::vector<double>& of_piece);
     /// Of the impulses between deformable pieces and others: what acts on a corner of a deformable one, in the whole
     /// kick of its piece.
     struct CornerImpulse {
@@ -113,7 +112,6 @@ private:
     void add_pairs(const RigidStep& step, const std::vector<MovingBody>& bodies);
     void add_points(const RigidStep& step, const std::vector<MovingBody>& bodies);
     void keep_hull(std::size_t first);
-    static void add_term(Row& row, const ClusterTerm& term);
     void add_row(Row& row, const std::vector<MovingBody>& bodies);
     /// One piece alone does not meet itself.
     bool meets_faces() const { return n_pieces_ > 1 || !model_.ground.vertices.empty(); }
@@ -128,8 +126,12 @@ private:
     /// alone.
     ContactLaw law_for(ContactLaw law, bool breaks) const;
     void find_clusters(const std::vector<MovingBody>& bodies);
-    std::vector<double> kinetic_of_clusters(const std::vector<MovingBody>& bodies) const;
-    void solve(std::size_t cluster, const RigidStep& step, std::vector<MovingBody>& bodies, Workspace& work);
+    void solve(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies, Workspace& work);
+    /// Solves a cluster once more, from impacts without rebound, with rows as `change(row)` makes them; calls
+    /// `take(number, row)` for each. The rows stay what they are.
+    template <class Change, class Take>
+    void solve_anew(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies,
+                    const Change& change, const Take& take);
     bool mark_rigid_sides(const Row& row, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;
 

@@ -55,6 +55,16 @@ struct RigidRow : ContactRow {
     Index cluster = -1;                              // none: nothing that it joins moves
     int n_terms = 0;
     std::array<ClusterTerm, 4> terms;
+
+    /// Terms of the same body are one.
+    void add(const ClusterTerm& term) {
+        for (int k = 0; k < n_terms; ++k)
+            if (terms[k].body == term.body) {
+                terms[k].along_N += term.along_N, terms[k].along_T += term.along_T;
+                return;
+            }
+        terms[n_terms++] = term;
+    }
 };
 
 /// [m/s], or of the unit of the member times that of the rate.
@@ -62,6 +72,14 @@ inline Vec2 rate(const RigidRow& row, const std::vector<MovingBody>& bodies, Vec
     Vec2 V = Vec2::Zero();
     for (int k = 0; k < row.n_terms; ++k) V += row.terms[k].rate(bodies[row.terms[k].body].*velocity);
     return V;
+}
+
+/// Adds to their v+ what the impulse makes of it.
+inline void push_bodies(const RigidRow& row, std::vector<MovingBody>& bodies) {
+    for (int k = 0; k < row.n_terms; ++k) {
+        MovingBody& body = bodies[row.terms[k].body];
+        body.end += body.inverse_mass.cwiseProduct(row.terms[k].wrench(row.impulse));
+    }
 }
 
 /// What a contact joins: pieces and obstacles; deformable pieces and others; or deformable pieces and obstacles.

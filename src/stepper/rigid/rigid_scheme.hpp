@@ -11,8 +11,8 @@
 // nothing, and the body is deformable from its start on (freeze.hpp). The hit is the approach V_N-, or W_NN p, if that
 // is more (what others hand on), times sqrt(1 + (P_T/p)^2), of the impulses p and P_T (friction) beyond the forces of
 // the step before; more than k sigma_c/(rho c) min(1, sqrt(10 L/D)) (c = sqrt(E/rho), edge L, D = sqrt(area)),
-// or a lasting force above sigma_c/2 over an edge. What is handed on has W_NN p^2/2 of the kinetic energy of all that
-// the contacts join at most: they share a weight in many ways, and each solution in another one.
+// or a lasting force above sigma_c/2 over an edge. What is handed on has at most the p of the same motion without loads
+// (RigidContacts::solve_anew): contacts share a weight in many ways, and each solution in another one.
 //
 // Pieces that have been slower than `sleep` for 0.2 s without setting out (what accelerates slowly does), that press on
 // what stands still, and whose contacts would bear them at rest, fall asleep. They stand still until something hits
