@@ -22,9 +22,17 @@ Reactions::Reactions(const Model& model) : model_(model) {
 
 void Reactions::sum_forces(const State& state, std::vector<Vec2>& forces) const {
     forces.assign(loads_.size(), Vec2::Zero());
-    for (const auto& [place, corner, k] : held_)
-        if (const Index motion = model_.prescribed_of_corner[corner]; motion >= 0)  // else it was excavated
-            forces[place][k] += state.reaction[motion][k];
+    for (auto held = held_.begin(); held != held_.end();) {
+        const Index place = held->place;
+        double x = 0, y = 0;  // in registers: a load may hold every corner of the body
+        for (; held != held_.end() && held->place == place; ++held) {
+            const Index motion = model_.prescribed_of_corner[held->corner];
+            if (motion < 0) continue;  // it was excavated
+            if (held->component == 0) x += state.reaction[motion].x();
+            else y += state.reaction[motion].y();
+        }
+        forces[place] = {x, y};
+    }
     for (const ObstacleState& obstacle : state.obstacles) forces.push_back(-obstacle.reaction.head<2>());
 }
 
@@ -44,6 +52,7 @@ void Reactions::renew() {
             held_.push_back({static_cast<Index>(at - loads_.begin()), corner, k});
         }
     }
+    std::ranges::stable_sort(held_, {}, &Held::place);
 }
 
 std::vector<Reaction> Reactions::at(const State& state) const {

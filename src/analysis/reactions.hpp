@@ -68,7 +68,7 @@ private:
 
     const Model& model_;
     std::vector<Index> loads_;
-    std::vector<Held> held_;
+    std::vector<Held> held_;              // by place, then by corner
     std::vector<Vec2> places_;            // at the start
     std::vector<double> largest_forces_;  // [N]
     std::vector<Vec2> forces_;            // of a step

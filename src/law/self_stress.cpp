@@ -92,6 +92,14 @@ SelfStress find_self_stress(const std::vector<HalfPlane>& planes, const Vec2& st
     return found;
 }
 
+double StrengthPolygon::smallest_slack_of_curve(const Vec2& P) const {
+    const double N = P.dot(normal);
+    if (coupling != Coupling::norm) return slack_over(N + cohesive, rubbing(N + cohesive), P);
+    const double T = std::abs(P.dot(turned_left(normal)));
+    return N >= 0 || cohesive == 0 ? std::min(N + cohesive, jump + rubbing(N) - T)
+                                   : cohesive * (1 - std::hypot(N / cohesive, T / jump));
+}
+
 void StrengthPolygon::add_chords(Index link, const Vec2& P, const Vec2& undetermined,
                                  std::vector<HalfPlane>& planes) const {
     constexpr int n_chords = 16;  // of the whole domain up to 1 - cos(pi/32) = 0.005

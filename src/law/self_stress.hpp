@@ -42,16 +42,12 @@ struct StrengthPolygon : TangentialRange {
                 law.pressed_friction(unit)};
     }
 
-    /// Negative: P is not admissible.
-    double smallest_slack(const Vec2& P) const {
-        if (coupling == Coupling::norm) {
-            const double N = P.dot(normal), T = std::abs(P.dot(turned_left(normal)));
-            return N >= 0 || cohesive == 0 ? std::min(N + cohesive, jump + rubbing(N) - T)
-                                           : cohesive * (1 - std::hypot(N / cohesive, T / jump));
-        }
-        const double p = P.dot(normal) + cohesive,
-                     q = P.dot(turned_left(normal)) + (offset + line_offset + contact_offset * p);
-        return std::min(p, jump + line_jump + rubbing(p) - std::abs(q));
+    /// Negative: P is not admissible. All points of fans that nearly open are asked in every step, mostly with straight
+    /// lines: without a call, and the call takes copies, so that polygon and P stay in registers.
+    [[gnu::always_inline]] double smallest_slack(const Vec2& P) const {
+        if (coupling == Coupling::norm || pressed) return StrengthPolygon(*this).smallest_slack_of_curve(Vec2(P));
+        const double p = P.dot(normal) + cohesive;
+        return slack_over(p, contact_jump * p, P);
     }
     /// Half planes of c at P + undetermined c; `undetermined`: 0, 1 or -1 per component.
     void add_half_planes(Index link, const Vec2& P, const Vec2& undetermined, std::vector<HalfPlane>& planes) const {
@@ -69,6 +65,12 @@ struct StrengthPolygon : TangentialRange {
 
 private:
     double rubbing(double p) const { return pressed ? pressed(p) : contact_jump * p; }
+    /// Where p gives the tangential range a friction.
+    double slack_over(double p, double friction, const Vec2& P) const {
+        const double q = P.dot(turned_left(normal)) + (offset + line_offset + contact_offset * p);
+        return std::min(p, jump + line_jump + friction - std::abs(q));
+    }
+    double smallest_slack_of_curve(const Vec2& P) const;  // of the norm, and of a friction over pressure
     template <class Visit>
     void visit_lines(const Visit& visit) const {
         if (!pressed) return visit(FrictionLine{contact_jump, line_jump});
@@ -81,7 +83,11 @@ private:
 /// The c that minimises the sum of w |P + undetermined c|^2 over the points, by components.
 class LeastNormSelfStress {
 public:
-    void add(double w, const Vec2& P, const Vec2& undetermined = Vec2::Ones()) {
+    void add(double w, const Vec2& P) {  // undetermined in both components
+        sum_ += w * P;
+        weight_.x() += w, weight_.y() += w;
+    }
+    void add(double w, const Vec2& P, const Vec2& undetermined) {
         sum_ += w * undetermined.cwiseProduct(P);
         weight_ += w * undetermined.cwiseAbs2();
     }

@@ -2,36 +2,48 @@
 
 namespace knap {
 
+namespace {
+
+StrengthPolygon strength_of(const CohesiveLaw& law, const FanPoint& point, double time) {
+    const double cohesive = law.sigma_c * point.area * time;
+    return StrengthPolygon::at_rest(law, point.normal, cohesive, point.area * time);
+}
+
+}  // namespace
+
 bool BondCheck::is_bonded(Index f, const State& begin, std::span<const Vec2> required, double time) {
     const Fan& fan = model_->fans[f];
     const auto points = model_->points(fan);
     const auto required_by = [&](Index j) -> const Vec2& { return required[j]; };
-    const auto breakable = [&](Index j) { return law_of(*model_, begin, points[j]).breakable(); };
-    const auto strength = [&](Index j) {
-        const CohesiveLaw& law = law_of(*model_, begin, points[j]);
-        const double cohesive = law.sigma_c * points[j].area * time;
-        return StrengthPolygon::at_rest(law, points[j].normal, cohesive, points[j].area * time);
-    };
     impulse_.resize(fan.n_points);
-    const auto walk = [&](const Vec2& first) {
-        walk_chain(fan.n_points, fan.closed, first, required_by,
-                   [&](Index j, const Vec2& P) { return impulse_[j] = P, true; });
-    };
-
     const Vec2 least_norm =
         least_norm_start(fan.n_points, fan.closed, required_by, [&](Index j) { return points[j].area; });
-    walk(least_norm);
     bool admissible = true;
-    for (Index j = 0; j < fan.n_points && admissible; ++j)
-        admissible = !breakable(j) || strength(j).smallest_slack(impulse_[j]) >= 0;
-    if (admissible || !fan.closed) return admissible;
+    walk_chain(fan.n_points, fan.closed, least_norm, required_by, [&](Index j, const Vec2& P) {
+        impulse_[j] = P;
+        if (!admissible) return true;
+        const CohesiveLaw& law = law_of(*model_, begin, points[j]);
+        admissible = !law.breakable() || strength_of(law, points[j], time).smallest_slack(P) >= 0;
+        return true;
+    });
+    return admissible || (fan.closed && find_best(fan, begin, required, time, least_norm));
+}
 
+bool BondCheck::find_best(const Fan& fan, const State& begin, std::span<const Vec2> required, double time,
+                          const Vec2& least_norm) {
+    const auto points = model_->points(fan);
+    const auto walk = [&](const Vec2& first, const auto& visit) {
+        walk_chain(
+            fan.n_points, true, first, [&](Index j) -> const Vec2& { return required[j]; }, visit);
+    };
     planes_.clear();
-    walk(Vec2::Zero());
-    for (Index j = 0; j < fan.n_points; ++j)
-        if (breakable(j)) strength(j).add_half_planes(j, impulse_[j], Vec2::Ones(), planes_);
+    walk(Vec2::Zero(), [&](Index j, const Vec2& P) {
+        const CohesiveLaw& law = law_of(*model_, begin, points[j]);
+        if (law.breakable()) strength_of(law, points[j], time).add_half_planes(j, P, Vec2::Ones(), planes_);
+        return true;
+    });
     const SelfStress found = find_self_stress(planes_, least_norm);
-    walk(found.c);
+    walk(found.c, [&](Index j, const Vec2& P) { return impulse_[j] = P, true; });
     return found.slack >= 0;
 }
 

@@ -27,6 +27,10 @@ public:
     const std::vector<Vec2>& impulses() const { return impulse_; }
 
 private:
+    /// Test 4, of a closed fan. A function of its own, so that the estimate, which is asked first, stays small.
+    [[gnu::noinline]] bool find_best(const Fan& fan, const State& begin, std::span<const Vec2> required, double time,
+                                     const Vec2& least_norm);
+
     const Model* model_;
     std::vector<Vec2> impulse_;
     std::vector<HalfPlane> planes_;

@@ -33,6 +33,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       solver_(model, options, obstacle_step_, absorbing_),
       obstacles_(model, obstacle_step_),
       amplitude_(model.histories.size()),
+      velocity_factor_(model.histories.size()),
       corner_force_(model.mesh.n_corners() + 1, Vec2::Zero()),  // the last: BlockFans::no_force
       elastic_energy_(blocks_.size()),
       fan_is_candidate_(model.fans.size(), 0),
@@ -73,11 +74,15 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .obstacle_damping = options_.damping_of == DampingOf::motion ? damping : 0,
                             .large_rotation = model_.large_rotation,
                             .corner_impulse = corner_impulse_,
+                            .velocity_factor = velocity_factor_,
                             .carried = free_pieces_.carried(begin, damping, end.free_pieces)};
     copy_partition(model_, begin, end);  // fans that were split before are split at the end, too
     end.viscous_stress.resize(no_viscous_stress_.size());
-    for (std::size_t i = 0; i < amplitude_.size(); ++i)
-        amplitude_[i] = model_.histories[i].over_kick(begin.time, begin.last_step, h);
+    for (std::size_t i = 0; i < amplitude_.size(); ++i) {
+        const TimeFunction& history = model_.histories[i];
+        amplitude_[i] = history.over_kick(begin.time, begin.last_step, h);
+        velocity_factor_[i] = prescribed_rate(false, 1, history, 0, ExplicitStep::times_of(begin, h)).rate;
+    }
     StepReport report;
     // rows of src/README.md, Explicit step. First: fans in contact and those whose incubation is due are candidates
     if (contacts_) {

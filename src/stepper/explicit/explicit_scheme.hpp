@@ -76,6 +76,7 @@ private:
     std::optional<VertexContacts> contacts_;      // between free faces, and with obstacles beyond a fan
     std::vector<double> mass_;                    // [kg] per corner, in the order of Model::fan_corners
     std::vector<double> amplitude_;               // of every history, at the start of the step
+    std::vector<double> velocity_factor_;         // of every history, see ExplicitStep
     std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
     std::vector<Vec2> corner_impulse_;            // [N s] likewise
     std::vector<Vec2> corner_rate_;               // [m/s] per corner: v+ where a fluid presses, else 0

@@ -66,6 +66,7 @@ struct ExplicitStep {
     bool large_rotation = false;                   // K u are the forces -f = grad U of Green's strain
 
     const std::vector<Vec2>& corner_impulse;  // [N s] per corner, of contacts between free faces; empty: there are none
+    const std::vector<double>& velocity_factor;  // [-] per history: mean over the step, of a prescribed velocity
     const Vec2* carried = nullptr;  // [m/s] per node: (1 - decay) W, zero where a piece is held; null: everywhere
 
     /// [m/s] What damping leaves of the velocity of a node, without forces.
@@ -74,12 +75,16 @@ struct ExplicitStep {
         return carried == nullptr ? left : Vec2(left + carried[node]);
     }
 
+    static StepTimes times_of(const State& begin, double h) {
+        return {.begin = begin.time, .h = h, .central_differences = true};
+    }
     /// [m/s] v+ in the prescribed components, zero in the others; `displacement` [m] u.
     Vec2 prescribed_velocity(const Model& model, const PrescribedMotion& motion, const Vec2& displacement) const {
-        const StepTimes times{.begin = begin.time, .h = drift_time, .central_differences = true};
         Vec2 velocity = Vec2::Zero();
         for (int k = 0; k < 2; ++k)
-            if (motion.component[k]) velocity[k] = motion.rate(k, model.histories, displacement[k], times).rate;
+            if (motion.component[k] && motion.is_displacement[k])
+                velocity[k] = motion.rate(k, model.histories, displacement[k], times_of(begin, drift_time)).rate;
+            else if (motion.component[k]) velocity[k] = motion.value[k] * velocity_factor[motion.history[k]];
         return velocity;
     }
     /// Impulse [N s] that changes the velocity of a mass [kg] from `before` to `after` [m/s], with the body's damping.
