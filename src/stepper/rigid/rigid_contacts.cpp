@@ -433,7 +433,7 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
         // the impulse of the rebound comes after that which stopped the approach, and loads no more than this
         const double rebound = row.law.rebounds() && approach > 0 ? std::max(0.0, row.after.x()) / approach : 0;
         const double slope = is_sudden ? std::min(std::abs(sudden.y()) / sudden.x(), row.law.friction) : 0;
-        double handed = is_sudden && !step.first ? sudden.x() * row.own_N / (1 + rebound) : 0;
+        double handed = is_sudden ? sudden.x() * row.own_N / (1 + rebound) : 0;
         // loads, which contacts may share anew, are no blow
         if (std::hypot(1, slope) * handed > least) handed = std::min(handed, impulse_of_motion(r) * row.own_N);
         const double blow = std::hypot(1, slope) * std::max(approach, handed + std::max(0.0, -row.after.x()));

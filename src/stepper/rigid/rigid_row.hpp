@@ -39,7 +39,6 @@ struct RigidStep {
     const State& begin;
     double drift_time, kick_time;  // [s] of the positions, of the velocities
     bool closing = false;          // of nearly no length: only what was in contact before stays so
-    bool first = false;            // of rigid pieces: not all forces of the step before are known
 };
 
 /// Of two bodies or more.

@@ -92,10 +92,8 @@ StepReport RigidScheme::try_step(const State& begin, double h, std::span<const s
         report.vibration_booked = -frozen.all_vibration();
         account_freeze(begin, *frozen.body, frozen.strain, report);
     }
-    trial_.emplace(RigidStep{.begin = begin.frozen ? begin : start_,
-                             .drift_time = h,
-                             .kick_time = 0.5 * (begin.last_step + h),
-                             .first = !begin.frozen});
+    trial_.emplace(
+        RigidStep{.begin = begin.frozen ? begin : start_, .drift_time = h, .kick_time = 0.5 * (begin.last_step + h)});
     deformable_.assign(deformable.begin(), deformable.end());
     deformable_.resize(trial_->begin.rigid_pieces.size(), 0);
     find_contacts(report);
