@@ -289,10 +289,11 @@ PointResponse respond_by_norm(const PointLaw& law, const Multipliers& at, double
     PointResponse r;
     update_cohesion(law, found.size * law.step->h, 0, r);
     const Vec2 W = found.rate + norm.shift, q = found.at.impulse;
-    const bool is_rigid = found.sticks && !found.closed;  // in both components, as what is closed and sticks
+    const bool is_rigid = found.sticks && !found.closed;   // in both components, as what is closed and sticks
+    const bool floats = !found.closed && found.size == 0;  // between overlap and contact: it sticks along T alone
     r.closed = found.closed || is_rigid;
-    r.sticks = found.sticks;
-    r.kink = found.sticks ? found.rate.y() : 0;
+    r.sticks = found.sticks || floats;
+    r.kink = r.sticks ? found.rate.y() : 0;
     r.tangential = q.y(), r.friction_part = found.friction, r.friction_sign = found.friction_sign;
     r.cohesion_sign = W.y() > 0 ? 1 : W.y() < 0 ? -1 : 0;
     r.opens = W.x() > 0;

@@ -147,6 +147,29 @@ TEST_CASE("without friction the tangent of the norm is symmetric to the bit so t
     for (const int n : {n_coupled, n_soften}) CHECK(n > 200);
 }
 
+TEST_CASE("a point of the norm that floats between overlap and contact bears no pressure and holds its slip") {
+    CohesiveLaw norm = material;
+    norm.coupling = Coupling::norm;
+    Random random(8, "floating");
+    for (int count = 0; count < 100; ++count) {
+        Point point;
+        make_random(random, point);
+        point.law.material = &norm, point.law.u_N = point.law.u_T = 0;
+        point.law.contact = {.may_touch = true, .rate = -1};
+        const double full = point.law.strength * point.law.cohesion;
+        point.at = {
+            .contact = full, .tangential = 0.5 * full * norm.gamma * random.uniform(-1, 1), .rho_N = 1, .rho_T = 1};
+        point.rate = {random.uniform(-0.9, -0.1), 0.4 * full * norm.gamma * random.uniform(-1, 1)};
+        const PointResponse here = point.response(point.rate);
+        CHECK(!here.closed);
+        CHECK(here.sticks);
+        CHECK(here.normal(point.law) == 0);
+        CHECK(here.tangential == doctest::Approx(point.at.tangential - point.rate.y()));
+        const Eigen::Matrix2d D = tangent(point.law, point.at, here, Softening::now);
+        CHECK((D - Eigen::Matrix2d(Vec2(0, 1).asDiagonal())).isZero(0));
+    }
+}
+
 TEST_CASE("the tangent of a ramp is the derivative of its law") {
     Random random(6, "ramps");
     int n_on_ramp = 0, n_stick = 0, n_closed = 0, n_land = 0, n_soften = 0, n_rub = 0;

@@ -16,11 +16,13 @@ constexpr double max_deviation = 0.1;  // of a move from q times the previous on
 // Moves of a series, where q is as uncertain near 1 as a move may deviate; more where it deviates less. (Moves near
 // rounding that were multiplied by 1e5 made a random body depend on its units in the last digits.)
 constexpr double max_series = 20, max_sure_series = 1e3;
-constexpr double sure_part = 0.1;    // over the relative deviation
-constexpr double least_part = 1e-3;  // of the longest move of contacts between faces: less belongs to another series
+constexpr double sure_part = 0.1;      // over the relative deviation
+constexpr double largest_turn = 0.25;  // [-] of the force of an opening point in a series, over it
+constexpr double least_part = 1e-3;    // of the longest move of contacts between faces: less belongs to another series
 
 /// Until a point of a curved law leaves its half ellipse or the shear that it bears under compression; where it slides,
-/// until it is no longer pressed.
+/// until it is no longer pressed. Sides that overlap are held at W = 0 by tension and at their bound by compression, so
+/// without either they are free. An open point has no bound.
 double moves_to_edge(const ActivePoint& point, const Vec2& d) {
     const PointLaw& law = point.law;
     const double C = law.strength * point.response.cohesion_theta, most = law.material->gamma * C;
@@ -28,12 +30,15 @@ double moves_to_edge(const ActivePoint& point, const Vec2& d) {
         p(q.x() / C, q.y() / most), along(d.x() / C, d.y() / most);  // of the unit circle
     const double a = along.squaredNorm(), b = p.dot(along), c = p.squaredNorm() - 1, root = b * b - a * c;
     if (a == 0) return infinity;
-    if (!point.response.sticks) return d.x() < 0 ? std::max(0.0, q.x() + C * point.response.pull) / -d.x() : infinity;
-    const double moves = root > 0 ? (-b + std::sqrt(root)) / a : 0;
-    if (q.x() + moves * d.x() <= 0) return std::max(0.0, moves);
-    if (d.y() == 0) return infinity;
+    if (!point.response.sticks)
+        return point.response.closed && d.x() < 0 ? std::max(0.0, q.x() + C * point.response.pull) / -d.x() : infinity;
+    const double to_rest = -q.x() / d.x(), moves = root > 0 ? (-b + std::sqrt(root)) / a : 0;
+    const bool overlaps = law.contact.may_touch && law.contact.rate + law.u_N / law.step->h < 0;
+    const double least = overlaps && to_rest > 0 ? to_rest : infinity;
+    if (q.x() + moves * d.x() <= 0) return std::min(least, std::max(0.0, moves));
+    if (d.y() == 0) return least;
     const double left = law.rubbing(std::max(0.0, q.x())) + most - std::copysign(q.y(), q.y() * d.y());
-    return std::max(0.0, left) / std::abs(d.y());
+    return std::min(least, std::max(0.0, left) / std::abs(d.y()));
 }
 
 }  // namespace
@@ -63,6 +68,7 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
         for (std::size_t j = first; faces && j < points.size() && points[j].fan == between_faces; ++j)
             least = std::max(least, least_part * move[j].cwiseAbs().maxCoeff());
         bool is_rigid = true;        // else ramps decide how redundant points share their forces
+        double to_turn = infinity;   // moves until the force of an opening point has turned
         double to_bound = infinity;  // moves until a contact, or a sticking point, is at its bound
         for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
             const ActivePoint& point = points[end];
@@ -76,6 +82,8 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
             const Multipliers& multipliers = point.multipliers;
             const bool turns = point.response.curvature > 0 && point.response.opens;
             is_rigid = is_rigid && !turns && (!point.response.on_ramp || point.law.drops);
+            if (turns)
+                to_turn = std::min(to_turn, largest_turn * law.strength * point.response.cohesion_theta / d.norm());
             if (d.cwiseAbs().maxCoeff() < least) continue;
             if (law.is_curved()) {
                 to_bound = std::min(to_bound, moves_to_edge(point, d));
@@ -93,11 +101,15 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
         }
         if (longest <= min_move || points[first].fan == at_obstacle) continue;
         double series = 0;  // moves
-        const double q = product / square, deviation2 = length - product * product / square;
-        if (is_rigid && strongest <= no_force * longest && q >= 1 - no_force) series = infinity;
-        else if (product > min_ratio * square && deviation2 <= max_deviation * max_deviation * length && q < 1)
-            series = std::min(q / (1 - q), std::clamp(sure_part * std::sqrt(length / std::max(deviation2, 0.0)),
-                                                      max_series, max_sure_series));
+        const double q = product / square, deviation2 = std::max(0.0, length - product * product / square);
+        const bool is_straight = deviation2 <= max_deviation * max_deviation * length,
+                   marches = strongest <= no_force * longest && q >= 1 - no_force;
+        if (is_rigid && marches) series = infinity;
+        else if (marches && to_turn < infinity && is_straight)  // the force turns until it points along the misfit
+            series = std::min(to_turn, q / (std::max(0.0, 1 - q) + deviation2 / length));
+        else if (product > min_ratio * square && is_straight && q < 1)
+            series = std::min(q / (1 - q),
+                              std::clamp(sure_part * std::sqrt(length / deviation2), max_series, max_sure_series));
         const bool projects = faces && series < infinity;
         const double multiple = projects ? series : std::min(series, to_bound);
         const bool extrapolates = multiple > 0 && multiple < infinity;

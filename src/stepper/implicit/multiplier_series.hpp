@@ -6,6 +6,8 @@
 //     q = 1   contradictory bounds round a vertex: the nodal forces H' d cancel, no rate responds, and the same move
 //             would repeat for ever. Since w = 0 satisfies all bounds, a point must open or slip: the first to reach
 //             its bound along d.
+//             An opening point of a curved law turns its force until its opening is along the misfit of the bounds: to
+//             the end of the series, or as far as a turn is straight.
 // Contacts with obstacles are left out: they couple the whole body and may jam it.
 #include "stepper/implicit/active_point.hpp"
 #include "stepper/implicit/theta_matrix.hpp"

@@ -53,8 +53,9 @@ double extrapolated(double q, double angle, Forces forces = Forces::act) {
 }
 
 /// Of a bar whose points hold by the norm: self-stress of an interior vertex, in the direction c. Returned: impulses
-/// over the half ellipse of each of its points, or the shear that it bears under pressure; the first has reached 1.
-std::vector<double> edges_after_self_stress(const Vec2& c, bool one_turns) {
+/// of its points over their strength after a move and another one of that ratio to it. `opens`: the first point of the
+/// vertex; `start`: tension of all its points before, whose sides overlap.
+std::vector<Vec2> after_self_stress(const Vec2& c, double ratio = 1, bool opens = false, double start = 0) {
     BarStep bar(1, Coupling::norm);
     bar.matrix.set_all_near();
     MultiplierSeries series(bar.model, bar.matrix);
@@ -66,35 +67,55 @@ std::vector<double> edges_after_self_stress(const Vec2& c, bool one_turns) {
         ActivePoint& point = bar.x.points[j];
         point.response.sticks = point.response.closed = true, point.response.cohesion_theta = 1;
         if (point.fan != at) continue;
+        if (start != 0) point.law.contact.rate = -1, point.multipliers.contact += start * point.law.strength;
         move[j] = 1e-4 * bar.scale() * point.in_frame(c);
-        if (one_turns && move[j - 1].isZero(0)) {
+        if (opens && move[j - 1].isZero(0)) {
             point.response.sticks = point.response.closed = false;
             point.response.opens = true, point.response.curvature = 0.7;
         }
     }
-    for (int i = 0; i < 2; ++i)
-        series.extrapolate(move, 1e-10 * bar.scale(), bar.x.points);  // a move and the same again
-    std::vector<double> edges;
-    for (const ActivePoint& point : bar.x.points) {
-        if (point.fan != at) continue;
-        const double N = point.multipliers.contact / point.law.strength - 1,
-                     T = point.multipliers.tangential / point.law.strength;  // gamma is 1
-        edges.push_back(N < 0 ? std::hypot(N, T) : std::abs(T));
-    }
-    return edges;
+    series.extrapolate(move, 1e-10 * bar.scale(), bar.x.points);
+    for (Vec2& d : move) d *= ratio;
+    series.extrapolate(move, 1e-10 * bar.scale(), bar.x.points);
+    std::vector<Vec2> stress;
+    for (const ActivePoint& point : bar.x.points)
+        if (point.fan == at)
+            stress.push_back(Vec2(point.multipliers.contact - point.law.strength, point.multipliers.tangential) /
+                             point.law.strength);
+    return stress;
 }
+
+/// [-] Of the half ellipse, or of the shear that a point bears under pressure; gamma is 1.
+double edge(const Vec2& stress) { return stress.x() < 0 ? stress.norm() : std::abs(stress.y()); }
 
 }  // namespace
 
 TEST_CASE("multiplier series: self-stress of points that hold by the norm grows until the first half ellipse is met") {
     for (const Vec2& c : {Vec2(1, 0), Vec2(-0.4, 0.9), Vec2(0.3, -2)}) {
         CAPTURE(c);
-        CHECK(std::ranges::max(edges_after_self_stress(c, false)) == doctest::Approx(1).epsilon(1e-12));
+        CHECK(edge(std::ranges::max(after_self_stress(c), {}, edge)) == doctest::Approx(1).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("multiplier series: sides that overlap are free where their tension ends") {
+    for (const Vec2& c : {Vec2(1, 0), Vec2(-0.4, 0.9), Vec2(0.3, -2)}) {
+        CAPTURE(c);
+        const std::vector<Vec2> stress = after_self_stress(c, 1, false, -0.3);
+        double largest = -1;
+        for (const Vec2& q : stress) largest = std::max(largest, q.x()), CHECK(edge(q) < 1);
+        CHECK(std::abs(largest) <= 1e-12);
     }
 }
 
 TEST_CASE("multiplier series: a point whose force turns with its opening decides how its vertex shares the forces") {
-    CHECK(std::ranges::max(edges_after_self_stress({-0.4, 0.9}, true)) == 0);
+    for (const Vec2& c : {Vec2(-0.4, 0.9), Vec2(0.4, -0.9)}) {  // one opens the point, the other one closes it
+        CAPTURE(c);
+        const std::vector<Vec2> shared = after_self_stress(c, 0.9, true), free = after_self_stress(c);
+        for (std::size_t j = 0; j < shared.size(); ++j) CHECK(shared[j].y() * free[j].y() > 0);
+        CHECK(edge(std::ranges::max(shared, {}, edge)) < 1e-2);  // 0.9/(1 - 0.9) moves
+        CHECK(after_self_stress(c, 1, true)[0].norm() ==
+              doctest::Approx(0.25));  // without end: as far as its force may turn
+    }
 }
 
 TEST_CASE(
