@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <set>
 
 namespace knap {
@@ -338,11 +337,9 @@ void read_materials(Reading& reading) {
         reading.table("material").error("missing-key", "", "has no material", "write [material.NAME]");
 }
 
-/// [-] Of sigma_c: under a tension a facet inclined by t is damaged at 1/(cos t sqrt(cos^2 t + sin^2 t/gamma^2)).
-static double strength_of_facet(double gamma) {
-    constexpr double t = 25 * std::numbers::pi / 180;  // the mean of the facets along a crack through a random mesh
-    return 1 / (std::cos(t) * std::hypot(std::cos(t), std::sin(t) / gamma));
-}
+/// [-] Over sigma_c: the least uniaxial stress that damages a facet by the norm, of all its angles t: the least of
+/// 1/(cos t sqrt(cos^2 t + sin^2 t/gamma^2)), at cos^2 t = 1/(2 (1 - gamma^2)) where gamma^2 < 1/2, else at t = 0.
+static double weakest_facet(double gamma) { return gamma * gamma < 0.5 ? 2 * gamma * std::sqrt(1 - gamma * gamma) : 1; }
 
 /// Laws with cohesion must have one coupling, and the scheme must know it.
 static void check_coupling(Reading& reading) {
@@ -357,14 +354,12 @@ static void check_coupling(Reading& reading) {
         if (std::ranges::any_of(laws, is_sum))
             table.exclude("coupling", "coupling = \"norm\"", "coupling = \"sum\"",
                           "the same coupling in all laws with cohesion");
-        if (law.gamma > 0 && law.gamma < 1)
-            table.warning(
-                "weak", "gamma",
-                formatted(
-                    "below 1 makes random meshes too weak with coupling = \"norm\": a facet that is inclined by 25 "
-                    "degrees to a tension is damaged at %.2g of sigma_c",
-                    strength_of_facet(law.gamma)),
-                "gamma = 1 or more");
+        if (const double weakest = weakest_facet(law.gamma); law.gamma > 0 && weakest < 1)
+            table.warning("weak", "gamma",
+                          formatted("below 0.71 makes random meshes too weak with coupling = \"norm\": a facet in the "
+                                    "worst direction is damaged by a tension of %.2g sigma_c",
+                                    weakest),
+                          "gamma = 0.71 or more");
     }
 }
 

@@ -55,12 +55,13 @@ std::string text_of(const WithCoupling& of) {
 }
 
 /// The coupling that fits the run where the law has the other one. Slow structures: that which adds less to their load.
-/// Fast cracks: the least load that drives them tells nothing of those above 0.6 c_R, which cost less with the sum.
+/// Explicit steps may have either: the least load that drives a crack tells nothing of those above 0.6 c_R.
 std::string advice(const std::array<WithCoupling, 2>& couplings, const CohesiveLaw& law, bool slow) {
     const auto& [sum, norm] = couplings;
     const bool is_norm = law.coupling == Coupling::norm;
     if (!slow)
-        return is_norm ? "this run is fast (explicit steps): cracks above 0.6 c_R cost less with coupling = \"sum\""
+        return is_norm ? "cracks above 0.6 c_R cost less with coupling = \"sum\"; for a slow load in explicit steps "
+                         "\"norm\" fits"
                        : "";
     if (!sum.notched || !norm.notched) return {};
     const bool norm_fits = std::abs(norm.notched->mean - 1) < std::abs(sum.notched->mean - 1);
