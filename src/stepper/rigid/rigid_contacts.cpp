@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 
 namespace knap {
 namespace {
@@ -400,9 +401,9 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
                                                 std::vector<double>& of_piece) {
     Blow hardest;
     of_piece.assign(n_pieces_, 0);
-    std::vector<double> of_motion(rows_.size(), -1);  // [N s] before it is known
+    std::vector<std::optional<double>> of_motion(rows_.size());  // [N s] once it was asked
     const auto impulse_of_motion = [&](std::size_t r) {
-        if (of_motion[r] < 0)
+        if (!of_motion[r])
             solve_anew(
                 rows_[r].cluster, step, bodies,
                 [&](Row& row) {
@@ -413,7 +414,7 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
                             row.free += row.terms[k].rate(body.free - body.before);
                 },
                 [&](Index i, const Row& row) { of_motion[i] = row.impulse.x(); });
-        return of_motion[r];
+        return *of_motion[r];
     };
     for (std::size_t r = 0; r < rows_.size(); ++r) {
         const Row& row = rows_[r];
