@@ -48,11 +48,12 @@ private:
         return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : Vec2(of_corner(corner));
     }
     double touching_gap(const State& begin, const FaceContact& contact) const;
-    PointSides sides_of(const FaceContact& contact, const CornerPartition& nodes) const;
+    PointSides sides_of(std::size_t i, const CornerPartition& nodes) const;
 
     const Model& model_;
     std::optional<FaceContacts> faces_;  // with contact between free faces
     std::vector<FaceContact> rows_;      // that may meet
+    std::vector<Eigen::Matrix2d> lever_;  // PointSides::lever of these; zero with small rotations
     const CohesiveLaw law_;              // without cohesion
     std::vector<PointSides> sides_;
     std::vector<std::array<Index, 2>> before_;

@@ -31,7 +31,7 @@ void FanSweep::begin(const std::vector<ActivePoint>& points) {
     has_columns_ = false;
     touches_.assign(matrix_.nodes().n_nodes(), 0);
     for (const ActivePoint& point : points)
-        if (point.fan < 0) point.sides.for_each_node([&](Index node, double) { touches_[node] = 1; });
+        if (point.fan < 0) point.sides.for_each_node([&](Index node, const auto&) { touches_[node] = 1; });
 }
 
 void FanSweep::find_columns(const std::vector<ActivePoint>& points) {
@@ -97,12 +97,13 @@ bool FanSweep::load(std::span<const ActivePoint> points, const std::vector<Vec2>
 /// (N, T) of a motion of the nodes across a point.
 Vec2 FanSweep::turn(const ActivePoint& point, const Vector& x) const {
     Vec2 jump = Vec2::Zero();
-    point.sides.for_each_node([&](Index node, double weight) { jump += weight * x.segment<2>(2 * place(node)); });
+    point.sides.for_each_node([&](Index node, const auto& weight) { jump += weight * x.segment<2>(2 * place(node)); });
     return point.in_frame(jump);
 }
 
 void FanSweep::add_impulse(const ActivePoint& point, const Vec2& impulse, Vector& x) const {
-    point.sides.for_each_node([&](Index node, double weight) { x.segment<2>(2 * place(node)) += weight * impulse; });
+    point.sides.for_each_node(
+        [&](Index node, const auto& weight) { x.segment<2>(2 * place(node)) += transposed(weight) * impulse; });
 }
 
 double FanSweep::largest_residual() const {

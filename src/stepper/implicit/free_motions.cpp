@@ -55,7 +55,8 @@ void FreeMotions::for_each_restraint(const std::vector<ActivePoint>& points, con
             if (D.row(row).isZero(0) || !D.row(row).allFinite()) continue;
             const Vec2 along = point.out_of_frame(D.row(row).transpose().normalized());
             terms_.clear();
-            point.sides.for_each_node([&](Index node, double weight) { add_term(node, weight * along, terms_); });
+            point.sides.for_each_node(
+                [&](Index node, const auto& weight) { add_term(node, transposed(weight) * along, terms_); });
             if (!terms_.empty()) visit(terms_);
         }
     }
@@ -163,7 +164,8 @@ double FreeMotions::complete(const std::vector<ActivePoint>& points, const std::
             if (q == 0) continue;
             terms_.clear();
             const Vec2 along = point.out_of_frame(Vec2::Unit(k));
-            point.sides.for_each_node([&](Index node, double weight) { add_term(node, weight * along, terms_); });
+            point.sides.for_each_node(
+                [&](Index node, const auto& weight) { add_term(node, transposed(weight) * along, terms_); });
             if (terms_.empty()) continue;
             const Index g = places_[terms_.front().piece].group;  // without a slope its sides may be of two groups
             Eigen::VectorXd of_point = Eigen::VectorXd::Zero(groups_[g].free.cols());

@@ -349,7 +349,7 @@ void ImplicitScheme::make_points() {
         ActivePoint& made = x_.points.emplace_back(faces_.point(i, step_, partition_));
         double compliance = 0;
         made.sides.for_each_node(
-            [&](Index node, double weight) { compliance += weight * weight / mass_between(-1, node); });
+            [&](Index node, const auto& weight) { compliance += squared(weight) / mass_between(-1, node); });
         made.mass = 1 / compliance;
     }
     for (const ObstacleContact& contact : contacts_.all()) {

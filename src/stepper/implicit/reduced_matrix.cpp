@@ -19,9 +19,11 @@ bool is_positive(const Eigen::Matrix2d& block) {
 template <class Visit>
 void each_node(std::span<const ActingPoint> points, const CornerPartition& nodes, const Visit& visit) {
     for (const ActingPoint& point : points)
-        point.sides.for_each_node([&](Index node, double) {
+        point.sides.for_each_node([&](Index node, const auto&) {
             const std::array<bool, 2>& prescribed = nodes.prescribed[node];
-            visit(node, std::array{point.along[0] && !prescribed[0], point.along[1] && !prescribed[1]});
+            const bool both = !point.sides.lever.isZero(0) && (point.along[0] || point.along[1]);
+            const auto acts = [&](int k) { return (point.along[k] || both) && !prescribed[k]; };
+            visit(node, std::array{acts(0), acts(1)});
         });
 }
 
@@ -121,9 +123,10 @@ void ReducedMatrix::multiply(const std::vector<Vec2>& motion, std::vector<Vec2>&
 bool ReducedMatrix::find_compliance(std::span<const PointSides> points, Eigen::Ref<Eigen::MatrixXd> compliance) {
     if (!has_cholesky_ && !factorise_symmetric(points_)) return false;
     const auto each_unknown = [&](std::size_t j, const auto& visit) {  // of component j % 2 of point j / 2
-        points[j / 2].for_each_node([&](Index node, double weight) {
-            const Index i = place_[2 * node + static_cast<Index>(j % 2)];
-            if (i >= 0) visit(i, weight);
+        points[j / 2].for_each_node([&](Index node, const auto& weight) {
+            const Vec2 of_motion = transposed(weight) * Vec2(Vec2::Unit(static_cast<Eigen::Index>(j % 2)));
+            for (Index k = 0; k < 2; ++k)
+                if (const Index i = place_[2 * node + k]; i >= 0 && of_motion[k] != 0) visit(i, of_motion[k]);
         });
     };
     for (std::size_t j = 0; j < 2 * points.size(); ++j) {

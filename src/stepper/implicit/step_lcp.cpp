@@ -109,11 +109,11 @@ void StepLcp::make_points() {
             points_[p] = interface_point(model_, step_, nodes_, static_cast<Index>(f), i);
             if (unbreakable(model_, model_.fan_points[i])) continue;
             const Vec2 axis[2] = {points_[p].normal, turned_left(points_[p].normal)};
-            points_[p].sides.for_each_node([&](Index node, double weight) {
+            points_[p].sides.for_each_node([&](Index node, const auto& weight) {
                 for (int d = 0; d < 2; ++d)
                     for (int k = 0; k < 2; ++k)
                         if (const Index u = unknown_[2 * node + k]; u >= 0)
-                            entries.emplace_back(2 * p + d, u, weight * axis[d][k]);
+                            entries.emplace_back(2 * p + d, u, Vec2(transposed(weight) * axis[d])[k]);
             });
         }
     H_.resize(2 * model_.n_points(), n_unknowns_);

@@ -146,7 +146,7 @@ void ThetaMatrix::place_fan(const Fan& fan) {
 void ThetaMatrix::place_meetings(std::span<const PointSides> meetings) {
     meetings_.assign(meetings.begin(), meetings.end());
     for (const PointSides& sides : meetings)
-        sides.for_each_node([&](Index node, double) {
+        sides.for_each_node([&](Index node, const auto&) {
             Index* part = &eliminated_in_[2 * nodes_->corner_of_node[node]];
             part[0] = part[1] = dissection_.smallest_common(part[0], leaf_of_corner(sides.leaf_corner));
         });
@@ -169,16 +169,20 @@ void ThetaMatrix::add_elements(Index leaf, std::vector<Element>& elements) const
 void ThetaMatrix::add_point(const PointSides& sides, const Eigen::Matrix2d& block,
                             std::vector<Element>& elements) const {
     Element& made = elements.emplace_back(0);
-    double weights[4];
     Index nodes[4];
-    sides.for_each_node([&](Index node, double weight) {
-        weights[made.n_unknowns / 2] = weight, nodes[made.n_unknowns / 2] = node;
+    sides.for_each_node([&](Index node, const auto&) {
+        nodes[made.n_unknowns / 2] = node;
         for (int k = 0; k < 2; ++k) made.unknown[made.n_unknowns++] = unknown(node, k);
     });
     made.matrix.resize(made.n_unknowns, made.n_unknowns);
-    for (int i = 0; i < made.n_unknowns / 2; ++i)
-        for (int j = 0; j < made.n_unknowns / 2; ++j)
-            made.matrix.block<2, 2>(2 * i, 2 * j) = weights[i] * weights[j] * block;
+    int i = 0, j = 0;
+    sides.for_each_node([&](Index, const auto& of_row) {
+        j = 0;
+        sides.for_each_node([&](Index, const auto& of_column) {
+            made.matrix.block<2, 2>(i, j) = between(of_row, block, of_column), j += 2;
+        });
+        i += 2;
+    });
     for (int i = 0; frames_ && i < made.n_unknowns / 2; ++i)
         for (int j = 0; j < made.n_unknowns; ++j) {
             auto column = made.matrix.block<2, 1>(2 * i, j);
@@ -248,9 +252,20 @@ void ThetaMatrix::each_unknown(const std::vector<Index>& nodes, const Visit& vis
 template <class Visit>
 void ThetaMatrix::each_unknown(const PointTangent& point, const Visit& visit) const {
     for (int k = 0; k < 2; ++k)
-        point.sides.for_each_node([&](Index node, double weight) {
-            for_each_part(node, k, [&](Index u, double part) { visit(u, k, part * weight); });
+        point.sides.for_each_node([&](Index node, const auto& weight) {
+            for_each_part_of_jump(node, k, weight, [&](Index u, double part) { visit(u, k, part); });
         });
+}
+
+/// visit(unknown, its part) of component k of a relative motion, by the motion of a node.
+template <class Visit>
+void ThetaMatrix::for_each_part_of_jump(Index node, int k, double weight, const Visit& visit) const {
+    for_each_part(node, k, [&](Index u, double part) { visit(u, part * weight); });
+}
+
+template <class Visit>
+void ThetaMatrix::for_each_part_of_jump(Index node, int k, const Eigen::Matrix2d& weight, const Visit& visit) const {
+    for (int l = 0; l < 2; ++l) for_each_part_of_jump(node, l, weight(k, l), visit);
 }
 
 /// visit(unknown, its part) of a unit vector at a node along x or y.
@@ -286,7 +301,7 @@ void ThetaMatrix::find_parts(const Points& points, const SidesOf& sides_of, std:
     std::ranges::fill(is_marked_, 0);
     for (const auto& point : points)
         sides_of(point).for_each_node(
-            [&](Index node, double) { is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
+            [&](Index node, const auto&) { is_marked_[eliminated_in_[2 * nodes_->corner_of_node[node]]] = 1; });
     find_marked_parts(parts);
 }
 
@@ -295,7 +310,7 @@ void ThetaMatrix::set_near(const std::vector<PointSides>& points) {
     is_reduced_ = false;
     std::ranges::fill(is_marked_, 0);
     for (const PointSides& point : points)
-        point.for_each_node([&](Index node, double) {
+        point.for_each_node([&](Index node, const auto&) {
             const Fan& fan = model_.fans[model_.fan_of_corner[nodes_->corner_of_node[node]]];
             for (Index i = fan.first_corner; i < fan.first_corner + fan.n_corners; ++i)
                 is_marked_[leaf_of_corner(model_.fan_corners[i])] = 1;
@@ -446,8 +461,8 @@ bool ThetaMatrix::find_compliance(std::span<const PointSides> points, const Poin
         const int k = static_cast<int>(component_of(j));
         if (j == 0 || point_of(j - 1) != point_of(j)) find_parts(points.subspan(point, 1), std::identity{}, path_);
         factor_.set_zero(local_parts_, y_);
-        points[point].for_each_node([&](Index node, double weight) {
-            for_each_part(node, k, [&](Index u, double part) { y_[u] += part * weight; });
+        points[point].for_each_node([&](Index node, const auto& weight) {
+            for_each_part_of_jump(node, k, weight, [&](Index u, double part) { y_[u] += part; });
         });
         factor_.substitute(path_, y_);
         for (Eigen::Index i = 0; i < n_rows; ++i) half(i, j) = y_[local_unknowns_[i]];

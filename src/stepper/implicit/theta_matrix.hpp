@@ -110,6 +110,10 @@ private:
     void each_unknown(const PointTangent& point, const Visit& visit) const;
     template <class Visit>
     void for_each_part(Index node, int k, const Visit& visit) const;
+    template <class Visit>
+    void for_each_part_of_jump(Index node, int k, double weight, const Visit& visit) const;
+    template <class Visit>
+    void for_each_part_of_jump(Index node, int k, const Eigen::Matrix2d& weight, const Visit& visit) const;
     /// (marked parts, and all above), ascending
     void find_marked_parts(std::vector<Index>& parts);
     /// (parts that eliminate nodes of `points`, and all above), ascending
