@@ -15,9 +15,9 @@ namespace knap {
 namespace {
 
 /// `content_of(t, moments)` of a triangle, with its moments or without, is asked twice: to keep them all would take 128
-/// bytes a triangle.
+/// bytes a triangle. `whole`: with the moments, too.
 template <class Content>
-Fragments fragments_of_sets(UnionFind& sets, Index n_triangles, const Content& content_of) {
+Fragments fragments_of_sets(UnionFind& sets, Index n_triangles, bool whole, const Content& content_of) {
     Fragments found;
     found.piece_of_triangle.reserve(n_triangles);
     for (Index t = 0; t < n_triangles; ++t) {
@@ -37,7 +37,7 @@ Fragments fragments_of_sets(UnionFind& sets, Index n_triangles, const Content& c
     }
     for (Fragment& piece : found.pieces)
         piece.velocity /= piece.mass, piece.centre /= piece.mass, piece.start /= piece.mass;
-    for (Index t = 0; t < n_triangles; ++t) {  // moments about the centre of mass (Steiner)
+    for (Index t = 0; whole && t < n_triangles; ++t) {  // moments about the centre of mass (Steiner)
         const TriangleContent& content = content_of(t, true);
         Fragment& piece = found.pieces[found.piece_of_triangle[t]];
         const Vec2 arm = content.centroid - piece.centre;
@@ -89,7 +89,7 @@ Fragments fragments_of(const Model& model, const State& state, bool whole) {
         if (!model.has_vanished(t)) place[t] = static_cast<Index>(number.size()), number.push_back(t);
     const auto content_at = [&](Index i, bool moments) {
         const Index t = number[i];
-        if (!whole) return TriangleContent{.area = model.mesh.area(t), .mass = model.triangle_mass(t)};
+        if (!whole) return TriangleContent{.mass = model.triangle_mass(t)};
         return model.mesh.order == 1 ? content_of<3>(model, state, t, moments)
                                      : content_of<7>(model, state, t, moments);
     };
@@ -101,7 +101,7 @@ Fragments fragments_of(const Model& model, const State& state, bool whole) {
         if (!unbroken || a == rigid_support || b == rigid_support) continue;
         if (!model.is_gone(model.interfaces[i / model.mesh.order])) sets.join(place[a], place[b]);
     }
-    Fragments found = fragments_of_sets(sets, static_cast<Index>(number.size()), content_at);
+    Fragments found = fragments_of_sets(sets, static_cast<Index>(number.size()), whole, content_at);
     for (Fragment& piece : found.pieces) piece.first_triangle = number[piece.first_triangle];
     std::vector<Index> piece_of(model.mesh.n_triangles(), -1);
     for (std::size_t i = 0; i < number.size(); ++i) piece_of[number[i]] = found.piece_of_triangle[i];
@@ -115,7 +115,8 @@ Fragments fragments_of(const Model& model, const State& state, bool whole) {
 Fragments find_fragments(std::span<const TriangleContent> triangles, std::span<const std::array<Index, 2>> joined) {
     UnionFind sets(triangles.size());
     for (const auto& [a, b] : joined) sets.join(a, b);
-    return fragments_of_sets(sets, static_cast<Index>(triangles.size()), [&](Index t, bool) { return triangles[t]; });
+    return fragments_of_sets(sets, static_cast<Index>(triangles.size()), true,
+                             [&](Index t, bool) { return triangles[t]; });
 }
 
 Fragments find_fragments(const Model& model, const State& state) { return fragments_of(model, state, true); }

@@ -83,8 +83,8 @@ private:
 /// The c that minimises the sum of w |P + undetermined c|^2 over the points, by components.
 class LeastNormSelfStress {
 public:
-    void add(double w, const Vec2& P) {  // undetermined in both components
-        sum_ += w * P;
+    void add(double w, const Vec2& P) {  // undetermined in both components; w * P is a call within large functions
+        sum_.x() += w * P.x(), sum_.y() += w * P.y();
         weight_.x() += w, weight_.y() += w;
     }
     void add(double w, const Vec2& P, const Vec2& undetermined) {

@@ -71,6 +71,15 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
         middle[i].setZero();
         for (const Index k : pieces[i]) middle[i] += coordinates(mesh, k) / 3;
     }
+    std::vector<Index> first_corner(state.displacement.size(), -1);  // of the frame, per node
+    Index n_nodes = 0;
+    const auto number_of = [&](Index node, Index corner) {
+        const Index first = first_corner[node];
+        if (first >= 0 && (frame.temperature.empty() || frame.temperature[first] == frame.temperature[corner]))
+            return frame.node[first];
+        first_corner[node] = corner;
+        return n_nodes++;
+    };
     for (auto* list : {&frame.position, &frame.displacement, &frame.velocity})
         list->reserve(3 * pieces.size() * mesh.triangles.size());
     for (Index t = 0; t < mesh.n_triangles(); ++t)
@@ -82,6 +91,7 @@ void add_bulk(const Model& model, const State& state, Frame& frame) {
                 frame.velocity.push_back(state.velocity[node]);
                 if (state.temperature)
                     frame.temperature.push_back(state.temperature->of_corner[mesh.corners_per_triangle() * t + k]);
+                frame.node.push_back(number_of(node, static_cast<Index>(frame.node.size())));
             }
             const Eigen::Vector4d stress = stress_with_zz(model, state, t, middle[i]);
             frame.stress.push_back(stress.head<3>());

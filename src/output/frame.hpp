@@ -38,6 +38,8 @@ struct Frame {
     std::vector<Vec2> position;             // [m] per corner, reference
     std::vector<Vec2> displacement;         // [m] per corner
     std::vector<Vec2> velocity;             // [m/s] per corner
+    std::vector<Index> node;                // per corner: those with one number have all values of corners in common,
+                                            // and first corners have 0, 1, ...; empty: none have
     std::vector<Eigen::Vector3d> stress;    // [Pa] per triangle: xx, yy, xy
     std::vector<double> stress_zz;          // [Pa] per triangle; empty in frames of versions that did not store it
     std::vector<double> temperature;        // [K] per corner; empty without heat

@@ -131,16 +131,21 @@ VtkArray make_mean_displacement(const Frame& frame, const Entries& points) {
 
 VtkArray make_sides(const Frame& frame, const Entries& points) {
     return filled<vtkTypeInt32Array>(points.size(), 2, [&](std::size_t i, int j) {
-        return (j == 0 ? frame.side_a : frame.side_b)[points[i] / 2][points[i] % 2];
+        const Index corner = (j == 0 ? frame.side_a : frame.side_b)[points[i] / 2][points[i] % 2];
+        return corner < 0 || frame.node.empty() ? corner : frame.node[corner];
     });
 }
 
+/// Of the corners of a point the first one.
 void read_sides(vtkDataArray* array, Frame& frame) {
+    std::vector<Index> first_corner(frame.node.size(), -1);  // per point of the bulk
+    for (auto c = static_cast<Index>(frame.node.size()) - 1; c >= 0; --c) first_corner[frame.node[c]] = c;
+    const auto corner = [&](double point) { return point < 0 ? -1 : first_corner.at(static_cast<std::size_t>(point)); };
     const vtkIdType n_points = array->GetNumberOfTuples();
     frame.side_a.resize(n_points / 2), frame.side_b.resize(n_points / 2);
     for (vtkIdType p = 0; p < n_points; ++p) {
-        frame.side_a[p / 2][p % 2] = static_cast<Index>(array->GetComponent(p, 0));
-        frame.side_b[p / 2][p % 2] = static_cast<Index>(array->GetComponent(p, 1));
+        frame.side_a[p / 2][p % 2] = corner(array->GetComponent(p, 0));
+        frame.side_b[p / 2][p % 2] = corner(array->GetComponent(p, 1));
     }
 }
 
@@ -165,8 +170,8 @@ const std::vector<FramePart>& parts() {
     constexpr Of points = Of::points, cells = Of::cells;
     static const std::vector<FramePart> list{
         {"bulk",
-         "arrays of fields/bulk_NNNN.vtu: the triangles, each with corners of its own; points in m, undeformed; the "
-         "field TimeValue is the time in s",
+         "arrays of fields/bulk_NNNN.vtu: the triangles; corners that nothing has parted are one point; points in m, "
+         "undeformed; the field TimeValue is the time in s",
          {&F::position, VTK_TRIANGLE, 3},
          {stored<Float, 3, &F::displacement>(points, "displacement", "m", "displacement of a corner"),
           stored<Float, 3, &F::velocity>(points, "velocity", "m/s", "velocity of a corner"),
@@ -214,7 +219,7 @@ const std::vector<FramePart>& parts() {
               "pressure of the fluids that have reached its faces, 0: dry; only with [[pressure]]", true),
           {{"displacement", "m", "mean displacement of the two sides"}, points, 3, make_mean_displacement},
           stored<Byte, 1, &F::status>(points, "status", "", "0 intact, 1 damaged, 2 broken, 3 pre-crack"),
-          {{"sides", "", "numbers of the corners on both sides in fields/bulk, -1: the support"},
+          {{"sides", "", "numbers of the points on both sides in fields/bulk, -1: the support"},
            points,
            2,
            make_sides,
@@ -228,10 +233,13 @@ const std::vector<FramePart>& parts() {
     return list;
 }
 
-/// Points that are written; of interfaces only those that are not intact or lie on a support.
+/// Points that are written: of the bulk the first corner of each node, of interfaces only those that are not intact or
+/// lie on a support.
 Entries points_of(const FramePart& part, const Frame& frame) {
-    Entries points((frame.*part.geometry.position).size());
-    std::iota(points.begin(), points.end(), 0);
+    Entries points;
+    const bool shares = part.geometry.position == &F::position && !frame.node.empty();
+    for (Index p = 0; p < static_cast<Index>((frame.*part.geometry.position).size()); ++p)
+        if (!shares || frame.node[p] == static_cast<Index>(points.size())) points.push_back(p);
     if (part.geometry.position == &F::end_position)
         std::erase_if(points, [&](Index p) {
             return frame.status_of_interface(p / 2) == InterfaceStatus::intact && !frame.on_support(p / 2);
@@ -257,7 +265,9 @@ std::uint64_t write_part(const FramePart& part, const Frame& frame, Compression 
     const Entries points = points_of(part, frame);
     const bool is_outline = part.geometry.position == &F::obstacle_position;
     const Index n = is_outline ? frame.n_outline() : part.geometry.points_per_cell;
-    Entries cells(points.size() / n);
+    const bool shares = part.geometry.position == &F::position && !frame.node.empty();
+    const std::size_t n_corners = shares ? frame.node.size() : points.size();
+    Entries cells(n_corners / n);
     std::iota(cells.begin(), cells.end(), 0);
     vtkNew<vtkUnstructuredGrid> grid;
     vtkNew<vtkPoints> positions;
@@ -270,7 +280,7 @@ std::uint64_t write_part(const FramePart& part, const Frame& frame, Compression 
     const bool none = points.empty() && part.geometry.cell_type == VTK_LINE;
     connectivity->SetData(
         filled<Int>(none ? 2 : cells.size() + 1, 1, [&](std::size_t i, int) { return none ? 0 : n * i; }),
-        filled<Int>(points.size(), 1, [](std::size_t i, int) { return i; }));
+        filled<Int>(n_corners, 1, [&](std::size_t i, int) { return shares ? frame.node[i] : static_cast<Index>(i); }));
     grid->SetCells(none ? VTK_POLYGON : part.geometry.cell_type, connectivity);
     for (const Array& array : part.arrays) {
         const VtkArray made = array.make(frame, array.of == Of::points ? points : cells);
@@ -328,7 +338,21 @@ void read_part(const FramePart& part, const path& file, Frame& frame) {
     vtkDataArray* time = grid->GetFieldData()->GetArray("TimeValue");
     if (!time || time->GetNumberOfTuples() == 0) fail("has no time");
     frame.time = time->GetComponent(0, 0);
-    if (grid->GetNumberOfPoints() > 0) read_into(grid->GetPoints()->GetData(), frame.*part.geometry.position);
+    vtkDataArray* const corners = grid->GetCells()->GetConnectivityArray();
+    const auto of_corners = [&](vtkDataArray* of_points) {
+        const auto list = vtkSmartPointer<vtkDataArray>::Take(of_points->NewInstance());
+        list->SetNumberOfComponents(of_points->GetNumberOfComponents());
+        list->SetNumberOfTuples(corners->GetNumberOfTuples());
+        for (vtkIdType c = 0; c < corners->GetNumberOfTuples(); ++c) {
+            const auto point = static_cast<vtkIdType>(corners->GetComponent(c, 0));
+            if (point < 0 || point >= of_points->GetNumberOfTuples()) fail("has a corner without a point");
+            list->SetTuple(c, point, of_points);
+        }
+        return list;
+    };
+    if (part.geometry.position == &F::position) read_into(corners, frame.node);
+    if (grid->GetNumberOfPoints() > 0)
+        read_into(of_corners(grid->GetPoints()->GetData()), frame.*part.geometry.position);
     for (const Array& array : part.arrays) {
         const std::string name(array.output.name);
         vtkDataArray* found = data_of(grid, array.of)->GetArray(name.c_str());
@@ -336,7 +360,7 @@ void read_part(const FramePart& part, const path& file, Frame& frame) {
         if (!found || (found->GetNumberOfComponents() != array.n_components &&
                        found->GetNumberOfComponents() != array.once_components))
             fail("has no array `" + name + "` of " + std::to_string(array.n_components) + " components");
-        array.read(found, frame);
+        array.read(array.of == Of::points ? of_corners(found).Get() : found, frame);
         const char* const unit = found->GetInformation()->Get(vtkDataArray::UNITS_LABEL());
         if (array.output.unit == "K") frame.celsius = unit && std::string_view(unit) == "C";
     }

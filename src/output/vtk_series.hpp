@@ -1,5 +1,5 @@
 #pragma once
-// The frames of a run as VTK files: <run>/fields/bulk_NNNN.vtu (triangles with corners of their own),
+// The frames of a run as VTK files: <run>/fields/bulk_NNNN.vtu (triangles; a point for each node),
 // interfaces_NNNN.vtu (line cells) and, with obstacles, obstacles_NNNN.vtu (polygons), listed with their times in
 // <run>/run.pvd. Intact interfaces inside the body are not written (they would double the size of a run): they are
 // closed, and their traction follows from the stress on either side. A frame that is read back lacks them; no figure

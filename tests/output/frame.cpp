@@ -68,6 +68,30 @@ TEST_CASE("frame: the bulk of an evenly stretched bar") {
     }
 }
 
+TEST_CASE("frame: corners have one number where their node and their temperature are one") {
+    const Model model = bar();
+    State state = stretched(model);
+    const Frame cold = make_frame(model, state);
+    REQUIRE(cold.node.size() == cold.position.size());
+    for (std::size_t a = 0; a < cold.node.size(); ++a)
+        for (std::size_t b = 0; b < a; ++b)
+            CHECK((cold.node[a] == cold.node[b]) == (state.node_of_corner[a] == state.node_of_corner[b]));
+    const Index most = std::ranges::max(cold.node), n_vertices = static_cast<Index>(model.mesh.vertices.size());
+    CHECK(most + 1 > n_vertices);  // the pre-crack has two sides
+    CHECK(most + 1 < model.mesh.n_corners());
+
+    Temperatures warm;
+    warm.strain.assign(model.mesh.n_triangles(), 0);
+    warm.of_corner.assign(model.mesh.n_corners(), 300);
+    const auto shared = std::ranges::find(cold.node, cold.node.back());  // of an earlier triangle
+    REQUIRE(shared != cold.node.end() - 1);
+    warm.of_corner.back() = 301;
+    state.temperature = state.temperature_before = std::make_shared<Temperatures>(warm);
+    const Frame frame = make_frame(model, state);
+    CHECK(frame.node.back() == most + 1);
+    CHECK(std::equal(cold.node.begin(), cold.node.end() - 1, frame.node.begin()));
+}
+
 TEST_CASE("frame: stress across the plane and von Mises stress and maximum shear") {
     Model model = bar();
     for (const PlaneModel plane : {PlaneModel::strain, PlaneModel::stress}) {

@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
 #include <regex>
 #include <sstream>
 
@@ -68,6 +69,34 @@ TEST_CASE("frame files: the bulk comes back") {
     REQUIRE(read.stress_zz.size() == written.stress_zz.size());
     for (std::size_t t = 0; t < read.stress_zz.size(); ++t)
         CHECK(std::abs(read.stress_zz[t] - written.stress_zz[t]) <= single * std::abs(written.stress_zz[t]));
+}
+
+TEST_CASE("frame files: corners of one node are one point and come back each by itself") {
+    Frame written = synthetic::frame(20);
+    const auto n_corners = static_cast<Index>(written.position.size());
+    std::map<std::pair<double, double>, Index> number;
+    for (Index c = 0; c < n_corners; ++c) {
+        const Vec2 x = written.position[c];
+        const Index node = number.try_emplace({x.x(), x.y()}, static_cast<Index>(number.size())).first->second;
+        written.node.push_back(node);
+        written.displacement[c] = 1e-5 * x, written.velocity[c] = turned_left(x);
+    }
+    const fs::path run = fresh("nodes");
+    VtkSeries(run).write(written);
+    const Frame read = read_frame(run, 0);
+    CHECK(distance(read.position, written.position) == 0);
+    CHECK(distance(read.displacement, written.displacement) <= single * 1e-5);
+    CHECK(distance(read.velocity, written.velocity) <= single);
+    CHECK(read.region == written.region);
+    const std::string points = std::to_string(number.size());
+    CHECK(std::regex_search(contents(run / "fields/bulk_0000.vtu"), std::regex("NumberOfPoints=\"" + points + "\"")));
+    CHECK(static_cast<Index>(number.size()) < n_corners / 2);
+    CHECK(read.node == written.node);
+    REQUIRE(read.n_interfaces() > 0);
+    for (Index i = 0; i < read.n_interfaces(); ++i)
+        for (Index end = 0; end < 2; ++end)
+            for (const Index corner : {read.side_a[i][end], read.side_b[i][end]})
+                CHECK(read.position[corner] == read.end_position[2 * i + end]);
 }
 
 TEST_CASE("frame files: each compression gives back the same frame") {

@@ -96,7 +96,7 @@ void ObstacleContacts::add_pieces(Index f, const State& begin) {
         if (!fan.closed && (point.after == corners.front() || point.after == corners.back())) continue;  // in boundary_
         const bool together = begin.displacement_of(point.after) == begin.displacement_of(point.before);
         const bool intact = unbreakable(model_, point) || (!point.cracked && state[i].cohesion == 1);
-        if (!(intact && together)) candidates_.push_back({.fan = f, .corner = point.after, .place = i + 2});
+        if (!(intact && together)) of_split_fans_.push_back({.fan = f, .corner = point.after, .place = i + 2});
     }
 }
 
@@ -121,10 +121,11 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
             if (model_.obstacles[o].is_free(k)) predicted_[o][k] = start[k];
     }
     if (body_) return find_of_pieces(begin, h, end_velocity);
-    candidates_ = boundary_;
+    candidates_.clear(), of_split_fans_.clear();
     for (const Index f : begin.split_fans) add_pieces(f, begin);
-    if (candidates_.size() > boundary_.size())
-        std::ranges::sort(candidates_, {}, [](const Candidate& c) { return (std::int64_t(c.fan) << 32) + c.place; });
+    std::ranges::sort(of_split_fans_, {}, &Candidate::order);
+    std::ranges::merge(boundary_, of_split_fans_, std::back_inserter(candidates_), {}, &Candidate::order,
+                       &Candidate::order);
     for (const Candidate& candidate : candidates_) {
         const MovingCorner at = moving(candidate, begin, h, corner_force);
         for (Index o = 0; o < static_cast<Index>(surfaces_.size()); ++o) find_at_corner(at, o, begin, h, end_velocity);

@@ -110,6 +110,8 @@ private:
     struct Candidate {
         Index fan, corner;
         Index place;  // in the order of the candidates of its fan
+
+        std::int64_t order() const { return (std::int64_t(fan) << 32) + place; }
     };
     /// The edge of the body to the left of a to b; of second order half of it.
     struct Edge {
@@ -167,7 +169,7 @@ private:
                                             // leaves or enters it, or -1
     double longest_edge_ = 0;               // [m]
     std::vector<double> corner_size_;       // [m] per corner: distance to the nearest other corner of its triangle
-    std::vector<Candidate> candidates_;
+    std::vector<Candidate> candidates_, of_split_fans_;
     SharedFrozenBody body_;                  // null: a deformable one
     std::vector<Piece> pieces_;              // of rigid ones, once they are read
     std::vector<Edge> piece_edges_;          // piece by piece

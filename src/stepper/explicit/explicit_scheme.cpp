@@ -53,6 +53,11 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
     if (std::ranges::any_of(model.materials, &Elastic::has_viscosity))
         no_viscous_stress_.assign(viscous_components * (model.mesh.order == 1 ? 1 : 3) * model.mesh.n_triangles(), 0);
     for (const Index corner : model.fan_corners) mass_.push_back(model.corner_mass[corner]);
+    for (std::size_t f = 0; f < model.fans.size() && !model.prescribed.empty(); ++f) {
+        const PrescribedMotion* motion = model.motion_of(model.corners(model.fans[f])[0]);
+        drive_of_fan_.push_back(motion ? static_cast<Index>(drives_.size()) : -1);
+        if (motion) drives_.push_back(*motion);
+    }
     for (ThreadWorkspace& work : workspaces_) {
         work.force.resize(model.mesh.corners_per_triangle() * blocks_.front().last + 1, Vec2::Zero());
         VertexSolver::Workspace& split = work.split;  // more corners and points than most vertices have
@@ -210,14 +215,14 @@ bool ExplicitScheme::decide_and_move(const Sweep<Corner>& sweep, const typename 
     const auto corners = model_.corners(model_.fans[f]);
     const auto dashpots = absorbing_.of_fan(f);
     if (!dashpots.empty()) {  // they are forces at the mean velocity that the fan has as one
-        const Vec2 after = velocity_as_one(corners[0], force, Vec2::Zero(), step),
+        const Vec2 after = velocity_as_one(f, force, Vec2::Zero(), step),
                    mean = 0.5 * (begin.velocity[f] + after);
         const auto resisted = [&](Index k) -> Vec2 { return force_on(k) + dashpot_force(corners[k], dashpots, mean); };
         if (!is_held(resisted, force + absorbing_.force_on_fan(f, mean))) return false;
     } else if (!is_held(force_on, force)) {
         return false;
     }
-    move_bonded(corners[0], force, Vec2::Zero(), step, nodes, report);
+    move_bonded(f, force, Vec2::Zero(), step, nodes, report);
     return false;
 }
 
@@ -394,13 +399,11 @@ bool ExplicitScheme::is_bonded(Index f, std::span<const InscribedCircle> circles
 }
 
 /// [m/s] v+ of a bonded fan.
-Vec2 ExplicitScheme::velocity_as_one(Index corner, const Vec2& force, const Vec2& contact,
-                                     const ExplicitStep& step) const {
-    const Index f = model_.fan_of_corner[corner];
+Vec2 ExplicitScheme::velocity_as_one(Index f, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const {
     const double mass = model_.fans[f].mass;
     Vec2 velocity = step.damped(f) + step.mobility * step.kick_time / mass * force;
     if (!contact.isZero(0)) velocity += step.mobility / mass * contact;
-    if (const PrescribedMotion* motion = model_.motion_of(corner)) {
+    if (const PrescribedMotion* motion = drive_of(f)) {
         const Vec2 given = step.prescribed_velocity(model_, *motion, step.begin.displacement[f]);
         for (int k = 0; k < 2; ++k)
             if (motion->component[k]) velocity[k] = given[k];
@@ -409,19 +412,19 @@ Vec2 ExplicitScheme::velocity_as_one(Index corner, const Vec2& force, const Vec2
     return absorbing_.end_velocity(f, step, step.kick_time * force + contact, velocity);
 }
 
-/// Moves the node of a bonded fan, which has `corner`, under a force [N] and the impulse [N s] of contacts.
-void ExplicitScheme::move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step,
+/// Moves the node of a bonded fan under a force [N] and the impulse [N s] of contacts.
+void ExplicitScheme::move_bonded(Index f, const Vec2& force, const Vec2& contact, const ExplicitStep& step,
                                  NodeMotion& nodes, StepReport& report) const {
-    const Index f = model_.fan_of_corner[corner];
     const double mass = model_.fans[f].mass;
-    const Vec2 velocity = velocity_as_one(corner, force, contact, step);
+    const Vec2 velocity = velocity_as_one(f, force, contact, step);
     nodes.move(f, f, mass, force, velocity);
-    if (const PrescribedMotion* motion = model_.motion_of(corner)) {
+    if (const PrescribedMotion* motion = drive_of(f)) {
+        const Index number = model_.prescribed_of_corner[model_.corners(model_.fans[f])[0]];
         const Vec2 before = step.begin.velocity[f], mean = 0.5 * (before + velocity);
         const Vec2 impulse = step.impulse(mass, before, velocity) -
                              step.kick_time * (force + absorbing_.force_on_fan(f, mean)) - contact;
         for (int k = 0; k < 2; ++k)
-            if (motion->component[k]) step.drive(model_.prescribed_of_corner[corner], k, impulse[k], mean[k], report);
+            if (motion->component[k]) step.drive(number, k, impulse[k], mean[k], report);
     }
 }
 
@@ -451,7 +454,7 @@ void ExplicitScheme::advance_bonded_contacts(const ExplicitStep& step, StepRepor
         const auto corners = model_.corners(model_.fans[f]);
         Vec2 force = Vec2::Zero(), impulse = Vec2::Zero();
         for (const Index c : corners) force += corner_force_[c], impulse += corner_impulse_[c];
-        move_bonded(corners[0], force, impulse, step, nodes, report);
+        move_bonded(f, force, impulse, step, nodes, report);
     }
     nodes.add_to(report);
 }

@@ -40,8 +40,8 @@ private:
     template <class Force>
     bool is_bonded(Index fan, std::span<const InscribedCircle> circles, const Force& force_on, const Vec2& force,
                    const ExplicitStep& step, ThreadWorkspace& work, StepReport& report);
-    Vec2 velocity_as_one(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
-    void move_bonded(Index corner, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
+    Vec2 velocity_as_one(Index fan, const Vec2& force, const Vec2& contact, const ExplicitStep& step) const;
+    void move_bonded(Index fan, const Vec2& force, const Vec2& contact, const ExplicitStep& step, NodeMotion& nodes,
                      StepReport& report) const;
     void advance_bonded_contacts(const ExplicitStep& step, StepReport& report);
     void release(const ExplicitStep& step, StepReport& report);
@@ -58,6 +58,11 @@ private:
     }
     void account_viscosity(const ViscousStep& viscous, StepReport& report) const;
     void account_rotation(const ExplicitStep& step, StepReport& report) const;
+    /// Of a bonded fan, or null.
+    const PrescribedMotion* drive_of(Index fan) const {
+        const Index drive = drives_.empty() ? -1 : drive_of_fan_[fan];
+        return drive < 0 ? nullptr : &drives_[drive];
+    }
     /// No contact acts on several fans.
     bool fans_are_independent() const { return model_.obstacles.empty() && !contacts_; }
 
@@ -75,6 +80,8 @@ private:
     VertexObstacles obstacles_;
     std::optional<VertexContacts> contacts_;      // between free faces, and with obstacles beyond a fan
     std::vector<double> mass_;                    // [kg] per corner, in the order of Model::fan_corners
+    std::vector<PrescribedMotion> drives_;        // of the first corners of fans, side by side for bonded ones
+    std::vector<Index> drive_of_fan_;             // per fan: into drives_, or -1
     std::vector<double> amplitude_;               // of every history, at the start of the step
     std::vector<double> velocity_factor_;         // of every history, see ExplicitStep
     std::vector<Vec2> corner_force_;              // [N] per corner, see ExplicitStep
