@@ -112,7 +112,8 @@ std::string advice(const std::array<WithCoupling, 2>& couplings, const CohesiveL
     const auto misses = [](const Found& found) { return std::abs(found.surplus.mean - 1); };
     const bool norm_fits = misses(*norm.notched) < misses(*sum.notched);
     if (norm_fits == is_norm) return {};
-    return "this run is slow (large implicit steps): coupling = \"" + (norm_fits ? "norm" : "sum") + "\" fits it" +
+    return std::string("this run is slow (large implicit steps): coupling = \"") + (norm_fits ? "norm" : "sum") +
+           "\" fits it" +
            (norm_fits && law.friction > 0 ? ", but the shear strength falls from gamma + friction to gamma" : "");
 }
 
