@@ -263,6 +263,19 @@ const GateRule rules[] = {
       "leapfrog energy depends on the step."},
      {0.05, infinity, fixed},
      [](const GateView& run) { return over_dissipated(run, run.ledger.row().step_change_work); }},
+    {{"lost_part", "",
+      "energy lost by the steps (law lag, crossing loss, scheme dissipation and changes of the step together) over the "
+      "energy supplied",
+      "Each of them has a gate of its own over the dissipated energy, with its cause. Try a smaller time.safety or "
+      "time.step_cracking, or more triangles; pieces that rattle lose a part with every step."},
+     {0.05, infinity, fixed},
+     [](const GateView& run) {
+         const EnergyRow& row = run.ledger.row();
+         const double lost = row.law_lag + row.crossing_loss + row.scheme_dissipation - row.step_change_work;
+         GateValue value = over_dissipated(run, lost);
+         value.value = run.ledger.supplied() > 0 ? std::abs(lost) / run.ledger.supplied() : 0;
+         return value;
+     }},
     {{"rotation_work_part", "",
       "largest defect of the elastic energy by large rotations (rotation_work) over the largest energy; it decreases "
       "with the square of the step; the limit is 1e-3 and as much for each turn, by the path of the fastest point over "

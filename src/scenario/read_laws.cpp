@@ -337,6 +337,11 @@ void read_materials(Reading& reading) {
         reading.table("material").error("missing-key", "", "has no material", "write [material.NAME]");
 }
 
+/// The key that makes the traction of a softening drop at once.
+static const char* key_of_shape(const Table& table) {
+    return table.given("plateau") ? "plateau" : table.given("table") ? "table" : "csv";
+}
+
 /// [-] Over sigma_c: the least uniaxial stress that damages a facet by the norm, of all its angles t: the least of
 /// 1/(cos t sqrt(cos^2 t + sin^2 t/gamma^2)), at cos^2 t = 1/(2 (1 - gamma^2)) where gamma^2 < 1/2, else at t = 0.
 static double weakest_facet(double gamma) { return gamma * gamma < 0.5 ? 2 * gamma * std::sqrt(1 - gamma * gamma) : 1; }
@@ -381,7 +386,7 @@ void check_laws(Reading& reading) {
     for (const Table& table : reading.list("interface")) {
         const auto& softening = reading.scenario.laws[i++].law.softening;
         if (softening && std::isinf(softening->steepest()))
-            table.exclude("softening", "plateau = 1",
+            table.exclude(key_of_shape(table), "plateau = 1",
                           reading.scenario.time.scheme.bulk == BulkScheme::automatic ? "bulk = \"auto\""
                                                                                      : "cohesion = \"implicit\"",
                           "plateau = 0.9 or a point farther on in the table, or cohesion = \"explicit\" in [time]");

@@ -34,7 +34,7 @@ std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& value
         const CohesiveLaw& law = scenario.laws[i].law;
         if (!law.breakable() || law.sigma_c <= 0) continue;
         double shortest = infinity;
-        LawWithin within{.law = i, .material = -1, .meshed = {}};
+        LawWithin within{.law = i, .material = -1, .edge = edge, .meshed = {}};
         for (Index m = 0; m < static_cast<Index>(scenario.materials.size()); ++m) {
             if (scenario.law_of_pair[m][m] != i && scenario.law_within[m] != i) continue;
             const double zone = law.steep_zone(scenario.materials[m].elastic.plane_modulus(scenario.plane));

@@ -230,7 +230,8 @@ Index Table::new_joint_set() const {
 
 void Table::exclude(std::string_view key, std::string_view one, std::string_view other, const std::string& cure) const {
     const std::size_t value = one.find(" =");
-    const std::string text = value < one.size() ? std::string(one.substr(value + 1)) + " " : "";
+    std::string text = value < one.size() ? std::string(one.substr(value + 1)) + " " : "";
+    if (value < one.size() && !one.starts_with(key)) text = "makes " + std::string(one) + ", which ";
     error("exclusive-keys", key,
           text + "does not go together with " + std::string(other) + ": " + std::string(reason_against(one, other)),
           cure);

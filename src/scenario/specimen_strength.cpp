@@ -26,21 +26,24 @@ const char* test_word(SpecimenOptions::Test test) {
     return test == SpecimenOptions::Test::brazilian ? "brazilian" : "compression";
 }
 
-TestedLaw tested_law(const Scenario& scenario, const LawWithin& within) {
+TestedLaw tested_law(const Scenario& scenario, const LawWithin& within, const std::string& test, double size) {
     const CohesiveLaw& law = scenario.laws[within.law].law;
-    const double modulus = scenario.materials[within.material].elastic.plane_modulus(scenario.plane),
-                 size = scenario.strength.size;
-    const double edge = law.steep_zone(modulus) / within.meshed.edges;
-    FrictionLine line{law.friction, 0};  // in tension that of the pressure which balances the cohesion
-    if (scenario.strength.test == SpecimenOptions::Test::compression) line = law.compressive_strength().line;
-    return {.test = test_word(scenario.strength.test),
+    const double modulus = scenario.materials[within.material].elastic.plane_modulus(scenario.plane);
+    FrictionLine line;
+    if (test == "brazilian") line.slope = law.friction;  // that of the pressure which balances the cohesion
+    if (test == "compression") line = law.compressive_strength().line;
+    return {.test = test,
             .softening = within.meshed.softening,
             .unloading = within.meshed.unloading,
             .order = within.meshed.order,
             .gamma = law.gamma + line.offset / law.sigma_c,
             .friction = line.slope,
             .zones = size / law.process_zone(modulus),
-            .edges = size / edge};
+            .edges = size / within.edge};
+}
+
+TestedLaw tested_law(const Scenario& scenario, const LawWithin& within) {
+    return tested_law(scenario, within, test_word(scenario.strength.test), scenario.strength.size);
 }
 
 std::string not_tested(const Scenario& scenario, Index law) {
@@ -85,6 +88,22 @@ std::optional<Surplus> StrengthTable::find(const TestedLaw& law) const {
                               {row.surplus, row.deviation}});
     return interpolated(points, {law.gamma, law.friction, std::log(law.zones), std::log(law.edges)},
                         {0, 0, std::log(beyond_zones), std::log(beyond_specimen_edges)});
+}
+
+const StrengthRow* StrengthTable::nearest(const TestedLaw& law) const {
+    return nearest_row(rows_, [&](const StrengthRow& row) -> std::optional<double> {
+        const std::optional<double> of_law = distance(row.law.meshed(), law.meshed());
+        if (row.law.test != law.test || !of_law) return {};
+        return *of_law + apart(row.law.friction, law.friction) + apart(row.law.zones, law.zones);
+    });
+}
+
+std::vector<std::string> differences(const TestedLaw& row, const TestedLaw& law) {
+    std::vector<std::string> parts = differences(row.meshed(), law.meshed(), beyond_specimen_edges);
+    if (row.friction != law.friction) parts.push_back(formatted("friction %.3g", row.friction));
+    if (std::abs(std::log(row.zones / law.zones)) > std::log(beyond_zones))
+        parts.push_back(formatted("size of %.3g process zones", row.zones));
+    return parts;
 }
 
 std::optional<Surplus> StrengthTable::of_measured(TestedLaw law) const {

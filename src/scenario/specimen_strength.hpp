@@ -19,8 +19,16 @@ struct TestedLaw {
     double gamma = 1, friction = 0;
     double zones = 0;  // size of the specimen over the process zone of a crack at rest
     double edges = 0;  // and over the finest edges that the scenario requests
+
+    MeshedLaw meshed() const { return {softening, unloading, order, gamma, edges}; }
 };
+/// In a test of the table, of a specimen of `size` [m]; in tension and notched ones friction takes no part.
+TestedLaw tested_law(const Scenario& scenario, const LawWithin& within, const std::string& test, double size);
+/// In that of [strength].
 TestedLaw tested_law(const Scenario& scenario, const LawWithin& within);
+
+/// What a row has in another way than a law, and than its specimen.
+std::vector<std::string> differences(const TestedLaw& row, const TestedLaw& law);
 
 /// Why no specimen can be calibrated for a law: random or rate-dependent strength, friction over temperature. Empty: it
 /// can.
@@ -45,6 +53,8 @@ public:
     /// Interpolated over gamma, friction and the logarithms of zones and edges; a little beyond the zones and edges of
     /// the table those. None where the table has no rows for the law.
     std::optional<Surplus> find(const TestedLaw& law) const;
+    /// The row of the same test and coupling whose law and size have most in common with it, or null.
+    const StrengthRow* nearest(const TestedLaw& law) const;
     /// The surplus S of interfaces whose specimen has the strength that the law gives with S sigma_c. `law.zones` are
     /// those of the measured strength, and S is that of zones/S^2.
     std::optional<Surplus> of_measured(TestedLaw law) const;

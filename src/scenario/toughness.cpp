@@ -73,6 +73,40 @@ ToughnessTable::ToughnessTable(const std::string& csv) {
     }
 }
 
+/// [-] In [0, 1].
+double apart(double a, double b) { return a == b ? 0 : std::abs(a - b) / (a + b); }
+
+std::optional<double> distance(const MeshedLaw& row, const MeshedLaw& law) {
+    if (row.softening.ends_with(of_norm) != law.softening.ends_with(of_norm)) return {};
+    const auto shape = [](const std::string& words) { return words.substr(0, words.find(' ')); };
+    const double other_kind = 100, other_parameter = 10;
+    double sum = apart(row.gamma, law.gamma) + 0.1 * apart(row.edges, law.edges);
+    if (row.softening != law.softening)
+        sum += shape(row.softening) == shape(law.softening) ? other_parameter : other_kind;
+    if (row.unloading != law.unloading) sum += other_kind;
+    if (row.order != law.order) sum += other_kind;
+    return sum;
+}
+
+std::vector<std::string> differences(const MeshedLaw& row, const MeshedLaw& law, double edges_factor) {
+    std::vector<std::string> parts;
+    const auto without_coupling = [](std::string words) {
+        if (words.ends_with(of_norm)) words.resize(words.size() - of_norm.size());
+        return words;
+    };
+    if (row.softening != law.softening) parts.push_back("softening " + without_coupling(row.softening));
+    if (row.unloading != law.unloading) parts.push_back("unloading " + row.unloading);
+    if (row.order != law.order) parts.push_back(formatted("order %d", row.order));
+    if (row.gamma != law.gamma) parts.push_back(formatted("gamma %.3g", row.gamma));
+    if (std::abs(std::log(row.edges / law.edges)) > std::log(edges_factor))
+        parts.push_back(formatted("%.3g edges", row.edges));
+    return parts;
+}
+
+const ToughnessRow* ToughnessTable::nearest(const MeshedLaw& law) const {
+    return nearest_row(rows_, [&](const ToughnessRow& row) { return distance(row.law, law); });
+}
+
 std::optional<Surplus> ToughnessTable::find(const MeshedLaw& law) const {
     std::vector<SurplusPoint> points;
     for (const ToughnessRow& row : rows_)

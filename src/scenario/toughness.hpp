@@ -23,10 +23,19 @@ struct MeshedLaw {
     MeshedLaw with(Coupling coupling) const;
 };
 
+/// [-] The difference of two numbers >= 0 over their sum.
+double apart(double a, double b);
+/// [-] How far a row is from a law, those of the same kind first; nothing where their couplings differ.
+std::optional<double> distance(const MeshedLaw& row, const MeshedLaw& law);
+/// What a row has in another way than a law, "softening linear", "gamma 2"; edges where they are more or fewer by a
+/// factor.
+std::vector<std::string> differences(const MeshedLaw& row, const MeshedLaw& law, double edges_factor = 2);
+
 /// A law with cohesion that acts within a material: there cracks run along any edge.
 struct LawWithin {
     Index law, material;  // of several materials the one with the shortest process zone
-    MeshedLaw meshed;     // with the finest edges that the scenario requests
+    double edge;          // [m] the finest that the scenario requests
+    MeshedLaw meshed;
 };
 std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& values);
 
@@ -49,6 +58,17 @@ struct ToughnessRow {
 /// Lines of a table, with its header.
 std::string toughness_csv(const std::vector<ToughnessRow>& rows);
 
+/// The row of the smallest distance, of those that have one; null: none has.
+template <class Row>
+const Row* nearest_row(const std::vector<Row>& rows, const auto& distance_of) {
+    const Row* nearest = nullptr;
+    double least = 0;
+    for (const Row& row : rows)
+        if (const std::optional<double> distance = distance_of(row); distance && (!nearest || *distance < least))
+            nearest = &row, least = *distance;
+    return nearest;
+}
+
 class ToughnessTable {
 public:
     /// Throws UserError for a text that is no such table. Of the rows that differ only in the load it keeps the one
@@ -58,6 +78,8 @@ public:
     /// Interpolated over ln(edges) and gamma; beyond the fewest and most edges of the table, up to twice, those.
     /// None where the table has no rows for the law.
     std::optional<Surplus> find(const MeshedLaw& law) const;
+    /// The row whose law has most in common with one of the same coupling, or null.
+    const ToughnessRow* nearest(const MeshedLaw& law) const;
     /// The surplus S of interfaces for which G_c S is the measured fracture energy. `law.edges` are those of the
     /// measured energy, and S is that of edges/S.
     std::optional<Surplus> of_measured(MeshedLaw law) const;

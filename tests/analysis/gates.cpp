@@ -125,6 +125,15 @@ TEST_CASE("gates: numerical losses above 5 percent of the dissipated energy give
     }
     judge({ledger, 1, 1, true}, {}, gates);
     CHECK(named(gates, "crossing_loss").value == doctest::Approx(0.08).epsilon(1e-12).scale(0));
+    CHECK(named(gates, "lost_part").value == relative(0.03, 1e-12));  // of the energy supplied
+    CHECK(named(gates, "lost_part").level == GateLevel::ok);
+    // together with what a change of the step took
+    ledger.add(now, {.kinetic = 1, .dissipated = 0.5, .external_work = 0, .step_change_work = -0.05});
+    for (const bool ended : {false, true}) {
+        judge({ledger, 1, 1, ended}, {}, gates);
+        CHECK(named(gates, "lost_part").level == (ended ? GateLevel::warning : GateLevel::ok));
+    }
+    CHECK(named(gates, "lost_part").value == relative(0.055, 1e-12));
 }
 
 TEST_CASE("gates: every step may round the energy a little more") {

@@ -33,6 +33,9 @@ std::vector<Diagnostic> findings_of_probes(const ReadResult& read, const Model& 
 /// Warnings: collectors whose heights have no origin.
 std::vector<Diagnostic> findings_of_collectors(const ReadResult& read, const Model& model);
 
+/// Warnings: laws with which a Brazilian disc is crushed before it splits.
+std::vector<Diagnostic> findings_of_crushed_discs(const ReadResult& read);
+
 /// Warnings: supports between bodies that touch.
 std::vector<Diagnostic> findings_of_supports(const ReadResult& read, const Model& model);
 

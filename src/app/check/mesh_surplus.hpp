@@ -6,8 +6,9 @@
 
 namespace knap {
 
-/// For each law within a material: what cracks cost over G_c, and slow structures bear over what they bear along a
-/// given path, with either coupling; and which of them fits the run.
+/// For each law within a material: what cracks cost over G_c, and structures bear over what they bear along a given
+/// path, with either coupling; that of the nearest row, and what it has in another way, where the tables have none for
+/// the law; and which coupling fits the run.
 std::string mesh_surplus_text(const ReadResult& read);
 
 }  // namespace knap

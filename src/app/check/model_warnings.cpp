@@ -285,6 +285,7 @@ public:
     void on_places() {
         std::ranges::move(findings_of_probes(read_, model_), std::back_inserter(found));
         std::ranges::move(findings_of_collectors(read_, model_), std::back_inserter(found));
+        std::ranges::move(findings_of_crushed_discs(read_), std::back_inserter(found));
         for (const Body& body : scenario_.bodies) {
             const std::string list = body.path + ".region";
             const std::size_t n = std::min(read_.values.count(list), body.shape.regions.size());

@@ -89,7 +89,11 @@ void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_mov
                 to_bound = std::min(to_bound, moves_to_edge(point, d));
                 continue;
             }
-            if ((point.response.closed || law.holds_cohesion()) && d.x() < 0)
+            if (point.response.lands) {  // it is held with tension from none to what its slip on the ramp leaves
+                const double tension = law.strength * law.cohesion - multipliers.contact,
+                             left = d.x() > 0 ? tension : law.strength * point.response.cohesion_theta - tension;
+                if (d.x() != 0) to_bound = std::min(to_bound, std::max(0.0, left) / std::abs(d.x()));
+            } else if ((point.response.closed || law.holds_cohesion()) && d.x() < 0)
                 to_bound = std::min(to_bound, multipliers.contact / -d.x());
             if (law.drops && point.response.on_ramp && !point.response.closed && d.x() > 0)  // until it bears nothing
                 to_bound = std::min(to_bound, std::max(0.0, law.strength * law.cohesion - multipliers.contact) / d.x());

@@ -8,6 +8,31 @@
 #include <utility>
 
 namespace knap {
+namespace {
+
+bool has_norm(const Model& model) {
+    return std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.coupling == Coupling::norm; });
+}
+
+/// [-] Part of |d . u| in the equivalent opening.
+struct SlipTerm {
+    Vec2 d;
+    double weight;
+};
+
+const double side_of_polygon = std::sqrt(2.0) - 1;  // [-] half a side of the octagon round a circle of radius 1
+
+/// [-] Part of u_N in the equivalent opening.
+double normal_weight(const CohesiveLaw& law) { return law.coupling == Coupling::norm ? side_of_polygon : 1; }
+
+std::vector<SlipTerm> slip_terms(const CohesiveLaw& law) {
+    const double gamma = law.gamma, part = side_of_polygon, inclined = part / std::sqrt(2.0);
+    if (law.coupling == Coupling::sum) return {{{0, 1}, gamma}};
+    return {{{0, 1}, part * gamma}, {{1, gamma}, inclined}, {{1, -gamma}, inclined}};
+}
+
+}  // namespace
+
 StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeOptions& options,
                  SharedTemperatures end_temperature)
     : model_(model),
@@ -28,6 +53,7 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
     add_ramps();
     add_contacts();
     if (tangential_) add_tangential_cohesion();
+    if (compression_ < size_) add_compressions();
 
     // rows = rows_of_rate (H w_free + theta W P) + coupling z + constant
     const auto matrix = [](Eigen::Index rows, Eigen::Index columns, const Triplets& entries) {
@@ -45,20 +71,23 @@ StepLcp::StepLcp(const Model& model, const State& begin, double h, const SchemeO
                     of_impulse = step_.theta * rows_of_rate * symmetric_W;
     problem_.M = matrix(n, n, coupling_) + LcpMatrix(of_impulse * impulse_of_z_);
     problem_.q = constant_ + rows_of_rate * free_jump + of_impulse * known_impulse_;
-    scale_bends();
+    scale_pressures();
     problem_.M.makeCompressed();
 }
 
 bool StepLcp::fits(const Model& model, const SchemeOptions& options) {
+    return !has_norm(model) && fits_by_polygon(model, options);
+}
+
+bool StepLcp::fits_by_polygon(const Model& model, const SchemeOptions& options) {
     if (model.large_rotation) return false;                                               // its forces are not linear
     if (options.damping > 0 && options.damping_of == DampingOf::vibration) return false;  // W follows from the solution
     if (has_incubation(model)) return false;
-    const auto is_curved = [](const CohesiveLaw& law) { return law.coupling != Coupling::sum; };
-    if (std::ranges::any_of(model.laws, is_curved)) return false;
     const bool is_explicit = options.cohesion == CohesionScheme::explicit_beta;
     return std::ranges::all_of(model.laws, [&](const CohesiveLaw& law) {
-        return law.unloading == Unloading::constant ? is_explicit || !law.has_mode_mix()
-                                                    : is_explicit && law.unloading == Unloading::secant;
+        return law.unloading == Unloading::constant
+                   ? is_explicit || !law.has_mode_mix()
+                   : is_explicit && law.unloading == Unloading::secant && law.coupling == Coupling::sum;
     });
 }
 
@@ -143,17 +172,19 @@ void StepLcp::lay_out() {
     }
     const auto group = [&](std::size_t n) { return std::exchange(size_, size_ + static_cast<int>(n)); };
     const std::size_t m = cohesive_.size(), c = contacts_.size();
+    n_terms_ = has_norm(model_) ? 3 : 1;
     loss_ = group(layers_.size());
     beta_ = group(layers_.size());
     normal_ = group(c);
     slip_ = group(friction_ ? 2 * c : 0);
     slip_rate_ = group(friction_ ? c : 0);
-    tangent_ = group(tangential_ ? 2 * m : 0);
-    offset_ = group(tangential_ ? m : 0);
+    tangent_ = group(tangential_ ? 2 * n_terms_ * m : 0);
+    offset_ = group(tangential_ ? n_terms_ * m : 0);
     opening_ = group(landing_.size());
     pull_ = group(step_.implicit_beta ? 0 : landing_.size());
     ramp_ = group(ramps_.size());
     bend_ = group(bends_.size());
+    compression_ = group(friction_ && n_terms_ > 1 ? c : 0);
 }
 
 /// [s] From the start of the step to where the cohesion looks at the opening.
@@ -183,16 +214,19 @@ void StepLcp::add_layers(const PointLaw& law) {
     }
 }
 
-/// Two unknowns r+, r- >= 0 of a tangential force r+ - r-, with |r| <= the bound whose row is `bound`; rows: the
-/// unknown of that row plus and minus (factor w_T + constant).
-void StepLcp::add_sign(int first, int bound, Index point, double factor, double constant) {
+/// Two unknowns r+, r- >= 0 of a force (r+ - r-) along `factor`, with |r| <= the bound whose row is `bound`; rows: the
+/// unknown of that row plus and minus (factor . w + constant).
+void StepLcp::add_sign(int first, int bound, Index point, const Vec2& factor, double constant) {
     for (const int sign : {1, -1}) {
         const int row = first + (sign < 0);
-        rows_of_rate_.emplace_back(row, 2 * point + 1, sign * factor);
+        for (const int k : {0, 1})
+            if (factor[k] != 0) {
+                rows_of_rate_.emplace_back(row, 2 * point + k, sign * factor[k]);
+                impulse_of_unknown_.emplace_back(2 * point + k, row, sign * factor[k]);
+            }
         constant_[row] = sign * constant;
         coupling_.emplace_back(row, bound, 1);
         coupling_.emplace_back(bound, row, -1);
-        impulse_of_unknown_.emplace_back(2 * point + 1, row, sign * factor);
     }
 }
 
@@ -201,7 +235,8 @@ void StepLcp::add_cohesion() {
     for (int i = 0; i < static_cast<int>(cohesive_.size()); ++i) {
         const Index p = cohesive_[i];
         const PointLaw& law = points_[p].law;
-        const double S = model_.fan_points[points_[p].sides.fan_point].area, strength = law.material->sigma_c;
+        const double S = model_.fan_points[points_[p].sides.fan_point].area,
+                     strength = normal_weight(*law.material) * law.material->sigma_c;
         if (!step_.implicit_beta) {
             if (!lands(p)) known_impulse_[2 * p] = -h * S * strength * law.cohesion;
             continue;
@@ -237,9 +272,12 @@ void StepLcp::add_cohesion() {
         coupling_.emplace_back(beta, loss, theta / S);
         coupling_.emplace_back(beta, beta, theta * strength * layer.length / S);
         constant_[beta] = -theta * strength * layer.end;
-        if (tangential_) coupling_.emplace_back(beta, offset_ + layer.cohesive, theta * strength * law.material->gamma);
-        add_opening(beta, p, theta * strength);
-        impulse_of_unknown_.emplace_back(2 * p, beta, -h * strength * theta);
+        if (tangential_)
+            for (int offset = offset_ + n_terms_ * layer.cohesive; const SlipTerm& term : slip_terms(*law.material))
+                coupling_.emplace_back(beta, offset++, theta * strength * term.weight);
+        const double along_N = normal_weight(*law.material) * strength;
+        add_opening(beta, p, theta * along_N);
+        impulse_of_unknown_.emplace_back(2 * p, beta, -h * along_N * theta);
     }
 }
 
@@ -286,27 +324,45 @@ void StepLcp::add_contacts() {
         constant_[normal_ + k] = -points_[p].law.contact.rate;
         impulse_of_unknown_.emplace_back(2 * p, normal_ + k, 1);
         if (!friction_) continue;
-        coupling_.emplace_back(slip_rate_ + k, normal_ + k, points_[p].law.rubbing_slope(0));
-        add_sign(slip_ + 2 * k, slip_rate_ + k, p, 1, 0);
+        coupling_.emplace_back(slip_rate_ + k, pressing(k), points_[p].law.rubbing_slope(0));
+        add_sign(slip_ + 2 * k, slip_rate_ + k, p, {0, 1}, 0);
     }
     for (int b = 0; b < static_cast<int>(bends_.size()); ++b) {
         const auto& [k, line] = bends_[b];
         const PressedFriction& pressed = points_[contacts_[k]].law.pressed;
         coupling_.emplace_back(bend_ + b, bend_ + b, 1);
-        coupling_.emplace_back(bend_ + b, normal_ + k, -1);
+        coupling_.emplace_back(bend_ + b, pressing(k), -1);
         constant_[bend_ + b] = pressed.unit / step_.theta * pressed.law->start(line);
         coupling_.emplace_back(slip_rate_ + k, bend_ + b, pressed.line(line).slope - pressed.line(line - 1).slope);
     }
 }
 
-/// Each by the mobility of its contact: then it is a velocity as the row of p_N, and of its size.
-void StepLcp::scale_bends() {
-    if (bends_.empty()) return;
-    Eigen::VectorXd scale = Eigen::VectorXd::Ones(size_);
-    for (int b = 0; b < static_cast<int>(bends_.size()); ++b) {
-        const int normal = normal_ + bends_[b].contact;
-        if (const double mobility = problem_.M.coeff(normal, normal); mobility > 0) scale[bend_ + b] = mobility;
+/// What presses the sides of a contact: its impulse, and with the norm the compression that is left of it.
+int StepLcp::pressing(int contact) const { return (compression_ < size_ ? compression_ : normal_) + contact; }
+
+/// r >= P_N, where all unknowns of P_N are known.
+void StepLcp::add_compressions() {
+    std::vector<int> contact_of(model_.n_points(), -1);
+    for (int k = 0; k < static_cast<int>(contacts_.size()); ++k) {
+        contact_of[contacts_[k]] = k;
+        coupling_.emplace_back(compression_ + k, compression_ + k, 1);
+        constant_[compression_ + k] = -known_impulse_[2 * contacts_[k]];
     }
+    for (const auto& entry : impulse_of_unknown_)
+        if (const int k = contact_of[entry.row() / 2]; entry.row() % 2 == 0 && k >= 0)
+            coupling_.emplace_back(compression_ + k, entry.col(), -entry.value());
+}
+
+/// Rows of pressures by the mobility of their contact: then they are velocities as the row of p_N, and of its size.
+void StepLcp::scale_pressures() {
+    Eigen::VectorXd scale = Eigen::VectorXd::Ones(size_);
+    const auto set = [&](int row, int contact) {
+        const int normal = normal_ + contact;
+        if (const double mobility = problem_.M.coeff(normal, normal); mobility > 0) scale[row] = mobility;
+    };
+    for (int b = 0; b < static_cast<int>(bends_.size()); ++b) set(bend_ + b, bends_[b].contact);
+    for (int k = 0; compression_ + k < size_; ++k) set(compression_ + k, k);
+    if ((scale.array() == 1).all()) return;
     problem_.M = LcpMatrix(scale.asDiagonal() * problem_.M);
     problem_.q = scale.cwiseProduct(problem_.q);
 }
@@ -316,14 +372,18 @@ void StepLcp::add_tangential_cohesion() {
         const Index p = cohesive_[i];
         const PointLaw& law = points_[p].law;
         const double S = model_.fan_points[points_[p].sides.fan_point].area;
-        const double traction = law.material->gamma * law.material->sigma_c / (law.ramp > 0 ? step_.theta : 1);
-        constant_[offset_ + i] = traction * (step_.implicit_beta ? 1 - step_.theta : 1) * S * law.cohesion;
-        add_sign(tangent_ + 2 * i, offset_ + i, p, reach(law), law.u_T);
+        for (int k = n_terms_ * i; const SlipTerm& term : slip_terms(*law.material)) {
+            const double traction = term.weight * law.material->sigma_c / (law.ramp > 0 ? step_.theta : 1);
+            constant_[offset_ + k] = traction * (step_.implicit_beta ? 1 - step_.theta : 1) * S * law.cohesion;
+            add_sign(tangent_ + 2 * k, offset_ + k, p, reach(law) * term.d, term.d.dot(Vec2(law.u_N, law.u_T)));
+            ++k;
+        }
     }
     for (int l = 0; l < static_cast<int>(layers_.size()); ++l) {
         const int i = layers_[l].cohesive;
         const CohesiveLaw& law = *points_[cohesive_[i]].law.material;
-        coupling_.emplace_back(offset_ + i, beta_ + l, step_.theta * law.gamma * law.sigma_c);
+        for (int offset = offset_ + n_terms_ * i; const SlipTerm& term : slip_terms(law))
+            coupling_.emplace_back(offset++, beta_ + l, step_.theta * term.weight * law.sigma_c);
     }
 }
 

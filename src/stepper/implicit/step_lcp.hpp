@@ -36,6 +36,13 @@
 //
 //     z_i                   m (z_i - p_N + p_i)
 //
+// The norm: a sum of absolute values in the place of the root, s = c (u_N + |gamma u_T| + |u_N + gamma u_T|/sqrt(2)
+// + |u_N - gamma u_T|/sqrt(2)), c = sqrt(2) - 1, so that each has r+, r- and chi as u_T has them above. Its tractions
+// are those of the polygon of 8 sides round the half ellipse: exact where (t_N, t_T/gamma) is at 0, 45 and 90 degrees
+// to N, up to 1/cos(22.5 deg) = 1.082 times the traction between. Friction acts on r = max(P_N, 0) in place of p_N:
+//
+//     r                     m (r - P_N)
+//
 // Every row times its unknown is an energy [J]: only then does the scaling of lcp/scaling.hpp give the same bits in all
 // units of length, mass and time.
 //
@@ -76,8 +83,10 @@ public:
             SharedTemperatures end_temperature = nullptr);
     StepLcp(const StepLcp&) = delete;
 
-    /// Not for vertical unloading, nor with implicit beta for secant unloading and a G_II.
+    /// Not for the norm and vertical unloading, nor with implicit beta for secant unloading and a G_II.
     static bool fits(const Model& model, const SchemeOptions& options);
+    /// The norm, too, by a polygon; with constant unloading.
+    static bool fits_by_polygon(const Model& model, const SchemeOptions& options);
 
     const LcpProblem& problem() const { return problem_; }
     StepLcpEnd end(const Eigen::VectorXd& z) const;
@@ -98,9 +107,11 @@ private:
     void add_ramps();
     void add_cohesion();
     void add_contacts();
-    void scale_bends();
+    int pressing(int contact) const;
+    void add_compressions();
+    void scale_pressures();
     void add_tangential_cohesion();
-    void add_sign(int first, int bound, Index point, double factor, double constant);
+    void add_sign(int first, int bound, Index point, const Vec2& factor, double constant);
     std::vector<Vec2> rate(const Eigen::VectorXd& impulse) const;
 
     const Model& model_;
@@ -129,7 +140,9 @@ private:
     };
     std::vector<Bend> bends_;  // of friction over pressure
     bool friction_ = false, tangential_ = false;
-    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, pull_, ramp_, bend_, size_ = 0;
+    int n_terms_ = 1;  // of absolute values in the equivalent opening
+    int loss_, beta_, normal_, slip_, slip_rate_, tangent_, offset_, opening_, pull_, ramp_, bend_, compression_,
+        size_ = 0;
 
     Triplets rows_of_rate_, impulse_of_unknown_, coupling_;
     Eigen::VectorXd constant_;

@@ -259,6 +259,16 @@ TEST_CASE("complementarity problems of chosen steps are stored and can be solved
     const Answer solved = command("lcp " + folder.in_shell("run/lcp/step_000030"));
     CHECK(solved.code == 0);
     CHECK(solved.has("solved"));
+    // the half ellipse of the norm is stored as a polygon
+    const Answer norm =
+        command("run " + bar + "-s interface.left-right.coupling=norm --dump-lcp 10 -o " + folder.in_shell("norm"));
+    CHECK_MESSAGE(norm.code == 0, norm.text);
+    CHECK(text_of(folder.path / "norm/log.txt").find("polygon of 8 sides round it") != std::string::npos);
+    CHECK(command("lcp " + folder.in_shell("norm/lcp/step_000010")).code == 0);
+    CHECK(command("run " + bar +
+                  "-s interface.left-right.coupling=norm -s interface.left-right.unloading=secant --dump-lcp 1 -o " +
+                  folder.in_shell("ramps"))
+              .has("ramps of unloading"));
     // what lies beyond the end of a run, or behind the command that goes on with it, is reported
     CHECK_FALSE(run.has("dump-lcp"));
     const Answer beyond = command("run " + bar + "--until 2us --dump-lcp 1,3:5:100000 -o " + folder.in_shell("early"));

@@ -107,6 +107,25 @@ TEST_CASE("multiplier series: sides that overlap are free where their tension en
     }
 }
 
+TEST_CASE("multiplier series: sides that land on a ramp are held until their tension ends or all of it is borne") {
+    for (const double sign : {1., -1.}) {
+        BarStep bar(1);
+        bar.matrix.set_all_near();
+        MultiplierSeries series(bar.model, bar.matrix);
+        ActivePoint& point = bar.x.points.back();
+        point.law.ramp = point.law.cohesion = 1;
+        point.response = {.cohesion_theta = 0.5, .on_ramp = true, .lands = true};
+        const double C = point.law.strength;
+        point.multipliers.contact = 0.8 * C;  // a tension of 0.2 C, of which the ramp leaves at most 0.5 C
+        std::vector<Vec2> move(bar.x.points.size(), Vec2::Zero());
+        for (const double d : {1e-2, 0.99e-2}) {
+            move.back() = {sign * d * C, 0};
+            series.extrapolate(move, 1e-10 * C, bar.x.points);
+        }
+        CHECK(point.multipliers.contact == doctest::Approx(sign > 0 ? C : 0.5 * C).epsilon(1e-12));
+    }
+}
+
 TEST_CASE("multiplier series: a point whose force turns with its opening decides how its vertex shares the forces") {
     for (const Vec2& c : {Vec2(-0.4, 0.9), Vec2(0.4, -0.9)}) {  // one opens the point, the other one closes it
         CAPTURE(c);

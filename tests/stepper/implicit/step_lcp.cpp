@@ -119,6 +119,60 @@ TEST_CASE("step LCP: the strength of a point is the polygon of tension and frict
     }
 }
 
+TEST_CASE("step LCP: the strength of a point with the norm is a polygon of 8 sides round the half ellipse") {
+    const double friction = 0.5;
+    for (const CohesionScheme cohesion : {CohesionScheme::explicit_beta, CohesionScheme::implicit_beta})
+        for (const double gamma : {0.8, 1.0, 2.0})
+            for (int i = 0; i < 36; ++i) {
+                const double angle = (i + 0.5) * M_PI / 18, tension = std::sin(angle),
+                             shear = std::abs(std::cos(angle)), scaled = shear / gamma;
+                const double polygon = 1 / std::max({tension, scaled, (tension + scaled) / std::sqrt(2)}),
+                             rubs = shear + friction * tension;
+                if (tension < 0 && rubs <= 0) continue;
+                const double strength = tension > 0 ? polygon : gamma / rubs;
+                if (tension > 0) {
+                    CHECK(polygon * std::hypot(tension, scaled) >= 1 - 1e-15);
+                    CHECK(polygon * std::hypot(tension, scaled) <= 1 / std::cos(M_PI / 8) + 1e-15);
+                }
+                for (const double part : {0.999, 1.001}) {
+                    ModelInput input = point_masses(
+                        {.sigma_c = 1, .G_c = 0.5, .gamma = gamma, .friction = friction, .coupling = Coupling::norm},
+                        true);
+                    input.loads = {load(Load::Kind::body_force, "", 3 * part * strength * std::cos(angle),
+                                        3 * part * strength * tension)};
+                    SchemeOptions options = implicit_scheme;
+                    options.cohesion = cohesion;
+                    StepLcpRun run(input, options);
+                    REQUIRE(StepLcp::fits_by_polygon(run.model, options));
+                    CHECK_FALSE(StepLcp::fits(run.model, options));
+                    REQUIRE(run.step(0.1));
+                    CAPTURE(angle);
+                    CAPTURE(gamma);
+                    if (part < 1) CHECK(run.u(0).norm() < 1e-13);
+                    else CHECK(run.u(0).norm() > 1e-7);
+                }
+            }
+}
+
+TEST_CASE("step LCP: with the norm a led point loses cohesion as the polygon says and at most 8.3 % faster") {
+    for (const double gamma : {1.0, 2.0})
+        for (const double degrees : {0.0, 22.5, 45.0, 70.0, 90.0}) {
+            const double t = degrees * M_PI / 180, g = gamma * std::sin(t), c = std::sqrt(2) - 1;
+            const double size = std::hypot(std::cos(t), g),
+                         polygon = c * (std::cos(t) + g + (std::cos(t) + g + std::abs(std::cos(t) - g)) / std::sqrt(2));
+            const CohesiveLaw law{.sigma_c = 0.5, .G_c = 0.25, .gamma = gamma, .coupling = Coupling::norm};
+            ModelInput input = point_masses(law, true);
+            const double breaks = law.delta_c() / size;
+            input.loads = {load(Load::Kind::displacement, "base", std::sin(t), std::cos(t), {{0, 1}, {0, 2 * breaks}})};
+            StepLcpRun run(input);
+            for (int k = 0; k < 64; ++k) REQUIRE(run.step(1. / 256));
+            CAPTURE(degrees);
+            CHECK(1 - run.cohesion_of(0) == relative(0.5 * polygon / size, 1e-10));
+            CHECK(polygon <= size / std::cos(M_PI / 8) + 1e-15);
+            CHECK(polygon >= size - 1e-15);
+        }
+}
+
 TEST_CASE("step LCP: two triangles drawn apart or along each other follow the exact discrete solution") {
     // two point masses m on a bond of area S: relative motion y'' = kappa^2 y about the place where the bond ends; the
     // step turns (y, y') by the hyperbolic angle a
