@@ -285,6 +285,7 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
         report.kinetic += 0.5 * (mass * piece.velocity.squaredNorm() + inertia * piece.spin * piece.spin);
         const double damping = options_.damping_of == DampingOf::motion ? 0.5 * at.kick * options_.damping : 0;
         report.external_work += at.kick * load_[p].dot(mean);
+        report.kick_energy += 0.5 * at.kick * at.kick * load_[p].cwiseAbs2().dot(Vec3(1 / mass, 1 / mass, 1 / inertia));
         if (at.struck_at > 0) report.external_work += at.works_at / at.struck_at * load_[p].dot(at.strike);
         report.impact_work += at.couple * mean.z();
         report.rigid_injection += std::max(0.0, at.couple * mean.z());
