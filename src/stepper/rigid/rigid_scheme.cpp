@@ -188,7 +188,7 @@ void RigidScheme::find_contacts(StepReport& report) {
     stays_ = lies_still(step);
     if (stays_) return;
     contacts_.find(step, obstacles_, bodies_);
-    RigidContacts::Motion motion = contacts_.solve(step, bodies_, report);
+    LargestMotion motion = contacts_.solve(step, bodies_, report);
     for (const MovingBody& body : bodies_)
         if (body.kick > 0)
             motion.at_least({largest_motion * step.drift_time * std::abs(body.end.z()) / largest_turn, body.centre});
@@ -291,7 +291,7 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
         report.rigid_injection += std::max(0.0, at.couple * mean.z());
         report.damping_work -= 2 * damping * (mass * mean.head<2>().squaredNorm() + inertia * mean.z() * mean.z());
         report.projection_work -= load_[p].dot(at.shift);
-        const double speed = piece.velocity.norm() + std::abs(piece.spin) * body.pieces[p].radius;
+        const double speed = largest_speed(at.end, body.pieces[p].radius);
         report.largest_speed = std::max(report.largest_speed, speed);
         if (speed >= options_.rigid.sleep) piece.begin_slow(begin.time + step.drift_time);
     }

@@ -48,6 +48,26 @@ TEST_CASE("rigid pieces: what begins to slide goes on however slowly and what is
           doctest::Approx(0.01 * 0.01 / (2 * (0.61 * 8.4088 - 5.0525))).epsilon(0.1));
 }
 
+TEST_CASE("rigid pieces: steps as long as a fall see what loads bring together") {
+    const Folder folder("rigid long step");
+    const auto height = [&](const std::string& step, const std::string& below) {
+        const std::string text = scene(block("b", "0, 1", "0.4, 0.3") + below + weight,
+                                       "step = " + step + "\nsleep = 0\nrestitution = 0\n", "3");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        return table(folder, "fragments.csv").column("centre_y").back();
+    };
+    const std::string held = block("held", "-1, -0.2", "2, 0.2") + "[[support]]\non = \"held.bottom\"\n",
+                      terrain =
+                          "[[obstacle]]\nname = \"terrain\"\nshape = \"polyline\"\n"
+                          "points = [[2, 0], [0.5, 0], [0, 0], [-2, 0]]\nfriction = 0.5\n";
+    for (const std::string& below : {ground(), terrain, held})
+        for (const char* step : {"0.5e-3", "0.1", "1"}) {
+            CAPTURE(below);
+            CAPTURE(step);
+            CHECK(height(step, below) == doctest::Approx(0.15).epsilon(1e-4));
+        }
+}
+
 TEST_CASE("rigid pieces: a driven obstacle wakes what it touches however slowly it moves") {
     const Folder folder("rigid woken");
     const auto with_plate = [&](const std::string& velocity) {
