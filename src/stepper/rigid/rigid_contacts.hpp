@@ -67,7 +67,7 @@ public:
     void project(const RigidStep& step, std::vector<MovingBody>& bodies) const;
     /// Works of the contacts, and their impulses in the end state.
     void finish(const RigidStep& step, const std::vector<MovingBody>& bodies, State& end, StepReport& report) const;
-    /// Calls visit(a, b) for bodies that press on each other; b = -1: the ground.
+    /// Calls visit(a, b, loss) for bodies that press on each other; b = -1: the ground; loss [J]: by this contact.
     template <class Visit>
     void for_pressed(const Visit& visit) const {
         for (const Row& row : rows_)

@@ -48,6 +48,20 @@ TEST_CASE("rigid pieces: what begins to slide goes on however slowly and what is
           doctest::Approx(0.01 * 0.01 / (2 * (0.61 * 8.4088 - 5.0525))).epsilon(0.1));
 }
 
+TEST_CASE("rigid pieces: what nothing brakes goes on however slowly") {
+    const Folder folder("rigid glide");
+    for (const bool brakes : {false, true}) {
+        const std::string text = scene(block("b", "0, 0", "0.4, 0.3", "velocity = [0.01, 0]\n") +
+                                           ground(brakes ? "friction = 0.5\n" : "friction = 0\n") + weight,
+                                       "restitution = 0\n", "2");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        CHECK(record(folder)["pieces"]["asleep"] == brakes);
+        const double moved = last(table(folder, "fragment_history.csv"), "to_x") - 0.2;
+        const double way = brakes ? 0.01 * 0.01 / (2 * 0.5 * 9.81) : 0.01 * 2;
+        CHECK(moved == doctest::Approx(way).epsilon(brakes ? 0.5 : 1e-9));  // it stops within four steps
+    }
+}
+
 TEST_CASE("rigid pieces: steps as long as a fall see what loads bring together") {
     const Folder folder("rigid long step");
     const auto height = [&](const std::string& step, const std::string& below) {
