@@ -103,8 +103,8 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     row_.residual = row_.kinetic + row_.strain - start_energy_ - work;
     row_.law_lag = row_.cohesive_work + row_.law_change - row_.crossing_loss - row_.viscous_dissipation -
                    row_.mixed_dissipation - (row_.surface() - start_surface_) - row_.excavated_recoverable;
-    largest_energy_ =
-        std::max({largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface()});
+    largest_energy_ = std::max(
+        {largest_energy_, row_.kinetic, row_.strain, std::abs(row_.external_work), row_.surface(), report.kick_energy});
     largest_recoverable_ = std::max(largest_recoverable_, row_.recoverable + row_.interface_elastic);
     // comparisons with NaN are false: NaN counts as the largest value
     if (!(std::abs(row_.residual) <= largest_residual_)) largest_residual_ = std::abs(row_.residual);
@@ -116,7 +116,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     const double lag = row_.law_lag + (half_later ? 0.5 * (row_.surface() - surface_before - report.law_change) : 0);
     law_lag_ = lag;
     const auto judge = [&](double at) {
-        if (const double now = over_dissipated(at, 1e-2, 1); !(std::abs(now) <= std::abs(largest_law_lag_)))
+        if (const double now = over_dissipated(at, 1e-2); !(std::abs(now) <= std::abs(largest_law_lag_)))
             largest_law_lag_ = now;
     };
     judge(lag);

@@ -173,20 +173,19 @@ public:
     double largest_residual() const { return largest_residual_; }            // [J] over all steps
     double largest_rotation_work() const { return largest_rotation_work_; }  // [J] likewise, of the cumulated work
     /// [J] Scale of losses: the dissipated energy, or the largest recoverable one where that is more, since points that
-    /// start to soften have dissipated next to nothing; at least `min_part` of the largest energy, and `min_points` of
-    /// the fracture energy of the weakest point: by default less is rounding.
-    double dissipation_scale(double min_part = 1e-6, double min_points = 1e-6) const {
-        return std::max(
-            {row_.dissipated, largest_recoverable_, min_part * largest_energy_, min_points * weakest_point_});
+    /// start to soften have dissipated next to nothing; at least `min_part` of the largest energy (less is rounding),
+    /// and the fracture energy of the weakest point, before which nothing broke.
+    double dissipation_scale(double min_part = 1e-6) const {
+        return std::max({row_.dissipated, largest_recoverable_, min_part * largest_energy_, weakest_point_});
     }
     /// A loss [J] over that scale; 0 where nothing was dissipated.
-    double over_dissipated(double loss, double min_part = 1e-6, double min_points = 1e-6) const {
-        const double scale = dissipation_scale(min_part, min_points);
+    double over_dissipated(double loss, double min_part = 1e-6) const {
+        const double scale = dissipation_scale(min_part);
         return scale > 0 ? loss / scale : 0;
     }
     /// Law lag over that scale: positive where the interfaces did more work than their law requires. With the explicit
     /// bulk at the middle of the last step, where the works are. Now; and with the largest absolute value over all
-    /// steps, on the scale with min_part = 0.01 and min_points = 1, so that the first points that soften give no alarm.
+    /// steps, on the scale with min_part = 0.01.
     double law_lag() const { return over_dissipated(law_lag_); }
     double law_lag_energy() const { return law_lag_; }  // [J]
     double largest_law_lag() const { return largest_law_lag_; }

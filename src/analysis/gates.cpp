@@ -38,7 +38,7 @@ double energy_scale(const EnergyLedger& ledger) { return ledger.largest_energy()
 /// A loss [J] over the dissipated energy, or over that of the weakest point where less was dissipated; at the end of a
 /// run in which the interfaces dissipated anything.
 GateValue over_dissipated(const GateView& run, double loss) {
-    return {.value = std::abs(run.ledger.over_dissipated(loss, 1e-6, 1)),
+    return {.value = std::abs(run.ledger.over_dissipated(loss)),
             .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
 }
 
@@ -240,7 +240,7 @@ const GateRule rules[] = {
       "limits.law_lag sets another limit."},
      {0.02, 0.2, allowed},
      [](const GateView& run) {
-         const double now = run.ended ? std::abs(run.ledger.over_dissipated(run.ledger.law_lag_energy(), 1e-6, 1)) : 0;
+         const double now = run.ended ? std::abs(run.ledger.law_lag()) : 0;
          return GateValue{
              std::max(std::abs(run.ledger.largest_law_lag()), now),
              run.deformation == nullptr ? std::nullopt : run.deformation->place_of(run.ledger.worst().drop_corner)};

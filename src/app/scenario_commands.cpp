@@ -318,10 +318,16 @@ void print_mass_scaling(const Scenario& scenario, const Model& model, const Step
 
 void print_run(const Scenario& scenario, const Model& model, const StepPlan& plan, const Cost& cost,
                bool long_measured) {
-    std::printf("run\n  stable step %s, h = %s (%.3g CFL), %lld steps, %.3g triangle-steps\n",
-                readable(plan.stable_step, "s", 4).c_str(), readable(plan.limits.largest, "s", 4).c_str(),
-                plan.limits.largest / plan.stable_step, static_cast<long long>(plan.n_steps),
-                static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
+    const double rigid = plan.limits.rigid.step;
+    const std::string how_many =
+        rigid > 0 ? formatted(" of what is deformable; rigid pieces take steps of %s, %lld of them, or shorter ones",
+                              readable(rigid, "s", 4).c_str(),
+                              static_cast<long long>(std::ceil(scenario.time.end / rigid * (1 - 1e-12))))
+                  : formatted(", %lld steps, %.3g triangle-steps", static_cast<long long>(plan.n_steps),
+                              static_cast<double>(plan.n_steps) * model.mesh.n_triangles());
+    std::printf("run\n  stable step %s, h = %s (%.3g CFL)%s\n", readable(plan.stable_step, "s", 4).c_str(),
+                readable(plan.limits.largest, "s", 4).c_str(), plan.limits.largest / plan.stable_step,
+                how_many.c_str());
     print_mass_scaling(scenario, model, plan);
     if (plan.n_at_corners > 0)
         std::printf("  %lld of them end at corners of tables over time\n", static_cast<long long>(plan.n_at_corners));

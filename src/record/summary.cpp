@@ -173,12 +173,12 @@ constexpr SummaryRow rows[]{
          return f.ledger.largest_residual() / (energy > 0 ? energy : 1);
      }},
     {"law_lag_at_end", "",
-     "work of the interfaces in excess of what their law dissipates, over the dissipated energy, at the end",
+     "work of the interfaces in excess of what their law dissipates, over the dissipated energy, at the end; one below "
+     "the fracture energy of the weakest point counts as that",
      [](F f) { return f.ledger.law_lag(); }},
     {"largest_law_lag", "",
      "the same where it was farthest from zero over the run; a dissipated energy below a hundredth of the "
-     "largest energy counts as that hundredth, one below the fracture energy of the weakest point as that; its "
-     "absolute value is the gate law_lag",
+     "largest energy counts as that hundredth; its absolute value is the gate law_lag",
      farthest_law_lag},
     {"crossing_loss", "", "energy lost in steps in which a slip changes its sign, over the dissipated energy",
      [](F f) { return f.ledger.over_dissipated(f.energy.crossing_loss); }},

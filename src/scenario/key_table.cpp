@@ -459,9 +459,9 @@ void add_keys_of_loads(KeyTable& t) {
         "`vibration_booked`. It needs [contact], and loads that are accelerations; without this table all is "
         "deformable always");
     t.number("step", "s", "largest step of rigid pieces; it is divided where faces that meet move by more than a "
-        "twentieth of an edge, down to half the stable step of the mesh. Velocities and kinetic energies of tables are "
-        "those of the middle of the last step (leapfrog): of what falls, g step/2 behind; those of [[collector]] are "
-        "exact").above(0).computed("0.5 ms")
+        "twentieth of an edge, and what passes others by more than an edge, down to half the stable step of the mesh. "
+        "Velocities and kinetic energies of tables are those of the middle of the last step (leapfrog): of what "
+        "falls, g step/2 behind; those of [[collector]] are exact").above(0).computed("0.5 ms")
         .to(&RigidOptions::step);
     t.number("thaw", "", "k of the blow k sigma_c/(rho c) min(1, sqrt(10 L/D)) (a speed; c = sqrt(E/rho), L edge, D = "
         "sqrt(area) of the piece, sigma_c its smallest strength now) from which on a piece may break; 0: pieces are "
@@ -472,8 +472,8 @@ void add_keys_of_loads(KeyTable& t) {
     t.number("smallest", "m", "pieces of a smaller diameter (fragments.csv) never break; run.json has their mass")
         .at_least(0).computed("0").to(&RigidOptions::smallest);
     t.number("sleep", "m/s", "pieces that stay slower for 0.2 s and do not set out (the speed of what slides from rest "
-        "grows), press on what stands still, and whose contacts would bear them at rest (not where they turn back, or "
-        "on a corner), fall asleep: they stand still until they are hit faster; 0: none does")
+        "grows) or go on with no loss, press on what stands still, and whose contacts would bear them at rest (not "
+        "where they turn back, or on a corner), fall asleep: they stand still until they are hit faster; 0: none does")
         .at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
     t.number("restitution", "", "Newton's coefficient of rigid pieces that cannot break, where neither the pair of "
         "materials or the obstacle, nor [contact] (obstacles that give none have its R_N or restitution), nor the "

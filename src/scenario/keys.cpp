@@ -91,6 +91,13 @@ const Key* key_at(std::string_view path) {
     return nullptr;
 }
 
+std::string pair_without_component(std::string_view path) {
+    const std::size_t dot = path.rfind('.');
+    if (dot == std::string_view::npos || key_at(path)) return "";
+    const Key* above = find_key(pattern_of(path.substr(0, dot)));
+    return above && above->form == Form::pair ? std::string(path.substr(0, dot)) : "";
+}
+
 std::string joined_path(std::string_view table, std::string_view key) {
     return std::string(table) + (table.empty() || key.empty() ? "" : ".") + std::string(key);
 }

@@ -148,6 +148,8 @@ std::string pattern_of(std::string_view path);
 /// The row of the value at a path: of "body.boulder.velocity.x" and "body[0].velocity[0]" that of the pair. Null if
 /// there is none.
 const Key* key_at(std::string_view path);
+/// Of a path to what is no component of a pair, as body.b.shift.z: the path of the pair; empty otherwise.
+std::string pair_without_component(std::string_view path);
 
 /// "a", "b" -> "a.b"
 std::string joined_path(std::string_view table, std::string_view key);

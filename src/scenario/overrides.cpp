@@ -51,6 +51,8 @@ void apply(Node& root, const std::string& text, const auto& error) {
     if (!parts) return error("`" + path + "` is not a path of keys", "examples: mesh.size, load[0].traction");
     if (parts->size() > max_key_parts)
         return error("the path has more than " + std::to_string(max_key_parts) + " parts", "");
+    if (const std::string pair = pair_without_component(path); !pair.empty())
+        return error("`" + path + "`: `" + pair + "` has the components x and y", "");
     Node* node = &root;
     for (const PathPart& part : *parts) {
         if (node->type == Node::Type::array) {

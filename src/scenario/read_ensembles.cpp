@@ -141,6 +141,10 @@ const Key* check_drawn_key(const Table& table, const std::string& path, const ch
         there = below, above = joined_path(above, part.name);
     }
     if (key && !key->is_table() && !path.starts_with("sweep.") && !path.starts_with("study.")) return key;
+    if (const std::string pair = pair_without_component(path); !pair.empty()) {
+        table.error("unknown-key", at, "= \"" + path + "\": `" + pair + "` has the components x and y");
+        return nullptr;
+    }
     std::vector<std::string> known;
     for (const Key& each : keys())
         if (each.kind == Kind::number || each.kind == Kind::integer) known.push_back(each.path);

@@ -72,6 +72,7 @@ TEST_CASE("set: mistakes name the option") {
           Case{"load[5].traction=1", "bad-override", "has 2"}, Case{"mesh[0]=", "bad-override", "cannot be left out"},
           Case{"load.traction=1", "bad-override", "no `traction` in this list"},
           Case{"load[x].traction=1", "bad-override", "not a path"}, Case{"mesh..size=1", "bad-override", "not a path"},
+          Case{"load[0].velocity.z=1", "bad-override", "has the components x and y"},
           Case{"mesh.size.x=1", "bad-override", "no table"}, Case{"mesh.size", "bad-override", "KEY=VALUE"},
           Case{"=3", "bad-override", "KEY=VALUE"}, Case{"load[0].on=topp", "unknown-name", "did you mean `top`?"},
           Case{"load[0].velocity=[0, 1]", "exclusive-keys", "velocity"}}) {

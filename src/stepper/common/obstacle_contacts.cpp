@@ -1,7 +1,6 @@
 #include "stepper/common/obstacle_contacts.hpp"
 
 #include "model/body_edges.hpp"
-#include "stepper/common/contact_search.hpp"
 
 #include <cassert>
 #include <numbers>
@@ -101,8 +100,9 @@ void ObstacleContacts::add_pieces(Index f, const State& begin) {
 }
 
 void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3>& end_velocity,
-                            const std::vector<Vec2>& corner_force) {
-    contacts_.clear();
+                            const std::vector<Vec2>& corner_force, std::span<const Vec3> kicks) {
+    contacts_.clear(), kicks_.clear(), passing_ = {};
+    for (std::size_t p = 0; p < kicks.size(); ++p) kicks_.push_back(largest_speed(kicks[p], body_->pieces[p].radius));
     n_at_corners_ = 0;
     if (model_.obstacles.empty()) return;
     assert(end_velocity.size() == model_.obstacles.size());
@@ -174,16 +174,20 @@ ObstacleContacts::MovingCorner ObstacleContacts::moving(const Candidate& at, con
                                                         const std::vector<Vec2>& corner_force) const {
     const Index c = at.corner, node = begin.node_of_corner[c];
     const Vec2& v = begin.velocity[node];
-    const double kick = corner_force.empty() ? 0 : h / model_.corner_mass[c];
+    const double kick = corner_force.empty() ? 0 : h / model_.corner_mass[c], of_piece = kick_of(c);
     const Vec2 force = corner_force.empty() ? Vec2::Zero() : corner_force[c];
     return {.corner = c,
             .fan = at.fan,
             .x = model_.mesh.corner(c) + begin.displacement[node],
             .v = v,
             .size = corner_size_[c],
-            .kicked = kick * force.norm(),
+            .kicked = kick * force.norm() + of_piece,
             .nearest = near_contact * corner_size_[c],
-            .most = v.lpNorm<1>() + kick * force.lpNorm<1>()};
+            .most = v.lpNorm<1>() + kick * force.lpNorm<1>() + of_piece};
+}
+
+double ObstacleContacts::kick_of(Index corner) const {
+    return kicks_.empty() ? 0 : kicks_[body_->piece_of_triangle[model_.mesh.triangle_of(corner)]];
 }
 
 void ObstacleContacts::find_at_corner(const MovingCorner& at, Index o, const State& begin, double h,
@@ -285,15 +289,13 @@ void ObstacleContacts::read_pieces(const State& begin) {
     }
 }
 
-/// [m] From the centre of a piece: what is further away has no contact with it.
-double ObstacleContacts::reach_of(Index p, Index o, const State& begin, double h) const {
-    const FrozenBody::Piece& piece = body_->pieces[p];
+/// [m] Of a piece relative to an obstacle, at most.
+double ObstacleContacts::travel_of(Index p, Index o, const State& begin, double h) const {
+    const double radius = body_->pieces[p].radius;
     const RigidPiece& at = begin.rigid_pieces[p];
-    const double speed = at.velocity.norm() + std::abs(at.spin) * piece.radius,
-                 distance = (at.centre - surfaces_[o].position()).norm() + piece.radius,
-                 of_obstacle = at_most_[o].speed + at_most_[o].spin * distance;
-    return piece.radius + (1 + near_contact) * pieces_[p].longest_edge +
-           2 * contact_reach_in_steps * h * (speed + of_obstacle);
+    const double speed = largest_speed(at.rates(), radius) + (kicks_.empty() ? 0 : kicks_[p]),
+                 distance = (at.centre - surfaces_[o].position()).norm() + radius;
+    return h * (speed + at_most_[o].speed + at_most_[o].spin * distance);
 }
 
 void ObstacleContacts::find_of_pieces(const State& begin, double h, const std::vector<Vec3>& end_velocity) {
@@ -302,15 +304,22 @@ void ObstacleContacts::find_of_pieces(const State& begin, double h, const std::v
     std::vector<std::array<Index, 2>> meets_edges;  // obstacle, piece
     for (Index o = 0; o < n_obstacles; ++o)
         for (Index p = 0; p < n_pieces; ++p) {
-            const double reach = reach_of(p, o, begin, h);
-            if (!surfaces_[o].may_reach(begin.rigid_pieces[p].centre, reach)) continue;
+            const double radius = body_->pieces[p].radius, edge = pieces_[p].longest_edge,
+                         travel = travel_of(p, o, begin, h),
+                         // what is further away from the centre has no contact
+                reach = radius + (1 + near_contact) * edge + 2 * contact_reach_in_steps * travel;
+            const Vec2& centre = begin.rigid_pieces[p].centre;
+            if (!surfaces_[o].may_reach(centre, reach)) continue;
+            if (model_.obstacles[o].outline.kind != Outline::Kind::half_plane &&
+                surfaces_[o].may_reach(centre, radius + travel))
+                passing_.at_least({travel / edge, centre});
             for (std::size_t k = pieces_[p].first_corner; k < pieces_[p].last_corner; ++k)
                 find_at_corner(moving(candidates_[k], begin, h, {}), o, begin, h, end_velocity);
             const Outline::Kind kind = surfaces_[o].outline().kind;
             bool any = kind == Outline::Kind::disc;
             if (kind == Outline::Kind::polygon || kind == Outline::Kind::polyline)
-                surfaces_[o].visit_corners(begin.rigid_pieces[p].centre, reach, [&](std::size_t corner) {
-                    any = any || (surfaces_[o].corner(corner) - begin.rigid_pieces[p].centre).norm() <= reach;
+                surfaces_[o].visit_corners(centre, reach, [&](std::size_t corner) {
+                    any = any || (surfaces_[o].corner(corner) - centre).norm() <= reach;
                 });
             if (any) meets_edges.push_back({o, p});
         }
@@ -412,7 +421,7 @@ void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at,
 
 /// Unless its gap exceeds what may close.
 void ObstacleContacts::add_on_edge(const ObstacleContact& contact, double length, const State& begin, double h) {
-    const auto speed = [&](Index c) { return begin.velocity[begin.node_of_corner[c]].norm(); };
+    const auto speed = [&](Index c) { return begin.velocity[begin.node_of_corner[c]].norm() + kick_of(c); };
     const AtMost& of_obstacle = at_most_[contact.obstacle];
     const double most = speed(contact.corner) + speed(contact.second_corner) + of_obstacle.speed +
                         of_obstacle.spin * contact.arm.norm();

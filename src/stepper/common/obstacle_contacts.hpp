@@ -4,6 +4,7 @@
 // of polygons and arcs of discs. The gap changes with the normal component of the relative velocity; for a convex
 // obstacle this is an upper bound of the approach.
 #include "model/state.hpp"
+#include "stepper/common/contact_search.hpp"
 
 #include <algorithm>
 #include <array>
@@ -80,10 +81,12 @@ public:
 
     /// All contacts that may close in a step of h [s]: first those at corners in the order of the fans, then those on
     /// edges. `end_velocity`: of the obstacles, without the contacts; `corner_force` [N]: that accelerates the corners,
-    /// may be empty.
+    /// may be empty; `kicks` [m/s, m/s, rad/s]: what loads add to the velocities of rigid pieces in the step.
     void find(const State& begin, double h, const std::vector<Vec3>& end_velocity,
-              const std::vector<Vec2>& corner_force);
+              const std::vector<Vec2>& corner_force, std::span<const Vec3> kicks = {});
 
+    /// Of a rigid piece beside an obstacle with ends or corners that it may reach in the step.
+    const LargestMotion& passing() const { return passing_; }
     const std::vector<ObstacleContact>& all() const { return contacts_; }
     /// What acts at a contact.
     const ContactLaw& law_of(const ObstacleContact& contact, const State& begin) const {
@@ -144,7 +147,8 @@ private:
     void add_pieces(Index fan, const State& begin);
     void read_pieces(const State& begin);
     void find_of_pieces(const State& begin, double h, const std::vector<Vec3>& end_velocity);
-    double reach_of(Index piece, Index obstacle, const State& begin, double h) const;
+    double kick_of(Index corner) const;
+    double travel_of(Index piece, Index obstacle, const State& begin, double h) const;
     MovingCorner moving(const Candidate& at, const State& begin, double h, const std::vector<Vec2>& corner_force) const;
     void find_at_corner(const MovingCorner& at, Index obstacle, const State& begin, double h,
                         const std::vector<Vec3>& end_velocity);
@@ -173,6 +177,7 @@ private:
     SharedFrozenBody body_;                  // null: a deformable one
     std::vector<Piece> pieces_;              // of rigid ones, once they are read
     std::vector<Edge> piece_edges_;          // piece by piece
+    std::vector<double> kicks_;              // [m/s] of pieces in this step: at most, of any place in them
     std::vector<Vec2> starts_;               // [m] of edges, in a search
     std::vector<ObstacleSurface> surfaces_;  // in their places at the start of the step
     std::vector<AtMost> at_most_;            // likewise
@@ -180,6 +185,7 @@ private:
                                    // of its start, since what carries them takes their forces
     std::vector<ObstacleContact> contacts_;
     std::size_t n_at_corners_ = 0;
+    LargestMotion passing_;
 };
 
 }  // namespace knap

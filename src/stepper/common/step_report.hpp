@@ -59,6 +59,7 @@ struct StepReport {
     double sleep_work = 0;           // <= 0: kinetic energy of pieces that fall asleep
     double projection_work = 0;      // of loads, against which positions of rigid pieces are corrected; no energy
     double exchange_work = 0;     // of contacts between rigid pieces and deformable ones, on both (stepper/islands.hpp)
+    double kick_energy = 0;       // that loads alone would give rigid pieces at rest: the scale of what contacts bear
     double rigid_injection = 0;   // >= 0: positive works of contacts of rigid pieces, by the residual of their laws
     double thaw_dissipation = 0;  // part of `dissipated` that falls into the first step of pieces that were rigid
     double scheme_dissipation = 0;  // >= 0: (theta - 1/2) (|dv|_M^2 + |du|_K^2) of the implicit bulk
@@ -141,6 +142,7 @@ struct StepReport {
                                          &R::vibration_booked,
                                          &R::sleep_work,
                                          &R::projection_work,
+                                         &R::kick_energy,
                                          &R::rigid_injection,
                                          &R::exchange_work,
                                          &R::thaw_dissipation,

@@ -129,6 +129,25 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
     prune();
 }
 
+void FaceContacts::find_of_pieces(const State& begin, double h, std::span<const Vec3> kicks) {
+    kicks_ = kicks;
+    find(begin, h);
+    kicks_ = {};
+}
+
+/// [m/s] By which loads change the velocity between two corners in the step, at most.
+double FaceContacts::kick_between(Index one, Index other) const {
+    if (kicks_.empty()) return 0;
+    Vec3 between = Vec3::Zero();
+    double turning = 0;
+    for (const auto& [corner, sign] : {std::pair(one, 1), std::pair(other, -1)}) {
+        if (model_.ground_at(corner)) continue;
+        const Index p = pieces_->piece_of_triangle[model_.mesh.triangle_of(corner)];
+        between += sign * kicks_[p], turning += std::abs(kicks_[p].z()) * pieces_->pieces[p].radius;
+    }
+    return between.head<2>().norm() + turning;
+}
+
 void FaceContacts::find_deformable(const State& begin, double h) {
     if (blocks_.size() < nearby_.n_blocks()) blocks_.resize(nearby_.n_blocks());
     for_blocks(static_cast<std::ptrdiff_t>(nearby_.n_blocks()), [&](std::ptrdiff_t b) {
@@ -174,7 +193,7 @@ void FaceContacts::find_rigid(const State& begin, double h, bool boundary_change
     for (Index e = 0; e < std::ssize(edges); ++e) place_edge(e);
     if (reads) nearby_pieces_.read(edges, corners_, *pieces_);
     complete_ = true;
-    nearby_pieces_.find(edges, corners_, begin.rigid_pieces, h);
+    nearby_pieces_.find(edges, corners_, begin.rigid_pieces, kicks_, h);
     near_.clear();
     nearby_pieces_.for_near([&](Index i, Index e, double reach) {
         if (may_touch(place_of_vertex(i), e, reach)) near_.push_back({i, e});
@@ -294,7 +313,9 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const double length = placed.length, gap = placed.gap(at.x), share = placed.share(at.x),
                  most = overrun(pair.edge, at.x, gap, share);
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
-    const double travel = h * v.norm(), reach = touching_part * length + contact_reach_in_steps * travel;
+    const double travel = h * v.norm(),
+                 reach = touching_part * length +
+                         contact_reach_in_steps * (travel + h * kick_between(leaving.start, edge.start));
     const double beyond = largest_overrun(gap, reach, most, length, edge.depth) / length;
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
     if (!at.cone.accepts(n)) return;

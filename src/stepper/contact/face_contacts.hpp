@@ -69,10 +69,14 @@ public:
     /// Reads positions and velocities, State::retired and State::face_contacts. `corner_velocity` [m/s, per corner]: in
     /// place of those of the state.
     void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr);
+    /// Likewise of rigid pieces; `kicks` [m/s, m/s, rad/s, per piece]: what loads add to their velocities in the step.
+    void find_of_pieces(const State& begin, double h, std::span<const Vec3> kicks);
     /// In the order of (vertex, edge).
     std::span<const FaceContact> all() const { return contacts_; }
     /// Where the step moves a contact by more than 0.05 L, or else where one is deeper than 0.1 L: the worst place.
     const std::optional<ContactRefusal>& refusal() const { return refusal_; }
+    /// Of rigid pieces that may reach each other in the step.
+    const LargestMotion& passing() const { return nearby_pieces_.passing(); }
     const FreeBoundary& boundary() const { return boundary_; }
 
 private:
@@ -125,6 +129,7 @@ private:
     bool place_corners(const State& begin, double h, const std::vector<Vec2>* corner_velocity, bool boundary_changed);
     void find_deformable(const State& begin, double h);
     void find_rigid(const State& begin, double h, bool boundary_changed);
+    double kick_between(Index one, Index other) const;
     void use_edges_of(std::size_t block);
     const CornerMotion& start_of(Index edge) const { return corners_[boundary_.edges()[edge].start_place]; }
     const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }
@@ -163,6 +168,7 @@ private:
     double reach_ = 0;                   // [m] no contact has a larger gap
     NearbyEdges nearby_;                 // of a deformable body
     SharedFrozenBody pieces_;            // null: it is deformable
+    std::span<const Vec3> kicks_;        // of them, in this step
     NearbyPieces nearby_pieces_;         // of rigid ones
     std::vector<NearbyEdge> near_;       // likewise, in this step
     bool complete_ = false;              // what is nearby knows all edges

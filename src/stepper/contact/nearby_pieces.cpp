@@ -2,7 +2,6 @@
 
 #include "mesh/polygon.hpp"
 #include "model/obstacle.hpp"
-#include "stepper/common/contact_search.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -54,7 +53,7 @@ void NearbyPieces::read(std::span<const FreeEdge> edges, std::span<const CornerM
 }
 
 void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-                              std::span<const RigidPiece> pieces, double h) {
+                              std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h) {
     Vec2 mean = Vec2::Zero();  // velocity: what the pieces have in common brings none nearer to another one
     for (const RigidPiece& piece : pieces) mean += piece.velocity / static_cast<double>(pieces.size());
     boxes_.resize(outlines_.size());
@@ -72,6 +71,7 @@ void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const C
         box.room +=
             h * (is_rigid ? (pieces[p].velocity - mean).norm() + prolonged * std::abs(pieces[p].spin) * outline.radius
                           : std::sqrt(fastest));
+        if (p < std::ssize(kicks)) box.room += h * largest_speed(kicks[p], prolonged * outline.radius);
     }
 }
 
@@ -110,10 +110,12 @@ void NearbyPieces::find_pairs() {
 }
 
 void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-                        std::span<const RigidPiece> pieces, double h) {
-    find_boxes(edges, corners, pieces, h);
+                        std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h) {
+    find_boxes(edges, corners, pieces, kicks, h);
     find_pairs();
+    passing_ = {};
     const RigidPiece still;
+    const auto kick = [&](Index p) -> Vec3 { return p < std::ssize(kicks) ? kicks[p] : Vec3::Zero(); };
     const auto piece = [&](Index p) -> const RigidPiece& { return p < std::ssize(pieces) ? pieces[p] : still; };
     for (Pair& pair : pairs_) {
         const RigidPiece &one = piece(pair.of[0]), &two = piece(pair.of[1]);
@@ -121,12 +123,18 @@ void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerM
                      longest = std::max(outlines_[pair.of[0]].longest, outlines_[pair.of[1]].longest);
         const Vec2 between = two.centre - one.centre, offset = Rotation::by(one.angle).turned_back(between);
         const double turn = two.angle - one.angle;
-        const double speed = (two.velocity - one.velocity - one.spin * turned_left(between)).norm() +
-                             std::abs(two.spin - one.spin) * radius;
+        const Vec3 rates = two.rates() - one.rates(), kicked = kick(pair.of[1]) - kick(pair.of[0]);
+        const auto speed_of = [&](const Vec3& relative, double spin) {
+            return (relative.head<2>() - spin * turned_left(between)).norm() + std::abs(relative.z()) * radius;
+        };
+        const double speed = speed_of(rates, one.spin) + speed_of(kicked, kick(pair.of[0]).z());
         pair.reach = std::min((touching_part + largest_motion) * longest + h * speed,
                               boxes_[pair.of[0]].room + boxes_[pair.of[1]].room);
         const bool deforms = one.state == PieceState::deformable || two.state == PieceState::deformable;
         if (deforms) pair.reach = boxes_[pair.of[0]].room + boxes_[pair.of[1]].room;
+        else
+            passing_.at_least({h * speed / std::min(outlines_[pair.of[0]].longest, outlines_[pair.of[1]].longest),
+                               (pair.of[1] < std::ssize(pieces) ? two : one).centre});
         const double moved = (offset - pair.offset).norm() + std::abs(turn - pair.turn) * radius;
         if (!deforms && reach_margin * pair.reach + motion_margin * moved <= pair.margin &&
             std::abs(turn - pair.turn) <= turned_list)

@@ -6,6 +6,7 @@
 // move together; where one of them is deformable it is made anew in each step. What is listed depends on the step
 // alone: for_near() has a reach, by which the caller looks again.
 #include "model/rigid_body.hpp"
+#include "stepper/common/contact_search.hpp"
 #include "stepper/contact/nearby_edges.hpp"
 
 #include <limits>
@@ -16,9 +17,12 @@ class NearbyPieces {
 public:
     /// Reads the outlines.
     void read(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, const FrozenBody& body);
-    /// Finds the pairs for a step of h [s].
+    /// Finds the pairs for a step of h [s]; `kicks` [m/s, m/s, rad/s, per piece]: what loads add to the velocities in
+    /// it, or empty.
     void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-              std::span<const RigidPiece> pieces, double h);
+              std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h);
+    /// Of a piece relative to another one that it may reach in this step.
+    const LargestMotion& passing() const { return passing_; }
     /// Calls visit(vertex, edge, reach) for all that may be near (NearbyEdges) with a reach [m] of this step, and more.
     template <class Visit>
     void for_near(const Visit& visit) const {
@@ -46,7 +50,7 @@ private:
         std::vector<NearbyEdge> near;
     };
     void find_boxes(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-                    std::span<const RigidPiece> pieces, double h);
+                    std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h);
     void find_pairs();
     /// A vertex where the outline does not protrude touches nothing that its neighbours do not touch.
     void search(Pair& pair, std::span<const FreeEdge> edges, std::span<const CornerMotion> corners) const;
@@ -56,6 +60,7 @@ private:
     std::vector<Box> boxes_;
     std::vector<Index> order_;  // of the pieces along the axis
     std::vector<Pair> pairs_, before_;
+    LargestMotion passing_;
 };
 
 }  // namespace knap

@@ -67,7 +67,7 @@ bool RigidContacts::can_break(Index body) const {
 void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBody>& bodies) {
     row_of_face_.clear();
     if (!meets_faces()) return;
-    faces_.find(step.begin, step.drift_time);
+    faces_.find_of_pieces(step.begin, step.drift_time, kicks_);
     const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);  // else a force
     row_of_face_.assign(faces_.all().size(), -1);
     for (Index i = 0; i < static_cast<Index>(faces_.all().size()); ++i) {
@@ -244,9 +244,10 @@ void RigidContacts::wake(std::vector<MovingBody>& bodies) const {
 
 void RigidContacts::find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies) {
     begin_ = &step.begin;
-    rows_.clear();
+    rows_.clear(), kicks_.clear();
+    for (Index p = 0; p < n_pieces_; ++p) kicks_.push_back(bodies[p].free - bodies[p].before);
     add_faces(step, bodies);
-    obstacle_contacts_.find(step.begin, step.drift_time, obstacles.rate(), {});
+    obstacle_contacts_.find(step.begin, step.drift_time, obstacles.rate(), {}, kicks_);
     pairs_.find(step.begin, step.drift_time, obstacles.rate());
     add_obstacles(step, bodies);
     add_pairs(step, bodies);
@@ -326,8 +327,10 @@ void RigidContacts::solve(std::size_t number, const RigidStep& step, const std::
     for (std::size_t i = 0; i < rows.size(); ++i) rows_[rows[i]].impulse = problem.contacts[i].impulse;
 }
 
-RigidContacts::Motion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
-    Motion fastest;
+LargestMotion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
+    LargestMotion fastest;
+    for (const LargestMotion& passing : {faces_.passing(), obstacle_contacts_.passing()})
+        fastest.at_least({largest_motion / most_passed * passing.value, passing.place});
     for (const Row& row : rows_) {
         if (!(row.own_N > 0) || row.gap + step.drift_time * row.before.x() >= 0 ||
             sides_of(row, bodies) == Sides::deformable)

@@ -29,18 +29,9 @@ public:
     void renew(const State& begin);
     /// Finds the contacts; wakes bodies that are hit, and those that lie on them. `bodies`: pieces, then obstacles.
     void find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies);
-    /// [-] The largest motion in a step, of faces that meet over their edge, and its place. A gap is linear in the turn
-    /// of a piece, so what turns far counts, too.
-    struct Motion {
-        double value = 0;
-        Vec2 place = Vec2::Zero();
-
-        void at_least(const Motion& other) {
-            if (other.value > value) *this = other;
-        }
-    };
-    /// Finds the impulses, end velocities and shifts.
-    Motion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
+    /// Finds the impulses, end velocities and shifts. Returns the largest motion of faces that meet over their edge: a
+    /// gap is linear in the turn of a piece, so what turns far counts, too, and what passes others (most_passed).
+    LargestMotion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
     /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, in clusters with a
     /// body that is marked [0/1]. [m/s] The largest error of a rate.
     double move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked,
@@ -76,13 +67,14 @@ public:
     void project(const RigidStep& step, std::vector<MovingBody>& bodies) const;
     /// Works of the contacts, and their impulses in the end state.
     void finish(const RigidStep& step, const std::vector<MovingBody>& bodies, State& end, StepReport& report) const;
-    /// Calls visit(a, b) for bodies that press on each other; b = -1: the ground.
+    /// Calls visit(a, b, loss) for bodies that press on each other; b = -1: the ground; loss [J]: by this contact.
     template <class Visit>
     void for_pressed(const Visit& visit) const {
         for (const Row& row : rows_)
             if (row.impulse.x() > 0)
                 for (int k = 0; k < row.n_terms; ++k)
-                    visit(row.terms[k].body, row.n_terms > 1 ? row.terms[k == 0 ? 1 : 0].body : -1);
+                    visit(row.terms[k].body, row.n_terms > 1 ? row.terms[k == 0 ? 1 : 0].body : -1,
+                          -0.5 * row.impulse.dot(row.before + row.after));
     }
     /// [N s, N s, N m s] of the contacts on a body, but of those that deformable pieces resolve themselves.
     void add_wrenches(const std::vector<MovingBody>& bodies, std::vector<Vec3>& wrench) const;
@@ -144,7 +136,8 @@ private:
     Index n_pieces_ = 0;
     std::vector<Point> points_;
     bool had_points_ = false;
-    double weakest_ = 0;  // [m/s] smallest sigma_c/(rho c) of all pieces
+    double weakest_ = 0;       // [m/s] smallest sigma_c/(rho c) of all pieces
+    std::vector<Vec3> kicks_;  // [m/s, m/s, rad/s] per piece: what loads add to its velocity in the step
     std::vector<Row> rows_;
     std::vector<Index> row_of_face_;             // per contact of faces_: its row, or -1
     std::vector<std::size_t> hull_, by_bodies_;  // rows

@@ -20,13 +20,13 @@ constexpr double largest_turn = 0.7;      // [rad] of a piece in a step: 40 degr
 constexpr double error_of_sweeps = 100, exact_rest = 1e-6, largest_rest = 1e-2;
 
 /// Whether a slow piece sets out: its speed v grows along its way d. From rest a constant acceleration has d = v t/2,
-/// and a growing one less, down to v t/4 here; what vibrates in its place has less, and what goes on or is braked v t
-/// or more.
-bool sets_out(const RigidPiece& piece, double radius, double time, double sleep) {
+/// and a growing one less, down to v t/4 here; what vibrates in its place has less, and what is braked more than v t.
+/// What goes on has v t: where no loss brakes it, it goes on for ever.
+bool sets_out(const RigidPiece& piece, double radius, double time, double sleep, bool is_braked) {
     const Vec3 size(1, 1, radius), v = size.cwiseProduct(piece.rates()),
                                    d = size.cwiseProduct(piece.place() - piece.slow_at);
-    const double uniform = v.squaredNorm() * (time - piece.slow_since);
-    return v.norm() > stands_below * sleep && d.dot(v) > 0.25 * uniform && d.dot(v) < 0.99 * uniform;
+    const double uniform = v.squaredNorm() * (time - piece.slow_since), most = is_braked ? 0.99 : 1.01;
+    return v.norm() > stands_below * sleep && d.dot(v) > 0.25 * uniform && d.dot(v) < most * uniform;
 }
 
 }  // namespace
@@ -188,7 +188,7 @@ void RigidScheme::find_contacts(StepReport& report) {
     stays_ = lies_still(step);
     if (stays_) return;
     contacts_.find(step, obstacles_, bodies_);
-    RigidContacts::Motion motion = contacts_.solve(step, bodies_, report);
+    LargestMotion motion = contacts_.solve(step, bodies_, report);
     for (const MovingBody& body : bodies_)
         if (body.kick > 0)
             motion.at_least({largest_motion * step.drift_time * std::abs(body.end.z()) / largest_turn, body.centre});
@@ -285,12 +285,13 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
         report.kinetic += 0.5 * (mass * piece.velocity.squaredNorm() + inertia * piece.spin * piece.spin);
         const double damping = options_.damping_of == DampingOf::motion ? 0.5 * at.kick * options_.damping : 0;
         report.external_work += at.kick * load_[p].dot(mean);
+        report.kick_energy += 0.5 * at.kick * at.kick * load_[p].cwiseAbs2().dot(Vec3(1 / mass, 1 / mass, 1 / inertia));
         if (at.struck_at > 0) report.external_work += at.works_at / at.struck_at * load_[p].dot(at.strike);
         report.impact_work += at.couple * mean.z();
         report.rigid_injection += std::max(0.0, at.couple * mean.z());
         report.damping_work -= 2 * damping * (mass * mean.head<2>().squaredNorm() + inertia * mean.z() * mean.z());
         report.projection_work -= load_[p].dot(at.shift);
-        const double speed = piece.velocity.norm() + std::abs(piece.spin) * body.pieces[p].radius;
+        const double speed = largest_speed(at.end, body.pieces[p].radius);
         report.largest_speed = std::max(report.largest_speed, speed);
         if (speed >= options_.rigid.sleep) piece.begin_slow(begin.time + step.drift_time);
     }
@@ -319,21 +320,29 @@ void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& rep
     const std::size_t n_pieces = body.pieces.size();
     const auto stands_still = [&](Index b) { return b < 0 || (!bodies_[b].moves() && bodies_[b].before.isZero(0)); };
     const double time = end.time + step.drift_time;
+    std::vector<double> loss(bodies_.size(), 0);  // [J] in the step
+    contacts_.for_pressed([&](Index b, Index, double lost) { loss[b] += lost; });
+    const auto energy_of = [&](std::size_t p) {
+        const RigidPiece& piece = end.rigid_pieces[p];
+        return 0.5 *
+               (body.pieces[p].mass * piece.velocity.squaredNorm() + body.pieces[p].inertia * piece.spin * piece.spin);
+    };
     const auto is_slow = [&](std::size_t p) {
         const RigidPiece& piece = end.rigid_pieces[p];
+        const bool is_braked = slow_for / step.kick_time * loss[p] > energy_of(p);
         return !bodies_[p].deformable && time - piece.slow_since >= slow_for &&
-               !sets_out(piece, body.pieces[p].radius, time, options_.rigid.sleep);
+               !sets_out(piece, body.pieces[p].radius, time, options_.rigid.sleep, is_braked);
     };
     bool any = false;
     for (std::size_t p = 0; p < n_pieces; ++p) any = any || (!body.pieces[p].held && !bodies_[p].asleep && is_slow(p));
     if (!any) return;
     pressed_.start(bodies_.size());
     std::vector<std::uint8_t> held(bodies_.size(), 0), moves(bodies_.size(), 0);
-    contacts_.for_pressed([&](Index a, Index b) {
+    contacts_.for_pressed([&](Index a, Index b, double) {
         if (stands_still(a)) return;
         if (!stands_still(b)) pressed_.join(a, b);
     });
-    contacts_.for_pressed([&](Index a, Index b) {
+    contacts_.for_pressed([&](Index a, Index b, double) {
         if (!stands_still(a) && stands_still(b)) held[pressed_.find(a)] = 1;
     });
     for (std::size_t b = 0; b < bodies_.size(); ++b)
@@ -360,8 +369,7 @@ void RigidScheme::fall_asleep(const RigidStep& step, State& end, StepReport& rep
     for (std::size_t p = 0; p < n_pieces; ++p) {
         if (!may_sleep(p)) continue;
         RigidPiece& piece = end.rigid_pieces[p];
-        const double energy = 0.5 * (body.pieces[p].mass * piece.velocity.squaredNorm() +
-                                     body.pieces[p].inertia * piece.spin * piece.spin);
+        const double energy = energy_of(p);
         piece.velocity.setZero(), piece.spin = 0;
         piece.state = PieceState::asleep;
         report.kinetic -= energy, report.sleep_work -= energy;

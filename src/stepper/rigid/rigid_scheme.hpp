@@ -14,9 +14,10 @@
 // or a lasting force above sigma_c/2 over an edge. What is handed on has at most the p of the same motion without loads
 // (RigidContacts::solve_anew): contacts share a weight in many ways, and each solution in another one.
 //
-// Pieces that have been slower than `sleep` for 0.2 s without setting out (what accelerates slowly does), that press on
-// what stands still, and whose contacts would bear them at rest, fall asleep. They stand still until something hits
-// them faster than that or begins to touch them, or a driven obstacle touches them.
+// Pieces that have been slower than `sleep` for 0.2 s without setting out (what accelerates slowly does) or going on
+// with no loss (as what slides without friction), that press on what stands still, and whose contacts would bear them
+// at rest, fall asleep. They stand still until something hits them faster than that or begins to touch them, or a
+// driven obstacle touches them.
 //
 // A step has two parts, so that deformable pieces can take their own one between them (stepper/islands): a trial, which
 // finds the impulses of all contacts, and its end, which moves what is rigid. The impulses on a deformable piece are

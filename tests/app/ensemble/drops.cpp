@@ -294,6 +294,7 @@ TEST_CASE("random members: mistakes name key and bounds") {
     refused("members = 8", "members = 0", "out-of-range", "sweep.random.members");
     refused("members = 8\n", "", "missing-key", "sweep.random.members");
     refused("body.stone.shift.x", "body.stone.shfit.x", "unknown-key", "shfit");
+    refused("body.stone.shift.x", "body.stone.shift.z", "unknown-key", "has the components x and y");
     refused("body.stone.shift.x", "body.stne.shift.x", "unknown-name", "did you mean `stone`?");
     refused("body.stone.shift.x", "sweep.random.members", "out-of-range", "not a key that can be drawn");
     refused("body.stone.shift.x", "body.stone.shape", "wrong-type", "needs a key of one number");

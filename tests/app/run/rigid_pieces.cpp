@@ -1,8 +1,5 @@
 // [rigid]: pieces that nothing can break move as rigid bodies, and become deformable for a blow.
-#include "app/program.hpp"
-#include "output/history_csv.hpp"
-
-#include <nlohmann/json.hpp>
+#include "app/rigid_scene.hpp"
 
 #include <cmath>
 #include <sstream>
@@ -11,68 +8,6 @@
 namespace rigid_pieces_test {
 
 using namespace program;
-
-namespace {
-
-using Json = nlohmann::json;
-
-std::string material(const std::string& law) {
-    return "[material.rock]\ndensity = 2500\nE = 30e9\nnu = 0.2\n[interface.default]\nfriction = 0.5\n" + law;
-}
-const std::string whole = "breakable = false\n", weak = "sigma_c = 8e6\nG_c = 200\n";
-const std::string weight = "[[load]]\nacceleration = [0, -9.81]\n";
-
-std::string block(const std::string& name, const std::string& origin, const std::string& size,
-                  const std::string& more = "") {
-    return "[[body]]\nname = \"" + name + "\"\nshape = \"rectangle\"\norigin = [" + origin + "]\nsize = [" + size +
-           "]\n" + more;
-}
-std::string ground(const std::string& more = "friction = 0.5\n", const std::string& normal = "0, 1") {
-    return "[[obstacle]]\nname = \"ground\"\nshape = \"half plane\"\nat = [0, 0]\nnormal = [" + normal + "]\n" + more;
-}
-std::string scene(const std::string& bodies, const std::string& rigid, const std::string& end,
-                  const std::string& law = whole, const std::string& mesh = "0.1", const std::string& more = "") {
-    return "knap = 1\n[domain]\nrotation = \"large\"\n[mesh]\nsize = " + mesh + "\n" + material(law) +
-           "[contact]\n[rigid]\n" + rigid + bodies + "[time]\nend = " + end + "\n" +
-           "[output]\nfields = false\nhistory_every = 0.01\n" + more;
-}
-
-Answer run_to_end(const Folder& folder, const std::string& text, const std::string& more = " --force") {
-    write_scene(folder, text);
-    return run_scene(folder, "-j 1 -s 'figure=[]' -o " + folder.in_shell("run") + more);
-}
-knap::History table(const Folder& folder, const char* file) { return knap::read_csv(folder.path / "run" / file); }
-Json record(const Folder& folder) { return Json::parse(text_of(folder.path / "run/run.json")); }
-double last(const knap::History& history, const char* column) { return history.column(column).back(); }
-
-/// [J] Error of the balance over the largest kinetic energy.
-double balance(const knap::History& energy) {
-    double largest = 0, scale = 0;
-    for (const double value : energy.column("residual")) largest = std::max(largest, std::abs(value));
-    for (const double value : energy.column("kinetic")) scale = std::max(scale, value);
-    return largest / scale;
-}
-
-struct Momenta {
-    double x = 0, y = 0, angular = 0, scale = 0;
-};
-Momenta momenta(const Folder& folder) {
-    const knap::History pieces = table(folder, "fragments.csv");
-    Momenta sum;
-    for (std::size_t i = 0; i < pieces.rows.size(); ++i) {
-        const auto value = [&](const char* column) { return pieces.column(column)[i]; };
-        const double px = value("mass") * value("velocity_x"), py = value("mass") * value("velocity_y");
-        sum.x += px, sum.y += py;
-        const double energy = value("kinetic_energy") - 0.5 * (px * px + py * py) / value("mass");
-        const double spin = value("spin");
-        sum.angular +=
-            value("centre_x") * py - value("centre_y") * px + (std::abs(spin) > 1e-6 ? 2 * energy / spin : 0);
-        sum.scale += std::hypot(px, py) * std::hypot(value("centre_x"), value("centre_y"));
-    }
-    return sum;
-}
-
-}  // namespace
 
 TEST_CASE("rigid pieces: a block slides down an incline as Coulomb says or stays") {
     const Folder folder("rigid incline");
@@ -111,6 +46,40 @@ TEST_CASE("rigid pieces: what begins to slide goes on however slowly and what is
     CHECK(record(folder)["pieces"]["asleep"] == 1);
     CHECK(last(table(folder, "fragment_history.csv"), "to_x") - 0.2 ==
           doctest::Approx(0.01 * 0.01 / (2 * (0.61 * 8.4088 - 5.0525))).epsilon(0.1));
+}
+
+TEST_CASE("rigid pieces: what nothing brakes goes on however slowly") {
+    const Folder folder("rigid glide");
+    for (const bool brakes : {false, true}) {
+        const std::string text = scene(block("b", "0, 0", "0.4, 0.3", "velocity = [0.01, 0]\n") +
+                                           ground(brakes ? "friction = 0.5\n" : "friction = 0\n") + weight,
+                                       "restitution = 0\n", "2");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        CHECK(record(folder)["pieces"]["asleep"] == (brakes ? 1 : 0));
+        const double moved = last(table(folder, "fragment_history.csv"), "to_x") - 0.2;
+        const double way = brakes ? 0.01 * 0.01 / (2 * 0.5 * 9.81) : 0.01 * 2;
+        CHECK(moved == doctest::Approx(way).epsilon(brakes ? 0.5 : 1e-9));  // it stops within four steps
+    }
+}
+
+TEST_CASE("rigid pieces: steps as long as a fall see what loads bring together") {
+    const Folder folder("rigid long step");
+    const auto height = [&](const std::string& step, const std::string& below) {
+        const std::string text = scene(block("b", "0, 1", "0.4, 0.3") + below + weight,
+                                       "step = " + step + "\nsleep = 0\nrestitution = 0\n", "3");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        return table(folder, "fragments.csv").column("centre_y").back();
+    };
+    const std::string held = block("held", "-1, -0.2", "2, 0.2") + "[[support]]\non = \"held.bottom\"\n",
+                      terrain =
+                          "[[obstacle]]\nname = \"terrain\"\nshape = \"polyline\"\n"
+                          "points = [[2, 0], [0.5, 0], [0, 0], [-2, 0]]\nfriction = 0.5\n";
+    for (const std::string& below : {ground(), terrain, held})
+        for (const char* step : {"0.5e-3", "0.1", "1"}) {
+            CAPTURE(below);
+            CAPTURE(step);
+            CHECK(height(step, below) == doctest::Approx(0.15).epsilon(1e-4));
+        }
 }
 
 TEST_CASE("rigid pieces: a driven obstacle wakes what it touches however slowly it moves") {
