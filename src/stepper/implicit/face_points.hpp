@@ -5,8 +5,8 @@
 //
 //     g+ - g = h n . (w_i - (1 - s) w_a - s w_b)
 //
-// but for the strain of the edge, and the impulses on the three have no resultant, and no moment about their places in
-// the middle of the step.
+// but for the strain of the edge. The slip is that of the edge where the vertex is (PointSides::lever), so the impulses
+// on the three have no resultant, and no moment about their places in the middle of the step.
 #include "stepper/contact/face_contacts.hpp"
 #include "stepper/implicit/active_point.hpp"
 
