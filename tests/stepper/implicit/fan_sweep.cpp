@@ -51,7 +51,7 @@ TEST_CASE("sweeps alone end in the balance and the laws of all points") {
         std::vector<std::uint8_t> has_point(residual.size(), 0);  // corners of the bar without points keep their rates
         missed = n_open = 0;
         for (ActivePoint& point : bar.x.points) {
-            point.sides.for_each_node([&](Index node, double) { has_point[node] = 1; });
+            point.sides.for_each_node([&](Index node, const auto&) { has_point[node] = 1; });
             n_open += !point.response.closed;
             missed = std::max({missed, std::abs(point.response.contact - point.multipliers.contact),
                                std::abs(point.response.tangential - point.multipliers.tangential)});

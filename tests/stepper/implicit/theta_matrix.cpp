@@ -289,13 +289,18 @@ TEST_CASE("the compliance of points is that of the inverse matrix") {
     std::vector<PointSides> all, some;
     for (const PointTangent& point : setting.points) all.push_back(point.sides);
     REQUIRE(all.size() > 20);
+    all[0].second_node = all[5].after, all[0].share = 0.3;  // as a vertex at a gap from an edge
+    all[0].lever = 0.2 * Vec2(0.6, 0.8) * Vec2(-0.8, 0.6).transpose();
+    REQUIRE(all[0].second_node >= 0);
     matrix.set_near(all);
     for (std::size_t i = 0; i < all.size(); i += 5) some.push_back(all[i]);
     const Eigen::Index n = 2 * static_cast<Eigen::Index>(some.size());
     Eigen::MatrixXd G = Eigen::MatrixXd::Zero(2 * setting.partition.n_nodes(), n), compliance(n, n);
     for (Eigen::Index j = 0; j < n; ++j)
-        some[j / 2].for_each_node([&](Index node, double weight) {
-            if (!setting.partition.prescribed[node][j % 2]) G(2 * node + j % 2, j) += weight;
+        some[j / 2].for_each_node([&](Index node, const auto& weight) {
+            const Vec2 of_motion = transposed(weight) * Vec2(Vec2::Unit(j % 2));
+            for (int k = 0; k < 2; ++k)
+                if (!setting.partition.prescribed[node][k]) G(2 * node + k, j) += of_motion[k];
         });
     REQUIRE(matrix.find_compliance(some, compliance));
     const Eigen::MatrixXd exact = G.transpose() * setting.dense().ldlt().solve(G);
