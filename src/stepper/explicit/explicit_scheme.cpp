@@ -215,8 +215,7 @@ bool ExplicitScheme::decide_and_move(const Sweep<Corner>& sweep, const typename 
     const auto corners = model_.corners(model_.fans[f]);
     const auto dashpots = absorbing_.of_fan(f);
     if (!dashpots.empty()) {  // they are forces at the mean velocity that the fan has as one
-        const Vec2 after = velocity_as_one(f, force, Vec2::Zero(), step),
-                   mean = 0.5 * (begin.velocity[f] + after);
+        const Vec2 after = velocity_as_one(f, force, Vec2::Zero(), step), mean = 0.5 * (begin.velocity[f] + after);
         const auto resisted = [&](Index k) -> Vec2 { return force_on(k) + dashpot_force(corners[k], dashpots, mean); };
         if (!is_held(resisted, force + absorbing_.force_on_fan(f, mean))) return false;
     } else if (!is_held(force_on, force)) {

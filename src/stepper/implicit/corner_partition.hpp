@@ -65,8 +65,7 @@ struct PointSides {
                 const Eigen::Matrix2d part = between(weight_a, block, weight_b);
                 for (int k = 0; k < 2; ++k)
                     for (int l = 0; l < 2; ++l)
-                        if (row[k] >= 0 && column[l] >= 0)
-                            matrix(row[k], column[l]) += part(k, l);
+                        if (row[k] >= 0 && column[l] >= 0) matrix(row[k], column[l]) += part(k, l);
             });
         });
     }

@@ -51,10 +51,10 @@ private:
     PointSides sides_of(std::size_t i, const CornerPartition& nodes) const;
 
     const Model& model_;
-    std::optional<FaceContacts> faces_;  // with contact between free faces
-    std::vector<FaceContact> rows_;      // that may meet
+    std::optional<FaceContacts> faces_;   // with contact between free faces
+    std::vector<FaceContact> rows_;       // that may meet
     std::vector<Eigen::Matrix2d> lever_;  // PointSides::lever of these; zero with small rotations
-    const CohesiveLaw law_;              // without cohesion
+    const CohesiveLaw law_;               // without cohesion
     std::vector<PointSides> sides_;
     std::vector<std::array<Index, 2>> before_;
 };
