@@ -162,10 +162,11 @@ std::vector<Diagnostic> findings_of_crushed_discs(const ReadResult& read) {
             "interface." + named.name + ".gamma",
             {.severity = Diagnostic::Severity::warning,
              .code = "crushed-disc",
-             .message = formatted("of `%s` gives a compressive strength of %.2g sigma_c: a Brazilian disc is crushed "
-                                  "below its platens before it splits. Measured: it bears 0.57 of its splitting load "
-                                  "with 3.8 sigma_c, 0.87 with 6.5, 0.97 with 7.7, whatever the coupling",
-                                  named.name.c_str(), bears),
+             .message =
+                 formatted("`interface.%s.gamma` gives a compressive strength of %.2g sigma_c: a Brazilian disc is "
+                           "crushed below its platens before it splits. Measured: it bears 0.57 of its splitting load "
+                           "with 3.8 sigma_c, 0.87 with 6.5, 0.97 with 7.7, whatever the coupling",
+                           named.name.c_str(), bears),
              .note = (has_table ? std::string("a larger gamma or more friction over pressure")
                                 : formatted("gamma = %.2g, which gives %.2g sigma_c", gamma, splits_from)) +
                      (named.law.coupling == Coupling::norm && sum_splits ? ", or coupling = \"sum\"" : "")}));

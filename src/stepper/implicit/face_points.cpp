@@ -12,8 +12,8 @@ FacePoints::FacePoints(const Model& model)
 bool FacePoints::find(const State& begin, double h, const std::vector<Vec2>& corner_rate) {
     if (!faces_) return true;
     faces_->find(begin, h, &corner_rate);
-    rows_.assign(faces_->all().begin(), faces_->all().end());
-    lever_.assign(rows_.size(), Eigen::Matrix2d::Zero());
+    rows_.clear();
+    for (const FaceContact& contact : faces_->all()) rows_.push_back({contact});
     const auto& refusal = faces_->refusal();
     return !refusal || (model_.large_rotation && refusal->reason == ContactRefusal::Reason::depth);
 }
@@ -26,19 +26,18 @@ void FacePoints::reject(StepReport& report) const {
 void FacePoints::turn(const State& begin, double h, const std::vector<Vec2>& corner_rate) {
     const auto way = [&](Index corner) -> Vec2 { return 0.5 * h * corner_rate[corner]; };
     const auto middle = [&](Index c) -> Vec2 { return place_of(model_, begin, c) + unless_ground(c, way); };
-    for (std::size_t i = 0; i < size(); ++i) {
-        FaceContact& row = rows_[i];
+    for (Row& row : rows_) {
         const PlacedEdge edge = placed_edge(middle(row.edge[0]), middle(row.edge[1]));
         const Vec2 vertex = 0.5 * (middle(row.vertex[0]) + middle(row.vertex[1]));
         row.normal = edge.outward;
         row.share = edge.share(vertex);
-        lever_[i] = edge.gap(vertex) / edge.length * edge.along * edge.outward.transpose();
+        row.lever = edge.gap(vertex) / edge.length * edge.along * edge.outward.transpose();
     }
 }
 
 double FacePoints::change(std::size_t i, const ActivePoint& point) const {
     return (rows_[i].normal + point.normal).norm() + std::abs(rows_[i].share - point.sides.share) +
-           (lever_[i] - point.sides.lever).norm();
+           (rows_[i].lever - point.sides.lever).norm();
 }
 
 Vec2 FacePoints::force_before(std::size_t i, const State& begin) const {
@@ -63,8 +62,7 @@ bool FacePoints::lacked(const State& begin, double h, const std::vector<Vec2>& c
     });
 }
 
-PointSides FacePoints::sides_of(std::size_t i, const CornerPartition& nodes) const {
-    const FaceContact& contact = rows_[i];
+PointSides FacePoints::sides_of(const Row& contact, const CornerPartition& nodes) const {
     const auto node = [&](Index corner) {
         return model_.ground_at(corner) != nullptr ? -1 : nodes.node_of_corner[corner];
     };
@@ -74,14 +72,14 @@ PointSides FacePoints::sides_of(std::size_t i, const CornerPartition& nodes) con
                      .second_node = node(contact.edge[1]),
                      .share = contact.share,
                      .leaf_corner = model_.ground_at(contact.edge[0]) ? contact.vertex[0] : contact.edge[0],
-                     .lever = lever_[i]};
+                     .lever = contact.lever};
     if (const Index other = node(contact.vertex[1]); other != sides.before) sides.before_too = other;
     return sides;
 }
 
 const std::vector<PointSides>& FacePoints::sides(const CornerPartition& nodes) {
     sides_.clear();
-    for (std::size_t i = 0; i < size(); ++i) sides_.push_back(sides_of(i, nodes));
+    for (std::size_t i = 0; i < size(); ++i) sides_.push_back(sides_of(rows_[i], nodes));
     return sides_;
 }
 
@@ -104,7 +102,7 @@ ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const Corn
     };
     const double rate = contact.normal.dot(contact.jump(velocity));
     const ContactLaw law = law_between_faces(model_, begin, contact);
-    ActivePoint made{.sides = sides_of(i, nodes),
+    ActivePoint made{.sides = sides_of(rows_[i], nodes),
                      .fan = between_faces,
                      .normal = -contact.normal,  // from the vertex to the edge
                      .law = {.u_N = contact.gap,
@@ -122,11 +120,11 @@ ActivePoint FacePoints::point(std::size_t i, const StepContext& step, const Corn
 }
 
 void FacePoints::add_impulse(std::size_t i, const Vec2& impulse, std::vector<Vec2>& of_corner) const {
-    const FaceContact& contact = rows_[i];
+    const Row& contact = rows_[i];
     const auto add = [&](Index corner, const Vec2& part) {
         if (model_.ground_at(corner) == nullptr) of_corner[corner] += part;
     };
-    const Vec2 couple = lever_[i].transpose() * impulse;
+    const Vec2 couple = contact.lever.transpose() * impulse;
     add(contact.edge[0], (1 - contact.share) * impulse + couple);
     add(contact.edge[1], contact.share * impulse - couple);
     for (const Index corner : contact.vertex) add(corner, -0.5 * impulse);

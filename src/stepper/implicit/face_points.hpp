@@ -43,18 +43,20 @@ public:
     void store(std::span<const ActivePoint> points, const StepContext& step, State& end, StepReport& report) const;
 
 private:
+    struct Row : FaceContact {
+        Eigen::Matrix2d lever = Eigen::Matrix2d::Zero();  // [-] PointSides::lever; zero with small rotations
+    };
     /// Zero on the ground, which does not move, else that of the corner.
     Vec2 unless_ground(Index corner, const auto& of_corner) const {
         return model_.ground_at(corner) ? Vec2(Vec2::Zero()) : Vec2(of_corner(corner));
     }
     double touching_gap(const State& begin, const FaceContact& contact) const;
-    PointSides sides_of(std::size_t i, const CornerPartition& nodes) const;
+    PointSides sides_of(const Row& contact, const CornerPartition& nodes) const;
 
     const Model& model_;
-    std::optional<FaceContacts> faces_;   // with contact between free faces
-    std::vector<FaceContact> rows_;       // that may meet
-    std::vector<Eigen::Matrix2d> lever_;  // PointSides::lever of these; zero with small rotations
-    const CohesiveLaw law_;               // without cohesion
+    std::optional<FaceContacts> faces_;  // with contact between free faces
+    std::vector<Row> rows_;              // that may meet
+    const CohesiveLaw law_;              // without cohesion
     std::vector<PointSides> sides_;
     std::vector<std::array<Index, 2>> before_;
 };
