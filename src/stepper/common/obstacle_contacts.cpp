@@ -407,10 +407,11 @@ void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at,
     if (gap < 0 && surface.outline().line && is_in_front_of_next(edge, at, x, begin)) return;
     const double as_near = gap + almost_as_near * at.length;
     if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) return;
+    const Vec2 foot = arm - gap * at.outward;  // where the body takes the friction, so that it has no moment
     add_on_edge({.corner = edge.a,
                  .fan = model_.fan_of_corner[edge.a],
                  .obstacle = o,
-                 .arm = arm + 0.5 * h * predicted_[o].z() * turned_left(arm),
+                 .arm = foot + 0.5 * h * predicted_[o].z() * turned_left(foot),
                  .normal = -at.outward,
                  .gap = cleared(gap, x, surface),
                  .second_corner = edge.b,
