@@ -1,6 +1,7 @@
 #include "app/run/start_state.hpp"
 
 #include "app/run/continuation.hpp"
+#include "app/setup/process.hpp"
 #include "base/checksum.hpp"
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
@@ -230,6 +231,7 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
     if (in_equilibrium) {
         const Stopwatch watch;
         State loaded = start;
+        const InterruptGuard::Lifted lifted;  // may take minutes
         try {
             stepper.start_in_equilibrium(loaded);
             start = std::move(loaded);

@@ -70,6 +70,13 @@ InterruptGuard::InterruptGuard() {
 
 InterruptGuard::~InterruptGuard() { handle_by(end_at_once); }
 
+InterruptGuard::Lifted::Lifted() {
+    handle_by(end_at_once);
+    if (noted != 0) end_at_once(0);
+}
+
+InterruptGuard::Lifted::~Lifted() { handle_by(note); }
+
 bool InterruptGuard::interrupted() { return noted != 0; }
 
 bool is_ignored(int signal) {

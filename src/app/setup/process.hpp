@@ -36,6 +36,12 @@ public:
     InterruptGuard();
     ~InterruptGuard();
     static bool interrupted();
+
+    /// During its life, within that of a guard, the signals end the program at once again: no step is there to keep.
+    struct Lifted {
+        Lifted();
+        ~Lifted();
+    };
 };
 
 bool is_ignored(int signal);
