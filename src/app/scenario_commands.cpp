@@ -77,9 +77,9 @@ bool cracks_anywhere(const Scenario& scenario) {
     return false;
 }
 
-/// `step`: [s] that in which cohesion may decrease.
-void print_resolution(const ReadResult& read, const Mesh& mesh, double step) {
+void print_resolution(const ReadResult& read, const Mesh& mesh, const StepPlan& plan) {
     const Scenario& scenario = read.scenario;
+    const double step = plan.limits.cracking;  // [s] that in which cohesion may decrease
     const std::vector<Resolution> found = judge_resolution(scenario, mesh);
     std::printf("interfaces\n");
     const double fine = scenario.finest_edge(mean_edge(mesh)), coarse = scenario.mesh.size / scenario.order;
@@ -105,7 +105,7 @@ void print_resolution(const ReadResult& read, const Mesh& mesh, double step) {
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
             "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness write toughness = \"as "
             "measured\" (above all tables)\n");
-    std::fputs(mesh_surplus_text(read).c_str(), stdout);
+    std::fputs(mesh_surplus_text(read, plan).c_str(), stdout);
     for (const NamedLaw& law : scenario.laws)
         if (law.measured_sigma_c > 0)
             std::printf(
@@ -437,7 +437,7 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     std::fputs(placed_sets_text(scenario, model.mesh).c_str(), stdout);
     print_materials(scenario);
     std::fputs(laws_text(read, model).c_str(), stdout);
-    print_resolution(read, model.mesh, plan.limits.cracking);
+    print_resolution(read, model.mesh, plan);
     print_methods(scenario, model);
     std::fputs(initial_stress_text(scenario, model).c_str(), stdout);
     std::fputs(heat_text(scenario, model.mesh, plan.limits.largest).c_str(), stdout);

@@ -1,5 +1,6 @@
 // [material.NAME], [interface.NAME] and [[support]]: which law acts between which materials and under which support.
 #include "scenario/reading.hpp"
+#include "scenario/specimen_strength.hpp"
 
 #include "base/formatted.hpp"
 
@@ -342,10 +343,6 @@ static const char* key_of_shape(const Table& table) {
     return table.given("plateau") ? "plateau" : table.given("table") ? "table" : "csv";
 }
 
-/// [-] Over sigma_c: the least uniaxial stress that damages a facet by the norm, of all its angles t: the least of
-/// 1/(cos t sqrt(cos^2 t + sin^2 t/gamma^2)), at cos^2 t = 1/(2 (1 - gamma^2)) where gamma^2 < 1/2, else at t = 0.
-static double weakest_facet(double gamma) { return gamma * gamma < 0.5 ? 2 * gamma * std::sqrt(1 - gamma * gamma) : 1; }
-
 /// Laws with cohesion must have one coupling, and the scheme must know it.
 static void check_coupling(Reading& reading) {
     const auto& laws = reading.scenario.laws;
@@ -359,7 +356,7 @@ static void check_coupling(Reading& reading) {
         if (std::ranges::any_of(laws, is_sum))
             table.exclude("coupling", "coupling = \"norm\"", "coupling = \"sum\"",
                           "the same coupling in all laws with cohesion");
-        if (const double weakest = weakest_facet(law.gamma); law.gamma > 0 && weakest < 1)
+        if (const double weakest = weakest_facet(law, Coupling::norm); law.gamma > 0 && weakest < 1)
             table.warning("weak", "gamma",
                           formatted("below 0.71 makes random meshes too weak with coupling = \"norm\": a facet in the "
                                     "worst direction is damaged by a tension of %.2g sigma_c",

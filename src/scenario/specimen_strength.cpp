@@ -46,6 +46,14 @@ TestedLaw tested_law(const Scenario& scenario, const LawWithin& within) {
     return tested_law(scenario, within, test_word(scenario.strength.test), scenario.strength.size);
 }
 
+double weakest_facet(const CohesiveLaw& law, Coupling coupling) {
+    const double gamma = law.gamma, mu = law.friction;
+    // the norm: the least of 1/(cos t sqrt(cos^2 t + sin^2 t/gamma^2)), at cos^2 t = 1/(2 (1 - gamma^2)), else at t = 0
+    if (coupling == Coupling::norm) return gamma * gamma < 0.5 ? 2 * gamma * std::sqrt(1 - gamma * gamma) : 1;
+    // the sum: the least of (gamma + mu)/(cos t (sin t + mu cos t)), or the normal strength at t = 0
+    return std::min(1., 2 * (gamma + mu) / (mu + std::hypot(1, mu)));
+}
+
 std::string not_tested(const Scenario& scenario, Index law) {
     const NamedLaw& named = scenario.laws[law];
     if (named.scatter.any() && named.scatter.of_strength) return "its strength is random";

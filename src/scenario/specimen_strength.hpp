@@ -27,6 +27,9 @@ TestedLaw tested_law(const Scenario& scenario, const LawWithin& within, const st
 /// In that of [strength].
 TestedLaw tested_law(const Scenario& scenario, const LawWithin& within);
 
+/// [-] Over sigma_c, at most 1: the least uniaxial tension that damages a facet, of all its angles.
+double weakest_facet(const CohesiveLaw& law, Coupling coupling);
+
 /// What a row has in another way than a law, and than its specimen.
 std::vector<std::string> differences(const TestedLaw& row, const TestedLaw& law);
 

@@ -18,17 +18,23 @@ namespace {
 // 12.5 under compression.
 constexpr double notched_zones = 0.886, tension_edges = 10, compression_edges = 12.5;
 
-// Brazilian discs bear these parts of the load of a disc that only splits, whatever the coupling gives their law
-// (results/coupling_surplus.csv): 0.57, 0.87, 0.97, 1.11 with a compressive strength of 3.8, 6.5, 7.7, 10.4 sigma_c.
-constexpr double splits_from = 6.5;
+// Discs were measured with such a size; those of less compressive strength, in sigma_c, are crushed before they split.
+constexpr double splits_from = 6.5, disc_zones = 17.68, disc_edges = 50;
+
+// A run is slow where its steps are larger than the stable one by this factor, and last as many passages of a wave
+// through the body.
+constexpr double slow_steps = 10, slow_passages = 100;
 
 /// A surplus, and whether it is that of rows of the table or between them; else it is that of the nearest one.
 struct Found {
-    Surplus surplus;
+    Surplus surplus;  // deviation 0: of a closed form
     bool has_rows;
     std::string remark;
 
-    std::string text() const { return formatted("%.2f +- %.2f", surplus.mean, surplus.deviation); }
+    std::string text() const {
+        return surplus.deviation > 0 ? formatted("%.2f +- %.2f", surplus.mean, surplus.deviation)
+                                     : formatted("%.2f", surplus.mean);
+    }
 };
 
 template <class Table, class Law>
@@ -43,10 +49,45 @@ std::optional<Found> look_up(const Table& table, const Law& law) {
     return found;
 }
 
+double compressive_strength(CohesiveLaw law, Coupling coupling) {
+    law.coupling = coupling;
+    return law.compressive_strength().stress / law.sigma_c;
+}
+
+bool crushes_discs(const CohesiveLaw& law, Coupling coupling) {
+    return compressive_strength(law, coupling) < splits_from;
+}
+
+/// What a disc bears, over its compressive strength in sigma_c, whatever the coupling gives its law
+/// (results/coupling_surplus.csv); beyond those measured that of the next one.
+Found disc_of(const TestedLaw& law, double strength) {
+    static const std::vector<SurplusPoint> discs{
+        {{3.84}, {0.566, 0.028}}, {{6.53}, {0.870, 0.072}}, {{7.68}, {0.969, 0.091}}, {{10.38}, {1.107, 0.041}}};
+    const double within = std::clamp(strength, discs.front().at[0], discs.back().at[0]);
+    TestedLaw row = law;
+    row.softening = law.softening.ends_with(" norm") ? "linear norm" : "linear";
+    row.unloading = "constant", row.order = 1, row.zones = disc_zones, row.edges = disc_edges;
+    std::vector<std::string> other = differences(row, law);
+    if (within != strength) other.push_back(formatted("a compressive strength of %.3g sigma_c", within));
+    return {*interpolated(discs, {within}, {0}), other.empty(),
+            other.empty() ? "" : "no row; that of " + joined(other, " and ")};
+}
+
+/// Below the table's gammas a plate in tension bears little more than what damages its worst facets.
+void limit_tension(std::optional<Found>& tension, const CohesiveLaw& law, Coupling coupling) {
+    const double weakest = weakest_facet(law, coupling);
+    if (!tension || tension->has_rows || weakest >= std::min(1., tension->surplus.mean)) return;
+    tension = Found{{weakest, 0}, false, "no row; a facet in the worst direction is damaged"};
+}
+
 /// The surplus of a law with one coupling.
 struct WithCoupling {
-    std::optional<Found> running, notched, tension, compression;
+    std::optional<Found> running, notched, tension, compression, disc;
 };
+
+bool has_test(const Scenario& scenario, SpecimenOptions::Test test) {
+    return scenario.specimen && scenario.specimen->test == test;
+}
 
 const std::string& table_of_program(const char* name) {
     return std::ranges::find(built_in_files(), name, &BuiltIn::name)->text;
@@ -63,13 +104,20 @@ WithCoupling with_coupling(const Scenario& scenario, const LawWithin& within, Co
         tested.softening = coupled.softening;
         return look_up(strength, tested);
     };
-    const bool compressed = scenario.specimen && scenario.specimen->test == SpecimenOptions::Test::compression;
+    const bool compressed = has_test(scenario, SpecimenOptions::Test::compression);
     WithCoupling found{.running = look_up(toughness, coupled),
                        .notched = specimen("notched", notched_zones * zone),
                        .tension = specimen("tension", tension_edges * within.edge),
-                       .compression = {}};
+                       .compression = {},
+                       .disc = {}};
+    limit_tension(found.tension, law, coupling);
     if (compressed && scenario.strength.size > 0) found.compression = specimen("compression", scenario.strength.size);
     else if (law.friction > 0) found.compression = specimen("compression", compression_edges * within.edge);
+    if (has_test(scenario, SpecimenOptions::Test::brazilian)) {
+        TestedLaw tested = tested_law(scenario, within, "brazilian", scenario.strength.size);
+        tested.softening = coupled.softening;
+        found.disc = disc_of(tested, compressive_strength(law, coupling));
+    }
     return found;
 }
 
@@ -80,7 +128,8 @@ struct Line {
 constexpr Line lines[] = {{&WithCoupling::running, "the slowest crack that runs costs, over G_c"},
                           {&WithCoupling::notched, "a slow notched structure bears"},
                           {&WithCoupling::tension, "a plate in tension bears"},
-                          {&WithCoupling::compression, "a plate under compression bears"}};
+                          {&WithCoupling::compression, "a plate under compression bears"},
+                          {&WithCoupling::disc, "a Brazilian disc bears"}};
 
 std::string text_of(const Line& line, const WithCoupling& of_sum, const WithCoupling& of_norm) {
     const auto &sum = of_sum.*line.of, &norm = of_norm.*line.of;
@@ -99,19 +148,29 @@ bool has_rows(const WithCoupling& of) {
     return std::ranges::all_of(lines, [&](const Line& line) { return !(of.*line.of) || (of.*line.of)->has_rows; });
 }
 
-/// The coupling that fits the run where the law has the other one. Slow structures: that which adds less to their load.
-/// Explicit steps may have either: the least load that drives a crack tells nothing of those above 0.6 c_R.
-std::string advice(const std::array<WithCoupling, 2>& couplings, const CohesiveLaw& law, bool slow) {
-    const auto& [sum, norm] = couplings;
-    const bool is_norm = law.coupling == Coupling::norm;
-    if (!slow)
-        return is_norm ? "cracks above 0.6 c_R cost less with coupling = \"sum\"; for a slow load in explicit steps "
-                         "\"norm\" fits"
-                       : "";
-    if (!sum.notched || !norm.notched) return {};
+/// What tells the coupling of a run: its own test, else the notched structure.
+std::optional<Found> WithCoupling::*column_of(const Scenario& scenario) {
+    if (has_test(scenario, SpecimenOptions::Test::compression)) return &WithCoupling::compression;
+    if (has_test(scenario, SpecimenOptions::Test::brazilian)) return &WithCoupling::disc;
+    return &WithCoupling::notched;
+}
+
+/// Explicit steps may have either coupling: what slow bodies bear tells nothing of cracks above 0.6 c_R.
+bool is_slow(const StepPlan& plan) {
+    return plan.limits.largest >= slow_steps * plan.stable_step &&
+           plan.limits.end >= slow_passages * plan.limits.passage;
+}
+
+/// The coupling that fits a slow run where the law has the other one: that whose bodies bear what they bear along a
+/// given path.
+std::string advice(const std::array<WithCoupling, 2>& couplings, const Scenario& scenario, const CohesiveLaw& law) {
+    const auto column = column_of(scenario);
+    const auto &sum = couplings[0].*column, &norm = couplings[1].*column;
+    if (!sum || !norm) return {};
     const auto misses = [](const Found& found) { return std::abs(found.surplus.mean - 1); };
-    const bool norm_fits = misses(*norm.notched) < misses(*sum.notched);
-    if (norm_fits == is_norm) return {};
+    const bool norm_fits = misses(*norm) < misses(*sum);
+    if (norm_fits == (law.coupling == Coupling::norm)) return {};
+    if (norm_fits && column == &WithCoupling::disc && crushes_discs(law, Coupling::norm)) return {};
     return std::string("this run is slow (large implicit steps): coupling = \"") + (norm_fits ? "norm" : "sum") +
            "\" fits it" +
            (norm_fits && law.friction > 0 ? ", but the shear strength falls from gamma + friction to gamma" : "");
@@ -119,9 +178,9 @@ std::string advice(const std::array<WithCoupling, 2>& couplings, const CohesiveL
 
 }  // namespace
 
-std::string mesh_surplus_text(const ReadResult& read) {
+std::string mesh_surplus_text(const ReadResult& read, const StepPlan& plan) {
     const Scenario& scenario = read.scenario;
-    const bool slow = scenario.time.scheme.bulk != BulkScheme::explicit_lumped;
+    const bool slow = is_slow(plan);
     std::string text;
     bool all_have_rows = true;
     for (const LawWithin& within : laws_within(scenario, read.values)) {
@@ -132,13 +191,15 @@ std::string mesh_surplus_text(const ReadResult& read) {
         text += formatted("  %-46s sum           norm\n", ("law " + named.name + " on this mesh, coupling =").c_str());
         for (const Line& line : lines) text += text_of(line, couplings[0], couplings[1]);
         all_have_rows = all_have_rows && std::ranges::all_of(couplings, has_rows);
-        if (const std::string line = advice(couplings, named.law, slow); !line.empty()) text += "    " + line + "\n";
+        if (const std::string line = slow ? advice(couplings, scenario, named.law) : ""; !line.empty())
+            text += "    " + line + "\n";
     }
     if (!text.empty()) text += "    (what bodies bear: over their load with cracks along a given path)\n";
     if (!all_have_rows)
         text +=
             "    without a row it was not measured: the number is that of another law and may err by all that it "
-            "exceeds 1. `knap calibrate` measures the cost\n    of cracks and the strength of rock specimens; of a "
+            "differs from 1. `knap calibrate` measures the cost\n    of cracks and the strength of rock specimens; of "
+            "a "
             "structure a run with cracks along a given path tells it\n";
     return text;
 }
@@ -146,14 +207,12 @@ std::string mesh_surplus_text(const ReadResult& read) {
 std::vector<Diagnostic> findings_of_crushed_discs(const ReadResult& read) {
     const Scenario& scenario = read.scenario;
     std::vector<Diagnostic> found;
-    if (!scenario.specimen || scenario.specimen->test != SpecimenOptions::Test::brazilian) return found;
+    if (!has_test(scenario, SpecimenOptions::Test::brazilian)) return found;
     for (const LawWithin& within : laws_within(scenario, read.values)) {
         const NamedLaw& named = scenario.laws[within.law];
-        const double bears = named.law.compressive_strength().stress / named.law.sigma_c;
-        if (bears >= splits_from) continue;
-        CohesiveLaw sum = named.law;
-        sum.coupling = Coupling::sum;
-        const bool sum_splits = sum.compressive_strength().stress >= splits_from * sum.sigma_c,
+        if (!crushes_discs(named.law, named.law.coupling)) continue;
+        const double bears = compressive_strength(named.law, named.law.coupling);
+        const bool sum_splits = !crushes_discs(named.law, Coupling::sum),
                    has_table = named.law.over_pressure != nullptr;
         // 2 gamma/(sqrt(1 + mu^2) - mu) of the norm, with the sum gamma + mu in place of gamma
         const double mu = named.law.friction, shear = splits_from * (std::hypot(1, mu) - mu) / 2,
