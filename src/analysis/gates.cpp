@@ -35,11 +35,14 @@ constexpr double negligible_stress = 1e-4;
 
 double energy_scale(const EnergyLedger& ledger) { return ledger.largest_energy() > 0 ? ledger.largest_energy() : 1; }
 
-/// A loss [J] over the dissipated energy, or over that of the weakest point where less was dissipated; at the end of a
-/// run in which the interfaces dissipated anything.
+/// At the end of a run in which the interfaces dissipated anything.
+bool judges_losses(const GateView& run) {
+    return run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy();
+}
+
+/// A loss [J] over the dissipated energy, or over that of the weakest point where less was dissipated.
 GateValue over_dissipated(const GateView& run, double loss) {
-    return {.value = std::abs(run.ledger.over_dissipated(loss)),
-            .judged = run.ended && run.ledger.row().dissipated > 1e-6 * run.ledger.largest_energy()};
+    return {.value = std::abs(run.ledger.over_dissipated(loss)), .judged = judges_losses(run)};
 }
 
 // Each step rounds a displacement by up to 2^-53 of it. A steady motion adds the same small length at each step,
@@ -272,9 +275,8 @@ const GateRule rules[] = {
      [](const GateView& run) {
          const EnergyRow& row = run.ledger.row();
          const double lost = row.law_lag + row.crossing_loss + row.scheme_dissipation - row.step_change_work;
-         GateValue value = over_dissipated(run, lost);
-         value.value = run.ledger.supplied() > 0 ? std::abs(lost) / run.ledger.supplied() : 0;
-         return value;
+         return GateValue{.value = run.ledger.supplied() > 0 ? std::abs(lost) / run.ledger.supplied() : 0,
+                          .judged = judges_losses(run)};
      }},
     {{"rotation_work_part", "",
       "largest defect of the elastic energy by large rotations (rotation_work) over the largest energy; it decreases "

@@ -35,6 +35,10 @@ bool has_incubation(const Model& model) {
                                [](const CohesiveLaw& law) { return law.breakable() && law.incubation_time > 0; });
 }
 
+bool has_norm(const Model& model) {
+    return std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.coupling == Coupling::norm; });
+}
+
 void split(const Model& model, Index f, State& state) {
     assert(state.split_rank[f] < 0);
     reserve_capacity(model.mesh.n_corners(), state.displacement, state.velocity);

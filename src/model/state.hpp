@@ -183,6 +183,8 @@ State initial_state(const Model& model);
 
 /// A law of the model has an incubation time.
 bool has_incubation(const Model& model);
+/// A law of the model has coupling = "norm".
+bool has_norm(const Model& model);
 
 /// Gives every corner of `fan` a node of its own and every point a PointState.
 void split(const Model& model, Index fan, State& state);

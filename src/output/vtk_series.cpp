@@ -233,11 +233,16 @@ const std::vector<FramePart>& parts() {
     return list;
 }
 
+/// Corners of the part that are one node are one point.
+bool shares_points(const FramePart& part, const Frame& frame) {
+    return part.geometry.position == &F::position && !frame.node.empty();
+}
+
 /// Points that are written: of the bulk the first corner of each node, of interfaces only those that are not intact or
 /// lie on a support.
 Entries points_of(const FramePart& part, const Frame& frame) {
     Entries points;
-    const bool shares = part.geometry.position == &F::position && !frame.node.empty();
+    const bool shares = shares_points(part, frame);
     for (Index p = 0; p < static_cast<Index>((frame.*part.geometry.position).size()); ++p)
         if (!shares || frame.node[p] == static_cast<Index>(points.size())) points.push_back(p);
     if (part.geometry.position == &F::end_position)
@@ -265,7 +270,7 @@ std::uint64_t write_part(const FramePart& part, const Frame& frame, Compression 
     const Entries points = points_of(part, frame);
     const bool is_outline = part.geometry.position == &F::obstacle_position;
     const Index n = is_outline ? frame.n_outline() : part.geometry.points_per_cell;
-    const bool shares = part.geometry.position == &F::position && !frame.node.empty();
+    const bool shares = shares_points(part, frame);
     const std::size_t n_corners = shares ? frame.node.size() : points.size();
     Entries cells(n_corners / n);
     std::iota(cells.begin(), cells.end(), 0);

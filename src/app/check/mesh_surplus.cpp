@@ -99,11 +99,12 @@ WithCoupling with_coupling(const Scenario& scenario, const LawWithin& within, Co
     const MeshedLaw coupled = within.meshed.with(coupling);
     const CohesiveLaw& law = scenario.laws[within.law].law;
     const double zone = law.process_zone(scenario.materials[within.material].elastic.plane_modulus(scenario.plane));
-    const auto specimen = [&](const char* test, double size) {
-        TestedLaw tested = tested_law(scenario, within, test, size);
-        tested.softening = coupled.softening;
-        return look_up(strength, tested);
+    const auto tested = [&](const char* test, double size) {
+        TestedLaw made = tested_law(scenario, within, test, size);
+        made.softening = coupled.softening;
+        return made;
     };
+    const auto specimen = [&](const char* test, double size) { return look_up(strength, tested(test, size)); };
     const bool compressed = has_test(scenario, SpecimenOptions::Test::compression);
     WithCoupling found{.running = look_up(toughness, coupled),
                        .notched = specimen("notched", notched_zones * zone),
@@ -113,11 +114,8 @@ WithCoupling with_coupling(const Scenario& scenario, const LawWithin& within, Co
     limit_tension(found.tension, law, coupling);
     if (compressed && scenario.strength.size > 0) found.compression = specimen("compression", scenario.strength.size);
     else if (law.friction > 0) found.compression = specimen("compression", compression_edges * within.edge);
-    if (has_test(scenario, SpecimenOptions::Test::brazilian)) {
-        TestedLaw tested = tested_law(scenario, within, "brazilian", scenario.strength.size);
-        tested.softening = coupled.softening;
-        found.disc = disc_of(tested, compressive_strength(law, coupling));
-    }
+    if (has_test(scenario, SpecimenOptions::Test::brazilian))
+        found.disc = disc_of(tested("brazilian", scenario.strength.size), compressive_strength(law, coupling));
     return found;
 }
 
@@ -199,8 +197,7 @@ std::string mesh_surplus_text(const ReadResult& read, const StepPlan& plan) {
         text +=
             "    without a row it was not measured: the number is that of another law and may err by all that it "
             "differs from 1. `knap calibrate` measures the cost\n    of cracks and the strength of rock specimens; of "
-            "a "
-            "structure a run with cracks along a given path tells it\n";
+            "a structure a run with cracks along a given path tells it\n";
     return text;
 }
 

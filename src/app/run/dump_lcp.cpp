@@ -16,8 +16,6 @@ namespace {
 
 constexpr double max_entries = 2e7;  // of a stored matrix: about half a gigabyte of text
 
-bool is_norm(const CohesiveLaw& law) { return law.coupling == Coupling::norm; }
-
 /// Upper bound of the number of entries: rows of points are coupled where both belong to one part of the body that
 /// cannot break.
 double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
@@ -33,7 +31,7 @@ double upper_bound_of_entries(const Model& model, const SchemeOptions& scheme) {
             parts.join(model.mesh.triangle_of(point.before), model.mesh.triangle_of(point.after));
         friction = friction || model.laws[point.law].friction_range()[1] > 0;
         gamma = gamma || model.laws[point.law].gamma > 0;
-        norm = norm || is_norm(model.laws[point.law]);
+        norm = norm || model.laws[point.law].coupling == Coupling::norm;
     }
     const double rows = (scheme.cohesion == CohesionScheme::implicit_beta ? 2 * n_layers + 1
                          : ramps                                          ? 3
@@ -140,9 +138,8 @@ std::string dump_lcp(const Model& model, const State& start, double h, const Sch
     } catch (const UserError& failure) {
         throw SimulationError(failure.what());
     }
-    const char* polygon = std::ranges::any_of(model.laws, is_norm)
-                              ? "; the half ellipse of the norm as a polygon of 8 sides round it, by up to 8.2 % larger"
-                              : "";
+    const char* polygon =
+        has_norm(model) ? "; the half ellipse of the norm as a polygon of 8 sides round it, by up to 8.2 % larger" : "";
     return formatted("lcp: %s: %d unknowns, %lld entries, h = %.6g s from t = %.9g s%s\n", name.c_str(), problem.size(),
                      static_cast<long long>(problem.M.nonZeros()), h, start.time, polygon);
 }

@@ -231,7 +231,7 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
     if (in_equilibrium) {
         const Stopwatch watch;
         State loaded = start;
-        const InterruptGuard::Lifted lifted;  // may take minutes
+        const InterruptGuard::Lifted lifted;  // the search may take minutes
         try {
             stepper.start_in_equilibrium(loaded);
             start = std::move(loaded);

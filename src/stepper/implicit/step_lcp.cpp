@@ -10,10 +10,6 @@
 namespace knap {
 namespace {
 
-bool has_norm(const Model& model) {
-    return std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.coupling == Coupling::norm; });
-}
-
 /// [-] Part of |d . u| in the equivalent opening.
 struct SlipTerm {
     Vec2 d;

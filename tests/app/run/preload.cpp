@@ -152,34 +152,11 @@ TEST_CASE("what hovers over other bodies or an obstacle is an error of check tha
 TEST_CASE("an interrupt ends the search for the equilibrium at the start") {
     const Folder folder("slow_preload");
     // a crack beyond its toughness on a fine mesh: the search takes minutes
-    write_scene(folder, R"(knap = 1
-name = "slow_preload"
-[domain]
-shape = "rectangle"
-size  = ["100 mm", "40 mm"]
-crack = [{points = [["0 mm", "20 mm"], ["50 mm", "20 mm"]]}]
-[mesh]
-size = "0.5 mm"
-[material.glass]
-density = "2450 kg/m3"
-E       = "32 GPa"
-nu      = 0.2
-[interface.default]
-sigma_c = "10 MPa"
-G_c     = "3 J/m2"
-[[load]]
-on       = "top"
-traction = ["0 MPa", "0.3 MPa"]
-[[load]]
-on       = "bottom"
-traction = ["0 MPa", "-0.3 MPa"]
-[time]
-start = "equilibrium"
-end   = "15 us"
-)");
     const Answer answer =
-        command("--version >/dev/null; timeout --preserve-status --kill-after=20 5 '" KNAP_PROGRAM "' run " +
-                folder.in_shell("scene.toml") + " -q -o " + folder.in_shell("run"));
+        command("--version >/dev/null; timeout --preserve-status --kill-after=20 5 '" KNAP_PROGRAM
+                "' run edge_cracked_block -q -s 'time.start=\"equilibrium\"' -s 'mesh.size=\"0.5 mm\"' "
+                "-o " +
+                folder.in_shell("run"));
     CAPTURE(answer.text);
     CHECK(answer.code == 130);
     CHECK(answer.has("interrupted"));
