@@ -1,5 +1,6 @@
 #include "analysis/energy_ledger.hpp"
 
+#include "analysis/free_motion.hpp"
 #include "element/triangle_matrices.hpp"
 #include "stepper/adapt/excavation.hpp"
 #include "stepper/common/elastic_energy.hpp"
@@ -66,6 +67,7 @@ double weakest_point(const Model& model) {
 EnergyLedger::EnergyLedger(const Model& model, const State& start, MassMatrix mass, double weakest_point)
     : smallest_mass_(*std::ranges::min_element(model.corner_mass)), weakest_point_(weakest_point) {
     row_ = {.time = start.time, .step = start.last_step};
+    time_of_look_ = start.time;
     row_.kinetic = kinetic_energy(model, start, mass);
     std::vector<Vec2> force;
     row_.strain = elastic_energy(model, start, force);
@@ -123,10 +125,7 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     if (report.micro_lag > 0) judge(lag_before + report.micro_lag);
     if (report.micro_lead > 0) judge(lag_before - report.micro_lead);
 
-    if (end.temperature) {
-        largest_free_thermal_ = std::max(largest_free_thermal_, end.temperature->free_energy);
-        if (row_.strain > 0) kinetic_part_.add(row_.kinetic / row_.strain, end.last_step);
-    }
+    if (end.temperature) largest_free_thermal_ = std::max(largest_free_thermal_, end.temperature->free_energy);
     if (const SharedTemperatures& heat = end.temperature; heat && heat->heat_scale > 0) {
         row_.heat = heat->heat, row_.heat_in = heat->heat_in;
         largest_heat_residual_ = std::max(largest_heat_residual_,
@@ -136,6 +135,14 @@ void EnergyLedger::add(const State& end, const StepReport& report) {
     StepReport extremes = report;
     extremes.largest_speed = std::max(worst_.largest_speed, report.largest_speed);
     worst_ += extremes;
+}
+
+void EnergyLedger::look_at(const FreeMotion& pieces, double braking) {
+    const double vibration = std::max(0.0, row_.kinetic - pieces.energy);
+    if (row_.strain > 0) kinetic_part_.add(vibration / row_.strain, row_.time - time_of_look_);
+    time_of_look_ = row_.time;
+    braked_ += braking * pieces.squared_spins;
+    largest_angular_momentum_ = std::max(largest_angular_momentum_, pieces.angular_momentum);
 }
 
 void EnergyLedger::excavate(const ExcavationEnergies& energies) {
@@ -158,7 +165,11 @@ void EnergyLedger::adapt(const Renumbering& numbers, const LeapfrogEnergies& ene
 }
 
 /// The frames in which openings are measured may have turned.
-void EnergyLedger::assume(const Model& model, const State& now) {
+void EnergyLedger::assume(const Model& model, const State& now, std::size_t n_obstacles) {
+    for (std::size_t o = n_obstacles; o < model.obstacles.size(); ++o) {
+        const double added = kinetic_energy(model.obstacles[o], now.obstacles[o].velocity);
+        row_.assumptions += added, row_.kinetic += added, supplied_ += added;
+    }
     std::vector<Vec2> force;
     const double strain =
         now.has_end_velocities() ? elastic_energy(model, now, force) : leapfrog_energies(model, now).strain;
@@ -308,8 +319,8 @@ std::span<const EnergyTerm> energy_terms() {
                                 .colour = green,
                                 .dash = 1}),
         number<&R::assumptions>("assumptions", "J",
-                                "change of the elastic energy where the run went on from another one with large "
-                                "instead of small rotations, or without heat; in such runs",
+                                "change of the energy where the run went on from another one with large instead of "
+                                "small rotations, without heat, or with more obstacles; in such runs",
                                 {.with = &W::new_assumptions,
                                  .work = 1,
                                  .drawn = -1,

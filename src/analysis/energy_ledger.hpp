@@ -11,7 +11,7 @@
 //                     are small, or a strained body turns rigidly
 //     adaptation      change of the energy by refinements of the mesh
 //     assumptions     change of the elastic energy of the same displacements, where a run goes on from another one with
-//                     large instead of small rotations, or without heat
+//                     large instead of small rotations, or without heat; kinetic energy of obstacles that it adds
 //     surface energy  Psi = dissipated + recoverable = sum over points of S (G_c f(beta) + beta sigma_c s); with secant
 //                     unloading dissipated + interface_elastic = S (G_c f + beta sigma_c (kappa + s^2/kappa)/2)
 //     thermal work    of thermal strains e that change, -int sigma : de (src/heat/README.md has the stresses); the
@@ -54,6 +54,7 @@
 namespace knap {
 
 struct ExcavationEnergies;
+struct FreeMotion;
 
 /// Energies and cumulated works [J]: one line of energy.csv.
 struct EnergyRow {
@@ -154,18 +155,21 @@ public:
                  double weakest_point = 0);
 
     void add(const State& end, const StepReport& report);
+    /// At the end of a step, not of each one: what of its kinetic energy is that of pieces that move as whole ones.
+    /// `braking` [s2]: (theta - 1/2) h^2 of an implicit step, which brakes their spins.
+    void look_at(const FreeMotion& pieces, double braking);
     /// A region vanished.
     void excavate(const ExcavationEnergies& energies);
 
     /// The mesh was refined.
     void adapt(const Renumbering& numbers, const LeapfrogEnergies& energies);
-    /// The run goes on from another one with other assumptions.
-    void assume(const Model& model, const State& now);
+    /// The run goes on from another one with other assumptions, and obstacles behind the first `n_obstacles`.
+    void assume(const Model& model, const State& now, std::size_t n_obstacles);
     /// The model has become its successor.
     void renew(const Model& model, double weakest_point);
 
     /// The time of the row becomes that of another clock [s].
-    void set_clock(double time) { row_.time = time; }
+    void set_clock(double time) { row_.time = time_of_look_ = time; }
 
     const EnergyRow& row() const { return row_; }
     const StepReport& worst() const { return worst_; }  // maxima and counts over all steps
@@ -198,9 +202,11 @@ public:
     /// [J] Largest energy that thermal strains would have if they were held. In a free body that warms it is far above
     /// all other energies, and the thermal work, a difference, carries its rounding.
     double largest_free_thermal() const { return largest_free_thermal_; }
-    /// [-] With heat: median over time of kinetic over strain energy, so that single jumps of cracks do not count; NaN:
-    /// there was no strain energy.
+    /// [-] With heat: median over time of kinetic over strain energy, without that of pieces that fly and spin, and so
+    /// that single jumps of cracks do not count; NaN: there was no strain energy.
     double kinetic_part() const { return kinetic_part_.median(); }
+    /// [-] Angular momentum that theta above 1/2 took from pieces, over the largest one of all pieces.
+    double braked_spin() const { return largest_angular_momentum_ > 0 ? braked_ / largest_angular_momentum_ : 0; }
     std::int64_t n_steps() const { return n_steps_; }
     double path() const { return path_; }                    // [m] sum over the steps of the way of the fastest point
     double smallest_mass() const { return smallest_mass_; }  // [kg] of a corner
@@ -209,14 +215,15 @@ public:
         archive(start_energy_, start_surface_, excavated_dissipated_, consumed_change_, largest_energy_,
                 largest_recoverable_, largest_residual_, largest_rotation_work_, law_lag_, largest_law_lag_, supplied_,
                 n_steps_, row_, worst_, largest_heat_residual_, largest_overshoot_, largest_free_thermal_,
-                kinetic_part_, path_);
+                kinetic_part_, path_, time_of_look_, braked_, largest_angular_momentum_);
     }
 
 private:
     double start_energy_, start_surface_, largest_energy_,
         largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0, law_lag_ = 0, largest_law_lag_ = 0,
         supplied_, smallest_mass_, weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
-        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0, path_ = 0;
+        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0, path_ = 0, time_of_look_,
+        braked_ = 0, largest_angular_momentum_ = 0;  // [s], [kg m2/s]
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
     StepReport worst_;

@@ -302,8 +302,9 @@ const GateRule rules[] = {
      {1e-3, 0.05, allowed},
      [](const GateView& run) { return GateValue{run.ledger.largest_overshoot()}; }},
     {{"kinetic_part", "",
-      "kinetic over strain energy, median over the run, where temperatures do most of the work and heat runs "
-      "faster than in reality (time_factor, or a fast field): the motion is not quasi-static",
+      "kinetic over strain energy, without that of pieces that fly and spin, median over the run, where temperatures "
+      "do most of the work and heat runs faster than in reality (time_factor, or a fast field): the motion is not "
+      "quasi-static",
       "Cracks that run at a speed v, or jump, radiate about v/c_R of the energy that they release, and the waves "
       "stay in a free body. Try time.damping (1/s, some 10 over time.end or more), a smaller heat.time_factor or a "
       "slower field with a later time.end. Where waves are the question the number is an answer, and no error."},
@@ -314,6 +315,16 @@ const GateRule rules[] = {
              .value = run.kinetic_part,
              .judged = !std::isnan(run.kinetic_part) && std::abs(row.thermal_work) > std::abs(row.external_work) &&
                        run.ledger.largest_energy() > negligible_stress * run.ledger.largest_free_thermal()};
+     }},
+    {{"braked_spin", "",
+      "part of the angular momentum of pieces that theta above 0.5 took from them as they turned in implicit steps: "
+      "(theta - 0.5) step w^2 of itself per time at a spin w, and twice that of the energy of the spin "
+      "(scheme_dissipation)",
+      "Try a smaller time.step, theta = 0.5, or bulk = \"explicit\", which keep it."},
+     {0.01, infinity, fixed},
+     [](const GateView& run) {
+         const double part = run.ledger.braked_spin();
+         return GateValue{.value = part, .judged = part > 0};
      }},
     {{"rotation", "deg",
       "largest rotation of a triangle; knap assumes small rotations, and a body that turns by an angle a grows by "

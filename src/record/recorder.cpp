@@ -1,6 +1,7 @@
 #include "record/recorder.hpp"
 
 #include "analysis/fragments.hpp"
+#include "analysis/free_motion.hpp"
 #include "analysis/interface_graph.hpp"
 
 #include <algorithm>
@@ -95,6 +96,7 @@ void Recorder::after_step(const State& now, const StepReport& report) {
     if (rest_) rest_->after_step(ledger_.row(), now.frozen ? std::optional(now.lies_still()) : std::nullopt);
     probes_.after_step(now);
     watch_deformation(now, report.largest_speed);
+    watch_motion(now);
     gates_.judge(ledger_, deformation_);
     const bool changed = follow_cracks(now);
     reactions_.after_step(now);
@@ -163,6 +165,7 @@ void Recorder::finish(const State& now, bool ended_early) {
         const Timed timed(time_);
         deformation_.look_at(now), look_ = {0, now.n_steps};
     }
+    watch_motion(now, true);
     gates_.judge_end(ledger_, deformation_);
     if (last_line_ < now.time) write_lines(now);
     const History& fragments = histories().fragment_history;
@@ -210,6 +213,18 @@ void Recorder::watch_deformation(const State& now, double speed) {
     if (into_obstacles) deformation_.look_into_obstacles(now), obstacle_look_ = {0, now.n_steps};
     if (look) deformation_.look_at(now), look_ = {0, now.n_steps};
     if (search) deformation_.look_for_overlap(now), search_ = {0, now.n_steps};
+}
+
+/// Spins in every implicit step that brakes them, vibrations in some steps, where temperatures may cause them.
+void Recorder::watch_motion(const State& now, bool at_end) {
+    const bool implicit = now.has_end_velocities(),
+               brakes = implicit && model_.large_rotation && options_.theta > 0.5 && !at_end;
+    const std::int64_t n = implicit || at_end ? 1 : steps_between_looks;
+    if (!brakes && (!now.temperature || now.n_steps < step_of_motion_ + n)) return;
+    const Timed timed(time_);
+    step_of_motion_ = now.n_steps;
+    ledger_.look_at(free_motion(model_, now),
+                    brakes ? braked_per_time(options_.theta, now.last_step, 1) * now.last_step : 0);
 }
 
 // ---- tables

@@ -36,6 +36,7 @@ struct RecorderOptions {
     double history_every = 0;                     // [s]
     double fragments_every = 0;                   // [s] between lines of fragment_history.csv; 0 = only start and end
     MassMatrix mass = MassMatrix::lumped;
+    double theta = 0.5;  // of implicit steps
     RareWorks works;
     CrackOptions cracks;
     double critical_opening = 0;  // [m] the largest delta_c of the breakable laws
@@ -69,7 +70,7 @@ public:
     /// The clock of these is set back by `time` [s].
     /// A run goes on from another one: with the step that ended its leapfrog, with other assumptions.
     void close_leapfrog(const State& now, const StepReport& closing) { ledger_.add(now, closing); }
-    void assume(const State& now) { ledger_.assume(model_, now); }
+    void assume(const State& now, std::size_t n_obstacles) { ledger_.assume(model_, now, n_obstacles); }
     void set_back(double time) { cracks_.set_back(time), ledger_.set_clock(ledger_.row().time - time); }
 
     /// Writes the tables with all lines so far and opens them for the next lines. The constructor does this for a new
@@ -120,8 +121,8 @@ public:
     /// All else.
     template <class Archive>
     void serialize(Archive& archive) {
-        archive(deformation_, look_, search_, obstacle_look_, turned_, gates_, tables_, lines_, fragments_, last_line_,
-                figures_, frames_, time_, reactions_, fluids_, probes_, collectors_);
+        archive(deformation_, look_, search_, obstacle_look_, step_of_motion_, turned_, gates_, tables_, lines_,
+                fragments_, last_line_, figures_, frames_, time_, reactions_, fluids_, probes_, collectors_);
         if (breaks_) archive(*breaks_);
         if (specimen_) archive(*specimen_);
         if (rest_) archive(*rest_);
@@ -140,6 +141,7 @@ private:
     void renew_observers();
     bool follow_cracks(const State& now);
     void watch_deformation(const State& now, double speed);
+    void watch_motion(const State& now, bool at_end = false);
     void write_lines(const State& now);
     void write_arms();
     void write_fragments(const State& now);
@@ -163,6 +165,7 @@ private:
     Tables tables_;
     Every lines_, fragments_;
     Watch look_, search_, obstacle_look_;  // of the deformation, for overlaps, and for edges in obstacles
+    std::int64_t step_of_motion_ = 0;      // of the last look at the motion of pieces
     double turned_ = 0;                    // [rad] at most, since turns were counted, by rigid pieces
     double last_line_ = -1;                // [s] time of the last line
     FigureOutput figures_;

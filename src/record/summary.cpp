@@ -217,8 +217,9 @@ constexpr SummaryRow rows[]{
      [](F f) { return f.moved_kinetic; }, with_moved_mass},
     {"strain_energy", "J", "at the end", [](F f) { return f.energy.strain; }},
     {"kinetic_part", "",
-     "kinetic over strain energy, median over the time, within 1 %; with heat, where time_factor or a fast field adds "
-     "inertia that the real process has not: small where the motion is quasi-static",
+     "kinetic over strain energy, without that of pieces that fly and spin, median over the time, within 1 %; with "
+     "heat, where time_factor or a fast field adds inertia that the real process has not: small where the motion is "
+     "quasi-static",
      [](F f) { return f.ledger.kinetic_part(); }, with_heat},
     {"momentum_x", "kg m/s", "of the whole body at the end", [](F f) { return f.momentum.x(); }},
     {"momentum_y", "kg m/s", "likewise", [](F f) { return f.momentum.y(); }},

@@ -1,13 +1,13 @@
 // Warnings about a scenario on its mesh.
 #include "app/check/findings.hpp"
-#include "app/setup/excavations.hpp"
 
+#include "analysis/free_motion.hpp"
 #include "app/check/heat_scales.hpp"
 #include "app/check/stress_balance.hpp"
+#include "app/setup/excavations.hpp"
 #include "app/setup/setup.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
-#include "base/union_find.hpp"
 #include "mesh/polygon.hpp"
 #include "mesh/size_field.hpp"
 #include "model/selections.hpp"
@@ -239,47 +239,37 @@ public:
         }
     }
 
-    /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside.
-    void on_rotation() {
-        const auto& limits = scenario_.allowed_limits;
-        if (scenario_.large_rotation || scenario_.initial_velocities.empty()) return;
-        if (std::ranges::count(limits, "rotation", &AllowedLimit::gate) > 0) return;
-        UnionFind bodies(mesh_.triangles.size());
-        for (const InteriorEdge& edge : mesh_.interior_edges) bodies.join(edge.triangle[0], edge.triangle[1]);
-        struct Motion {
-            double mass = 0, inertia = 0, momentum = 0;  // [kg, kg m2, kg m2/s], the last two about the centre
-            Vec2 centre = Vec2::Zero(), velocity = Vec2::Zero();
-            bool held = false;
-        };
-        std::vector<Motion> motion(mesh_.triangles.size());  // in that of the first triangle
-        const auto of = [&](Index corner) -> Motion& { return motion[bodies.find(mesh_.triangle_of(corner))]; };
-        for (Index c = 0; c < mesh_.n_corners(); ++c) {
-            Motion& body = of(c);
-            body.mass += model_.corner_mass[c];
-            body.centre += model_.corner_mass[c] * mesh_.corner(c);
-            body.velocity += model_.corner_mass[c] * model_.initial_velocity_of(c);
-            body.held = body.held || model_.motion_of(c) != nullptr;
-        }
-        for (const FanPoint& point : model_.fan_points)
-            if (point.on_support()) of(point.corner()).held = true;
-        for (Index c = 0; c < mesh_.n_corners(); ++c) {
-            Motion& body = of(c);
-            const Vec2 arm = mesh_.corner(c) - body.centre / body.mass;
-            body.inertia += model_.corner_mass[c] * arm.squaredNorm();
-            const Vec2 velocity = model_.initial_velocity_of(c) - body.velocity / body.mass;
-            body.momentum += model_.corner_mass[c] * cross(arm, velocity);
-        }
+    /// A free body that starts with a spin turns in the end by the spin times the time, whatever happens inside; and
+    /// theta above 1/2 brakes it.
+    void on_spins(double step) {
+        if (scenario_.initial_velocities.empty()) return;
+        double spin = 0;  // [rad/s] the fastest
+        for (const Fragment& body : free_fragments(model_, initial_state(model_)))
+            if (std::abs(body.spin()) > std::abs(spin)) spin = body.spin();
+        const std::size_t n = read_.values.count("initial");
+        const std::string key = n > 0 ? item("initial", n - 1) : "body[0].spin";
+        if (scenario_.large_rotation) return on_braked_spin(key, spin, step);
         constexpr double from = 5;  // [deg] where the gate warns
-        for (const Motion& body : motion) {
-            if (!(body.mass > 0) || body.held) continue;
-            const double spin = body.momentum / body.inertia / degree, angle = std::abs(spin) * scenario_.time.end;
-            if (angle < from) continue;
-            return add(item("initial", scenario_.initial_velocities.size() - 1), "spin",
-                       formatted("a free body starts with a spin of %.3g deg/s and turns by %.3g degrees until "
-                                 "`time.end`; small rotations are those below %.3g degrees",
-                                 spin, angle, from),
-                       "domain.rotation = \"large\" (mesh.order = 1)");
-        }
+        const double angle = std::abs(spin) / degree * scenario_.time.end;
+        if (angle >= from && std::ranges::count(scenario_.allowed_limits, "rotation", &AllowedLimit::gate) == 0)
+            add(key, "spin",
+                formatted("a free body starts with a spin of %.3g deg/s and turns by %.3g degrees until `time.end`; "
+                          "small rotations are those below %.3g degrees",
+                          spin / degree, angle, from),
+                "domain.rotation = \"large\" (mesh.order = 1)");
+    }
+
+    /// What topples turns by some sqrt(g/D).
+    void on_toppling(double step) {
+        if (!model_.faces_meet() || scenario_.time.scheme.takes_explicit_steps()) return;
+        double g = 0;
+        for (const Load& load : scenario_.loads)
+            if (load.kind == Load::Kind::acceleration)
+                g = std::max(g, std::hypot(load.value[0].value_or(0), load.value[1].value_or(0)));
+        double diameter = diagonal(mesh_.vertices);
+        for (const Fragment& body : free_fragments(model_, initial_state(model_)))
+            diameter = std::min(diameter, body.diameter());
+        on_braked_spin("time.theta", std::sqrt(g / diameter), step);
     }
 
     void on_places() {
@@ -340,9 +330,9 @@ public:
     void on_numbers(const StepPlan& plan, const Cost* cost) {
         const double end = scenario_.time.end, n_steps = static_cast<double>(plan.n_steps),
                      triangles = mesh_.n_triangles();
-        const double seconds = cost != nullptr ? cost->total()
+        const double seconds = cost != nullptr ? cost->least()
                                : n_steps * triangles > surely_short
-                                   ? estimate_cost(scenario_, model_, plan, 0, 0.05).total()
+                                   ? estimate_cost(scenario_, model_, plan, 0, 0.05).least()
                                    : 0;
         if (seconds > longest)
             add("time.end", "too-long",
@@ -384,6 +374,24 @@ private:
                                        .code = code,
                                        .message = std::move(message),
                                        .note = std::move(note)}));
+    }
+
+    void on_braked_spin(const std::string& key, double spin, double step) {
+        const SchemeOptions& scheme = scenario_.time.scheme;
+        constexpr double negligible = 0.01;  // as of the gate
+        const double rate = braked_per_time(scheme.theta, step, spin), part = 1 - std::exp(-rate * scenario_.time.end);
+        if (!scheme.takes_implicit_steps() || part <= negligible) return;
+        add(key, "braked-spin",
+            formatted("theta = %.6g takes %.2g %% of %s until `time.end` in implicit steps of %s, and more of its "
+                      "energy; the gate braked_spin tells how much it was",
+                      scheme.theta, 100 * part,
+                      key == "time.theta"
+                          ? formatted("the spin of a piece that topples, some %.3g deg/s,", spin / degree).c_str()
+                          : formatted("the spin of %.3g deg/s of a free body", spin / degree).c_str(),
+                      readable(step, "s").c_str()),
+            formatted("time.step = \"%s\" (1 %%), theta = 0.5, or bulk = \"%s\"",
+                      readable(step * negligible / (rate * scenario_.time.end), "s", 2).c_str(),
+                      key == "time.theta" ? "auto" : "explicit"));
     }
 
     const Body& body_of(Index triangle) const {
@@ -432,7 +440,8 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_resolution();
     warnings.on_heat(plan.limits.largest);
     warnings.on_jumps(plan.limits.largest);
-    warnings.on_rotation();
+    warnings.on_spins(plan.limits.largest);
+    warnings.on_toppling(plan.limits.largest);
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);

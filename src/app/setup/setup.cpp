@@ -152,6 +152,7 @@ RecorderOptions recorder_options(const Scenario& scenario, const Model& model, c
             .history_every = scenario.output.history_every,
             .fragments_every = scenario.output.every,
             .mass = scenario.time.scheme.mass,
+            .theta = scenario.time.scheme.theta,
             .works = works,
             .cracks = crack_options(diagonal(model.mesh.vertices), process_zone, fastest, model.mesh.order),
             .critical_opening = critical_opening,
