@@ -352,15 +352,31 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
                     long_measured ? "bulk = \"auto\"" : "--time, which waits ten times as long");
     } else {
         const auto time = [](double seconds) { return readable(seconds, "s", 2); };
+        const bool is_range = cost.least_steps < cost.steps;
+        const auto range = [&](double least, double most) {
+            return (is_range ? readable(least, "s", 2) + " to " : "") + readable(most, "s", is_range ? 2 : 3);
+        };
         std::printf("  about %s of one core: mesh and model %s, steps %s, frames %s, figures %s, tables %s\n",
-                    readable(cost.total(), "s").c_str(), time(cost.model).c_str(), time(cost.steps).c_str(),
-                    time(cost.frames).c_str(), time(cost.figures).c_str(), time(cost.lines).c_str());
-        std::printf("  a step takes %s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
-                    readable(cost.first_step, "s", 2).c_str(), long_measured ? "" : ", briefly; --time measures longer",
-                    cost.mean_over_first,
-                    may_pile_up
-                        ? "pieces that break or lie on each other may take 30 times as long: see the progress line"
-                        : "within a factor of 2 there, more for a body that fragments");
+                    range(cost.least(), cost.total()).c_str(), time(cost.model).c_str(),
+                    range(cost.least_steps, cost.steps).c_str(), time(cost.frames).c_str(), time(cost.figures).c_str(),
+                    time(cost.lines).c_str());
+        if (is_range)
+            std::printf(
+                "  a step takes %s now (measured%s) while nothing breaks and no contact changes, the first number; "
+                "%s\n",
+                readable(cost.first_step, "s", 2).c_str(), long_measured ? "" : ", briefly; --time measures longer",
+                cost.stage > 0
+                    ? formatted("a stage of explicit steps at least %s, and much that breaks makes tens of them",
+                                readable(cost.stage, "s", 2).c_str())
+                          .c_str()
+                    : "the second one is as in the gallery where much breaks");
+        else
+            std::printf("  a step takes %s now (measured%s), %.1f times that on average, as in the gallery; %s\n",
+                        readable(cost.first_step, "s", 2).c_str(),
+                        long_measured ? "" : ", briefly; --time measures longer", cost.mean_over_first,
+                        may_pile_up
+                            ? "pieces that break or lie on each other may take 30 times as long: see the progress line"
+                            : "within a factor of 2 there, more for a body that fragments");
     }
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
@@ -419,6 +435,17 @@ void print_grains(const Scenario& scenario, const Mesh& mesh) {
         std::printf("%-28s %.2f %%\n", ("area of " + scenario.materials[i].name).c_str(), 100 * area[i] / total);
 }
 
+/// Warnings of the start from another run, if this is one; throws what such a run would throw.
+std::string text_of_start(const ReadResult& read, const RunOrigin& origin, Model model,
+                          const std::vector<PlannedExcavation>& planned, const StepPlan& plan) {
+    const NamedFile* const file = read.scenario.start_file();
+    if (file == nullptr) return "";
+    Excavations excavations(planned);
+    Adaptation adaptation(read.scenario.adapt, model_input(read.scenario));
+    const StartState other(file->bytes, origin, read.scenario, model, excavations, adaptation);
+    return jumps_text(read, model, other, plan.limits.largest);
+}
+
 }  // namespace
 
 ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
@@ -427,9 +454,10 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
     const Model model = model_of(read);
     const double model_seconds = watch.cpu();
     std::vector<Diagnostic> found = check_model(read, model);
-    origin_of(read);
+    const RunOrigin origin = origin_of(read);
     const std::vector<PlannedExcavation> excavations = plan_excavations(read, model);
     const StepPlan plan = plan_of(read, model, scenario.time.end);
+    const std::string jumps = text_of_start(read, origin, model, excavations, plan);
     if (full) std::fputs(full_listing(read).c_str(), stdout);
     std::printf("%s: %s\n", scenario.name.c_str(), scenario.title.c_str());
     if (scenario.bodies.size() > 1) std::printf("bodies %zu\n", scenario.bodies.size());
@@ -452,7 +480,8 @@ ExitCode check_scenario(ReadResult read, bool full, bool strict, bool time) {
         std::fputs(rigid_text(model, scenario.time.scheme.rigid, cost).c_str(), stdout);
     std::ranges::move(findings_of_model(read, model, plan, &cost), std::back_inserter(found));
     print_warnings(read.warnings), print_warnings(found);
-    return strict && !(read.warnings.empty() && found.empty()) ? exit_bad_input : exit_done;
+    std::fputs(jumps.c_str(), stderr);
+    return strict && !(read.warnings.empty() && found.empty() && jumps.empty()) ? exit_bad_input : exit_done;
 }
 
 ExitCode mesh_scenario(ReadResult read, const std::filesystem::path& output, bool force) {

@@ -28,6 +28,12 @@ constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of th
 // [1/s] With [rigid]; each makes a body deformable for `hold`. Within a factor of 2 for boulders on slopes.
 constexpr double blows_a_second = 1;
 
+// [-] With bulk = "auto": stages of explicit steps of a run, and what they cost over the shortest, in which nothing rubs
+// yet; fitted to the gallery (17 stages of slow_crush, one of permafrost_collapse as long as the fall)
+constexpr double most_stages = 30, mean_over_shortest_stage = 500;
+// [-] Of steps whose contacts change over those at rest, in solves: 50 over 4 (walls of blocks that begin to slide)
+constexpr double of_changing_contacts = 12;
+
 constexpr double longest_measurement = 200;  // [-] in units of measure_for
 
 /// [s] processor time of the process at which a measured step is given up.
@@ -109,12 +115,12 @@ double area_of_finer_half(const Mesh& mesh) {
 /// in 61; 9 for a long slip front with friction. Where most triangles lie in small boxes a crack passes through them,
 /// a line of as many interfaces as the square root of their number: explicit 1, implicit 4.4 for 5 000 interfaces in
 /// 900 steps.
-double mean_over_first(const Scenario& scenario, const Model& model, double n_steps) {
+double mean_over_first(bool implicit, const Model& model, double n_steps) {
     const Faces faces = faces_of(model);
     const bool breaks_everywhere = faces.n_breakable >= 0.1 * static_cast<double>(model.interfaces.size());
     const double all_over =
         breaks_everywhere ? std::min(1.0, 5 * area_of_finer_half(model.mesh)) : 0;  // 1: everywhere, 0: along lines
-    if (scenario.time.scheme.takes_implicit_steps()) {
+    if (implicit) {
         if (!breaks_everywhere) return faces.rub ? 9 : 2.4;
         const double n_breaking = all_over * faces.n_breakable + (1 - all_over) * std::sqrt(faces.n_breakable);
         return 2.4 + 4 * std::sqrt(n_breaking / n_steps);
@@ -129,6 +135,14 @@ bool stays_rigid(const Model& model, const RigidOptions& options) {
     State start = initial_state(model);
     return std::ranges::none_of(freeze(model, start).body->pieces,
                                 [&](const FrozenBody::Piece& piece) { return can_break(piece, options); });
+}
+
+/// [s] Processor time of an explicit step of bulk = "auto", on average where the body breaks.
+double explicit_step_of_auto(const Scenario& scenario, const Model& model, double step, double measure_for) {
+    SchemeOptions leapfrog = scenario.time.scheme;
+    leapfrog.bulk = BulkScheme::explicit_lumped, leapfrog.cohesion = CohesionScheme::explicit_beta;
+    MoreauJean stepper(model, leapfrog);
+    return measured_step(model, stepper, step, measure_for) * mean_over_first(false, model, scenario.time.end / step);
 }
 
 }  // namespace
@@ -160,17 +174,29 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
         cost.given_up_after = longest_measurement * measure_for;
         cost.first_step = NAN;
     }
-    cost.mean_over_first = is_rigid ? 1 : mean_over_first(scenario, model, cost.n_steps);
+    cost.mean_over_first = is_rigid ? 1 : mean_over_first(implicit, model, cost.n_steps);
     double growth = 1, largest_growth = 1;  // of the number of triangles, at the end
     if (scenario.adapt.active()) {
         const AdaptationForecast expected = forecast(scenario, model.mesh);
         growth = expected.at_end / triangles, largest_growth = expected.at_most / triangles;
         cost.mean_over_first *= 0.5 * (1 + growth) * of_rebuilds;
     }
-    cost.steps = cost.deformable_steps = cost.n_steps * cost.first_step * cost.mean_over_first;
+    cost.steps = cost.least_steps = cost.deformable_steps = cost.n_steps * cost.first_step * cost.mean_over_first;
+    if (implicit && !is_rigid && cost.given_up_after == 0) {
+        cost.least_steps = cost.n_steps * cost.first_step;
+        if (const SchemeChangeOptions& change = plan.limits.change; plan.limits.changes()) {
+            const double of_one =
+                explicit_step_of_auto(scenario, model, change.explicit_step, measure_for) / change.explicit_step;
+            cost.stage = change.quiet_for * of_one;
+            cost.steps = cost.least_steps +
+                         std::min(scenario.time.end * of_one, most_stages * mean_over_shortest_stage * cost.stage);
+        } else if (model.faces_meet()) {
+            cost.steps *= of_changing_contacts;
+        }
+    }
     if (rigid > 0 && !is_rigid && may_be_parted(model))
-        cost.steps = cost.rigid_steps + std::min(1.0, blows_a_second * plan.limits.rigid.hold) *
-                                            (cost.deformable_steps - cost.rigid_steps);
+        cost.steps = cost.least_steps = cost.rigid_steps + std::min(1.0, blows_a_second * plan.limits.rigid.hold) *
+                                                               (cost.deformable_steps - cost.rigid_steps);
 
     if (scenario.output.fields)
         cost.n_frames = std::min(std::ceil(scenario.time.end / scenario.output.between_frames()), largest) + 1;

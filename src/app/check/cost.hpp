@@ -6,7 +6,9 @@
 //     mean step        that, times the ratio of mean to first steps in the gallery: cracks and rubbing faces come later
 //     output           numbers of frames, figures and triangles, times constants of the gallery and the machine's speed
 //
-// Within a factor of 2 for the scenarios of the gallery; beyond that for bodies that fragment early or never break.
+// Within a factor of 2 for explicit scenarios of the gallery; beyond that for bodies that fragment early or never
+// break. Implicit steps and bulk = "auto" have a range: `least_steps` while nothing breaks and no contact changes,
+// `steps` where much does.
 #include "app/setup/step_plan.hpp"
 #include "model/model.hpp"
 #include "scenario/scenario.hpp"
@@ -17,6 +19,8 @@ struct Cost {
     double model = 0, steps = 0, frames = 0, figures = 0, lines = 0;  // [s] processor time
     double first_step = 0;      // [s] processor time of a step at the start; NaN: given up, and so are steps and total
     double given_up_after = 0;  // [s] processor time
+    double least_steps = 0;     // [s] of `steps`; equal where there is no range
+    double stage = 0;           // [s] with bulk = "auto": the shortest stage of explicit steps
     double mean_over_first = 1;
     double rigid_steps = 0;       // [s] with [rigid]: of steps if all is rigid
     double deformable_steps = 0;  // [s] of steps if nothing is rigid that may break
@@ -25,6 +29,7 @@ struct Cost {
     double memory = 0, disk = 0;  // [MB] at most
     double least_memory = 0;      // [MB] with [adapt], where no crack branches
     double total() const { return model + steps + frames + figures + lines; }
+    double least() const { return total() - steps + least_steps; }
 };
 
 /// `model_seconds`: processor time of mesh and model; `measure_for` [s]: minimum processor time of the measured steps.

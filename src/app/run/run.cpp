@@ -77,8 +77,9 @@ public:
           record_(record),
           clock_(clock),
           now_(other ? other->now
-                     : start_of(setup.model, *stepper, setup.scenario.time.start_in_equilibrium && !place.resumes(),
-                                record)),
+                     : start_of(
+                           setup.model, stepper, setup.scenario.time.start_in_equilibrium && !place.resumes(),
+                           adaptation_, [this] { renew_stepper(); }, record)),
           control_(setup.plan.limits),
           recorder_(setup.model, now_,
                     recorder_options(setup.scenario, setup.model, setup.origin.works, setup.directory, place.resumes(),

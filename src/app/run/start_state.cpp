@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
+#include "model/body_in_obstacles.hpp"
 #include "scenario/keys.hpp"
 #include "stepper/common/elastic_energy.hpp"
 
@@ -20,6 +21,8 @@ namespace {
 
 constexpr const char* large = "\"large\"";  // of domain.rotation
 constexpr double negligible_jump = 1e-6;    // [-] of the displacement
+constexpr double touches = 1e-6;            // [-] depth of an edge in an obstacle over its length, of rounding
+constexpr int max_refinements = 20;         // of the mesh on which an equilibrium is found
 
 using Lines = std::map<std::string, std::string>;
 
@@ -83,20 +86,44 @@ bool is_thermal(const std::string& path) {
            std::ranges::any_of(keys, [&](const char* key) { return path.ends_with(key); });
 }
 
-/// What a run assumes that the one from which it starts did not: it goes on with them from the same state.
+/// What a run assumes or has that the one from which it starts did not: it goes on with it from the same state.
 struct NewAssumptions {
-    bool rotation, contact;  // they are large; free faces meet
-    bool no_heat;            // thermal strains vanish
+    bool rotation, contact, rigid;  // they are large; free faces meet; pieces may be rigid
+    bool no_heat;                   // thermal strains vanish
+    bool excavations;               // all of them were after the end of the other run: others may be their times
+    std::size_t n_obstacles = 0;    // of the other run
+    bool obstacles;                 // more of them
 
     NewAssumptions(const Lines& there, const Lines& here)
         : rotation(or_nothing(there, "domain.rotation") != large && or_nothing(here, "domain.rotation") == large),
-          contact(!has_table(there, "contact") && has_table(here, "contact")),
-          no_heat(has_table(there, "heat") && !has_table(here, "heat")) {}
+          contact(is_new(there, here, "contact")),
+          rigid(is_new(there, here, "rigid")),
+          no_heat(is_new(here, there, "heat")),
+          excavations(true) {
+        for (std::size_t i = 0; has_table(there, item("excavation", i)); ++i)
+            excavations &=
+                std::stod(or_nothing(there, item("excavation", i) + ".at")) >= std::stod(or_nothing(there, "time.end"));
+        while (has_table(there, item("obstacle", n_obstacles))) ++n_obstacles;
+        obstacles = has_table(here, item("obstacle", n_obstacles));
+    }
 
-    bool change_elastic_energy() const { return rotation || no_heat; }
+    bool change_energy() const { return rotation || no_heat || obstacles; }
     bool concern(const std::string& key) const {
         return (rotation && key == "domain.rotation") || (contact && is_in(key, "contact")) ||
-               (no_heat && (is_in(key, "heat") || is_thermal(key)));
+               (rigid && is_in(key, "rigid")) || (no_heat && (is_in(key, "heat") || is_thermal(key))) ||
+               (excavations && key.starts_with("excavation[") && (key.ends_with(".at") || key.ends_with(".ramp"))) ||
+               (obstacles && concerns_new_obstacle(key));
+    }
+
+private:
+    static bool is_new(const Lines& there, const Lines& here, std::string_view table) {
+        return !has_table(there, table) && has_table(here, table);
+    }
+    /// The files of terrains, too.
+    bool concerns_new_obstacle(const std::string& key) const {
+        constexpr std::string_view list = "obstacle[";
+        return is_in(key, "files") || key == "obstacle" ||
+               (key.starts_with(list) && std::stoul(key.substr(list.size())) >= n_obstacles);
     }
 };
 
@@ -121,6 +148,11 @@ UserError refusal(const ReadResult& read, const std::string& text, const std::st
                                              .message = "`time.start`: the run cannot start from `" +
                                                         read.scenario.time.start_run + "`: " + text,
                                              .note = note})});
+}
+
+/// Few triangles of a refined mesh are new: those that could not be refined with the others before.
+bool is_nearly_the_same(const std::vector<Index>& triangle_before) {
+    return 50 * static_cast<std::size_t>(std::ranges::count(triangle_before, Index(-1))) < triangle_before.size();
 }
 
 /// In the clock that begins at 0; heat keeps its place among the steps.
@@ -152,13 +184,16 @@ RunOrigin origin_of(const ReadResult& read) {
     const RunOrigin other = MemoryReader(unpacked_checkpoint(file->bytes)).origin();
     const Lines there = lines_of(other.scenario), here = lines_of(origin.scenario);
     if (const std::string text = difference(there, here); !text.empty())
-        throw refusal(read, text,
-                      "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, "
-                      "probes, limits and expectations may be others, and rotations large, [contact] added, [heat] "
-                      "left out; not the reverse, since what has turned would be strained, and what rests on free "
-                      "faces would fall through them");
+        throw refusal(
+            read, text,
+            "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, "
+            "probes, limits and expectations may be others. Large rotations, [contact], [rigid], and obstacles "
+            "behind those that were there may be added, [heat] left out; not the reverse: what has turned "
+            "would be strained, what rests on free faces or obstacles would fall through them, and what is "
+            "rigid has no strains. An [[excavation]] must be in both, since the mesh follows its outline: "
+            "with an `at` after the end of the first run");
     origin.works.include(other.works);
-    origin.works.new_assumptions |= NewAssumptions(there, here).change_elastic_energy();
+    origin.works.new_assumptions |= NewAssumptions(there, here).change_energy();
     return origin;
 }
 
@@ -174,16 +209,35 @@ StartState::StartState(const std::string& file, const RunOrigin& origin, const S
     excavations.repeat(model);
     adaptation.repeat(model);
     now.reaction.assign(model.prescribed.size(), Vec2::Zero());  // of other loads
+    add_obstacles(model);
     if (model.faces_meet()) now.retired.resize(model.n_points(), Retirement::none);
     if (!model.heat) drop_heat(model);
     fit_laws(model, now);
     begin_bulk(scenario, model);
-    assumes_anew_ =
-        NewAssumptions(lines_of(reader.origin().scenario), lines_of(origin.scenario)).change_elastic_energy();
+    if (scenario.time.scheme.rigid.active() && now.motion == Motion::deformable) now.motion = Motion::thawed;
+    assumes_anew_ = NewAssumptions(lines_of(reader.origin().scenario), lines_of(origin.scenario)).change_energy();
     if (assumes_anew_ && model.large_rotation) {
         const LeapfrogEnergies energies = leapfrog_energies(model, now);
         now.elastic_energy = energies.elastic, now.elastic_work = energies.work;
     }
+}
+
+void StartState::add_obstacles(const Model& model) {
+    n_obstacles_ = now.obstacles.size();
+    for (std::size_t o = n_obstacles_; o < model.obstacles.size(); ++o)
+        now.obstacles.push_back(initial_state(model.obstacles[o]));
+    std::optional<EdgeInObstacle> deepest;
+    for_edges_in_obstacles(model, &now, [&](const EdgeInObstacle& at) {
+        const bool is_new = static_cast<std::size_t>(at.obstacle) >= n_obstacles_;
+        if (is_new && at.depth > touches * at.length && (!deepest || at.depth > deepest->depth)) deepest = at;
+    });
+    if (!deepest) return;
+    const std::string& name = model.obstacles[deepest->obstacle].name;
+    throw UserError("obstacle-in-body",
+                    "`" + item("obstacle", deepest->obstacle) + "`" + (name.empty() ? "" : " (" + name + ")") +
+                        " overlaps the body as the other run left it, by " + readable(deepest->depth, "m") + " at " +
+                        place_text(deepest->place),
+                    "place it beside the body of that moment: `knap render` of the other run shows it");
 }
 
 void StartState::drop_heat(const Model& model) {
@@ -222,18 +276,29 @@ void StartState::begin_bulk(const Scenario& scenario, const Model& model) {
 
 void StartState::complete(Recorder& recorder) const {
     if (closing_) recorder.close_leapfrog(now, *closing_);
-    if (assumes_anew_) recorder.assume(now);
+    if (assumes_anew_) recorder.assume(now, n_obstacles_);
 }
 
-/// The state at t = 0. A body that its interfaces cannot hold in equilibrium has failed before its first step.
-State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record) {
+State start_of(Model& model, std::optional<MoreauJean>& stepper, bool in_equilibrium, Adaptation& adaptation,
+               const std::function<void()>& renew, RunRecord& record) {
     State start = initial_state(model);
     if (in_equilibrium) {
         const Stopwatch watch;
-        State loaded = start;
         const InterruptGuard::Lifted lifted;  // the search may take minutes
         try {
-            stepper.start_in_equilibrium(loaded);
+            State loaded = start;
+            stepper->start_in_equilibrium(loaded);
+            for (int n = 0; n < max_refinements && adaptation.follows(); ++n) {
+                std::optional<RefinedMesh> finer = adaptation.look_at_equilibrium(model, loaded);
+                if (!finer ||
+                    (is_nearly_the_same(finer->triangle_before) && adaptation.counts(model, loaded).coarse_breaks == 0))
+                    break;
+                stepper.reset();
+                AdaptedModel refined = adaptation.refine(model, start, std::move(*finer));
+                model = std::move(refined.model), start = std::move(refined.state);
+                renew();
+                stepper->start_in_equilibrium(loaded = start);
+            }
             start = std::move(loaded);
             const std::string damage = start_damage_text(model, start);
             if (!damage.empty()) record.warnings.push_back(damage.substr(0, damage.size() - 1));
@@ -243,7 +308,7 @@ State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibriu
         }
         record.spent.preload = watch.cpu();
     }
-    stepper.begin(start);
+    stepper->begin(start);
     return start;
 }
 

@@ -7,8 +7,9 @@
 //     begins anew   the time, at 0; tables, frames, probes, gauges, limits, counts of steps
 //     must agree    the body: every key that is no load, time, output or motion of an obstacle
 //
-//     may be new    rotations large, contact between free faces, no heat, temperatures frozen: the energies of the same
-//                   state change by what the balance calls assumptions
+//     may be new    rotations large, contact between free faces, rigid pieces, further obstacles, times of excavations
+//                   after its end, no heat, temperatures frozen: the energies of the same state change by what the
+//                   balance calls assumptions
 //
 // After implicit steps an explicit run may start: both have the energies 1/2 v'Mv + 1/2 u'Ku of one moment. Velocities
 // of the explicit bulk belong to the middle of a step: before implicit steps a last explicit one of nearly no length
@@ -16,6 +17,8 @@
 #include "app/run/checkpoint.hpp"
 #include "scenario/read_scenario.hpp"
 #include "stepper/moreau_jean.hpp"
+
+#include <functional>
 
 namespace knap {
 
@@ -45,15 +48,19 @@ struct StartState {
     std::optional<LostStress> lost_stress;  // where this run has no heat
 
 private:
+    void add_obstacles(const Model& model);
     void drop_heat(const Model& model);
     void begin_bulk(const Scenario& scenario, const Model& model);
     std::optional<StepReport> closing_;  // of the leapfrog, before implicit steps
-    bool assumes_anew_ = false;          // what changes the elastic energy of the same displacements
+    bool assumes_anew_ = false;          // what changes the energy of the same displacements
+    std::size_t n_obstacles_ = 0;        // of the other run
 };
 
 /// The state at t = 0 of a run that starts from no other one. A body that its interfaces cannot hold in equilibrium has
-/// failed before its first step.
-State start_of(const Model& model, const MoreauJean& stepper, bool in_equilibrium, RunRecord& record);
+/// failed before its first step. With [adapt] the equilibrium is found on meshes that are refined where it loads them,
+/// until it asks for no finer one; `renew` makes the stepper of the present model.
+State start_of(Model& model, std::optional<MoreauJean>& stepper, bool in_equilibrium, Adaptation& adaptation,
+               const std::function<void()>& renew, RunRecord& record);
 
 /// A warning where the equilibrium took cohesion from interfaces, or nothing.
 std::string start_damage_text(const Model& model, const State& start);

@@ -169,10 +169,11 @@ void Adaptation::after_step(Model& model) {
     allowed_.clear();
 }
 
-std::optional<RefinedMesh> Adaptation::look(Model& model, const State& now, const std::optional<Vec2>& also) {
+std::optional<RefinedMesh> Adaptation::look(Model& model, const State& loaded, const State& now,
+                                            const std::optional<Vec2>& also) {
     const Mesh& mesh = model.mesh;
     if (!also) next_look_ = now.n_steps + static_cast<std::int64_t>(options_.every);
-    std::vector<double> requested = requested_sizes(model, now, options_, also);
+    std::vector<double> requested = requested_sizes(model, loaded, options_, also);
     const FutureMesh future = future_mesh(mesh, requested, options_.size);
     double n = future.n;
     if (future.is_mostly_fine() && mesh_state_ == MeshState::follows) {

@@ -16,12 +16,19 @@ public:
     /// Marks the vertices of a model that may not split; called at the start of a run.
     void guard(Model& model) const;
     /// A look at the mesh is due before the next step.
-    bool is_due(const State& now) const {
-        return options_.active() && mesh_state_ == MeshState::follows && now.n_steps >= next_look_;
-    }
+    bool is_due(const State& now) const { return follows() && now.n_steps >= next_look_; }
+    /// The mesh may be refined.
+    bool follows() const { return options_.active() && mesh_state_ == MeshState::follows; }
     /// Looks at the mesh, and refines it where it is too coarse; `also` [m]: a vertex that a step would have split.
     /// Without a refined mesh, the model allows it to split.
-    std::optional<RefinedMesh> look(Model& model, const State& now, const std::optional<Vec2>& also = {});
+    std::optional<RefinedMesh> look(Model& model, const State& now, const std::optional<Vec2>& also = {}) {
+        return look(model, now, now, also);
+    }
+    /// The same before the run, with the equilibrium in which it is to start on this mesh: what this broke or softened
+    /// in large triangles is bonded again on the finer one, on which it is to be found anew.
+    std::optional<RefinedMesh> look_at_equilibrium(Model& model, const State& found) {
+        return look(model, found, initial_state(model), {});
+    }
     /// The model on that mesh, which also allows `also` to split if it is still coarse.
     AdaptedModel refine(const Model& model, const State& now, RefinedMesh mesh, const std::optional<Vec2>& also = {});
     void after_step(Model& model);
@@ -50,6 +57,9 @@ private:
     enum class MeshState : std::uint8_t { follows, is_fine, stays };
 
     void allow(const Vec2& place, const State& now, Model& model);
+    /// Sizes are those that `loaded` asks for, and triangles stay at vertices that came apart in `now`.
+    std::optional<RefinedMesh> look(Model& model, const State& loaded, const State& now,
+                                    const std::optional<Vec2>& also);
 
     AdaptOptions options_;
     ModelInput input_;

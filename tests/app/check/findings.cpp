@@ -386,6 +386,22 @@ TEST_CASE("a step that is not solved while it is measured is given up and said")
           std::string::npos);
 }
 
+// slow_crush takes 180 s with 17 stages of explicit steps, 100 times what it takes while nothing breaks.
+TEST_CASE("check gives a range for the time of implicit steps and one number for explicit ones") {
+    const auto cost = [](const char* name) {
+        ReadResult read = read_scenario(fs::path(KNAP_SOURCE_DIR) / "scenarios" / name);
+        const Model model = model_of(read);
+        return estimate_cost(read.scenario, model, plan_of(read, model, read.scenario.time.end), 0, 1e-3);
+    };
+    const Cost slow = cost("slow_crush.toml"), fast = cost("crushed_specimen.toml");
+    CHECK(slow.steps > 30 * slow.least_steps);
+    CHECK(slow.least() == doctest::Approx(slow.total() - slow.steps + slow.least_steps));
+    CHECK(slow.stage > 0);
+    CHECK(fast.least_steps == fast.steps);
+    const Answer text = command("check slow_crush");
+    CHECK(text.has("while nothing breaks and no contact changes, the first number; a stage of explicit steps at least"));
+}
+
 // L^2/kappa_T = 2.82 s (kappa_T = 8.85e-6 m2/s, L = 5 mm), k/transfer = 0.31 mm, 2 kappa_T/l = 0.11 m/s of an edge l = 0.16 mm.
 TEST_CASE("check judges the conduction of heat") {
     const std::string slab = "check alumina_quench -s mesh.size='0.3 mm' ", undamped = slab + "-s time.damping=0 ";

@@ -311,4 +311,30 @@ TEST_CASE("adaptation: what it does not go together with") {
     refused(large, "bad-value", "`adapt.size` is not below mesh.size");
 }
 
+// A coarse mesh bears less at the corners of a hole, and the state of a coarse mesh is no equilibrium of a finer one.
+TEST_CASE("adaptation: an equilibrium at the start is one of the refined mesh") {
+    const Folder folder("adaptation equilibrium");
+    std::string text = plate(
+        "\"60 mm\", \"24 mm\"",
+        "[[domain.hole]]\npoints = [[\"28 mm\", \"10 mm\"], [\"32 mm\", \"10 mm\"], [\"32 mm\", \"14 "
+        "mm\"], [\"28 mm\", \"14 mm\"]]\n",
+        pull("top", "0, \"4 MPa\"") + "[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n", near_the_crack, "0.5 us");
+    text.insert(text.find("end = "), "start = \"equilibrium\"\n");
+    write_scene(folder, text);
+    const Answer run = run_scene(folder, "-j 1 -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    const nlohmann::json record = record_of(folder.path / "run"), summary = record["summary"];
+    CHECK(record["adaptation"]["batches"].get<int>() >= 1);
+    CHECK(record["adaptation"]["coarse_breaks"] == 0);
+    CHECK(record["warnings"].dump().find("the forces exceed the strength of") != std::string::npos);
+    CHECK(summary["kinetic_energy"].get<double>() < 1e-15 * summary["strain_energy"].get<double>());
+    const auto dissipated = knap::read_csv(folder.path / "run/energy.csv").column("dissipated");
+    CHECK(dissipated.back() == doctest::Approx(dissipated.front()).epsilon(1e-9));
+    // and one that goes on after a stop has the same mesh
+    REQUIRE(run_scene(folder, "-j 1 --until 0.2us -o " + folder.in_shell("parts")).code == 0);
+    REQUIRE(run_scene(folder, "-j 1 -o " + folder.in_shell("parts")).code == 0);
+    check_same(folder.path / "run", folder.path / "parts", 5);
+}
+
 }  // namespace adaptation_test

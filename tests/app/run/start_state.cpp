@@ -227,7 +227,7 @@ TEST_CASE("a fall starts from a slow run with heat: large rotations and contact 
     const Answer back = run("back", bar_body + frozen + from("large@60us"));
     CHECK(back.code == 2);
     CHECK(back.has("`contact` is given there, nothing here, and 1 more"));
-    CHECK(back.has("since what has turned would be strained"));
+    CHECK(back.has("what has turned would be strained"));
     const Answer alone = run("alone", large + frozen + "[time]\nend = 1\n");
     CHECK(alone.code == 2);
     CHECK(alone.has("needs temperatures of another run"));
