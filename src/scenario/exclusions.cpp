@@ -65,7 +65,6 @@ std::span<const Exclusion> exclusions() {
          "traces cut the shape before it is meshed, and the mesh of a file is given; [[mesh.joint]] makes its curves "
          "joints"},
         {"[[inclusions]]", "mesh.file", "they cut the shape before it is meshed, and the mesh of a file is given"},
-        {"[[excavation]]", "[specimen]", "its gauges and its stress are those of the whole body"},
         {"[rigid]", "[heat]", "temperatures go on straining a piece, and a rigid one has no strains of its own"},
         {"[rigid]", "[[pressure]]", "a fluid opens cracks without any contact, and a rigid piece has no stresses"},
         {"[[pressure]] rate", "[contact]",
@@ -93,7 +92,8 @@ std::span<const Exclusion> exclusions() {
         {"[adapt]", "[[body]]",
          "bodies that touch have vertices at one place, where a triangulation of new triangles has one"},
         {"[adapt]", "[[excavation]]", "triangles that vanished keep their numbers, and a new mesh has others"},
-        {"[adapt]", "scatter", "a new interface would draw its strength anew; with a `correlation` it has a place"},
+        {"[adapt]", "scatter without a correlation",
+         "a new interface would draw its strength anew; with a `correlation` it has a place"},
         {"[adapt]", "bedding.angle by place",
          "a finer triangle would have layers of another direction, and the energy of its stress would change"},
         {"[adapt]", "[[collector]]", "the pieces that it follows are sets of triangles, and these are replaced"},

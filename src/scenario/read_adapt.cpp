@@ -42,7 +42,7 @@ void exclude_others(Reading& reading, const Table& table) {
                                 [](const NamedMaterial& material) { return material.layer_angle != nullptr; }),
             "bedding.angle by place", fine_from_start);
     for (const NamedLaw& law : scenario.laws)
-        exclude(law.scatter.any() && law.scatter.correlation == 0, "scatter",
+        exclude(law.scatter.any() && law.scatter.correlation == 0, "scatter without a correlation",
                 "`interface." + law.name + ".scatter.correlation`, a length over which strengths are alike");
 }
 

@@ -45,8 +45,6 @@ void read_excavation(const Table& table, const MeshOptions& sizes, TimeOptions& 
 void read_excavations(Reading& reading) {
     const std::vector<Table> tables = reading.list("excavation");
     if (tables.empty()) return;
-    if (reading.table("specimen").given())
-        tables.front().exclude("", "[[excavation]]", "[specimen]", "probes and reactions watch what remains");
     const MeshOptions sizes = sizes_of(reading.scenario.mesh, reading.scenario.given.get());
     for (const Table& table : tables)
         read_excavation(table, sizes, reading.scenario.time, reading.scenario.bodies, reading.scenario.excavations);

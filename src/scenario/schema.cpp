@@ -99,7 +99,10 @@ std::string pairs_markdown() {
     for (const auto& [one, other, because] : exclusions())
         rows += "| `" + std::string(one) + "` | `" + std::string(other) + "` | " + std::string(because) + " |\n";
     return "\n<a id=\"pairs\"></a>\n\n## Pairs that do not go together\n\nAll others do. With [contact] rotations are "
-           "large, with a mass that is not lumped the bulk is implicit.\n\n| | | because |\n|---|---|---|\n" +
+           "large, with a mass that is not lumped the bulk is implicit.\n\nA test tries every two of a list of "
+           "capabilities in one scene, with what each of them needs, and counts a pair of which one needs what the "
+           "other refuses, too: 52 of the 1176 pairs of 49 are refused, and 23 of the 595 pairs of 35 that the list "
+           "had at first.\n\n| | | because |\n|---|---|---|\n" +
            rows;
 }
 

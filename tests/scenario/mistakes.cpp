@@ -426,8 +426,6 @@ const Case cases[] = {
      "exclusive-keys", 5, 1, 4, "belongs to shape"},
     {"consistent mass without implicit bulk", with("mass = \"consistent\"\n"), "exclusive-keys", 16, 1, 4,
      "needs the implicit bulk"},
-    {"excavation of a specimen", with(specimen + "[[excavation]]\nat = 0\nbox = [0, 0, 0.01, 0.01]\n"),
-     "exclusive-keys", 22, 1, 14, "gauges and its stress are those of the whole body"},
     {"excavation without a time", with("[[excavation]]\nbox = [0, 0, 0.01, 0.01]\n"), "missing-key", 16, 1, 14, "at"},
     {"excavation of a round box", with("[[excavation]]\nat = 0\nbox = [0, 0, 0.01, 0.01]\nradius = 1\n"),
      "exclusive-keys", 18, 1, 3, "only one"},

@@ -3,6 +3,7 @@
 #include "analysis/probes.hpp"
 #include "base/display_unit.hpp"
 #include "base/formatted.hpp"
+#include "mesh/polygon.hpp"
 #include "model/selections.hpp"
 #include "model/successor.hpp"
 #include "stepper/step_control.hpp"
@@ -78,6 +79,19 @@ double distance_from_outline(const Mesh& mesh, const std::vector<Vec2>& outline,
     return largest;
 }
 
+/// The boundary, along which drivers act and gauges are, and single places of gauges.
+bool measures_at(const SpecimenOptions& specimen, const Mesh& mesh, const std::vector<Index>& triangles,
+                 const std::vector<Vec2>& outline) {
+    for (const auto& gauge : {specimen.axial, specimen.lateral})
+        if (gauge && std::ranges::any_of(*gauge, [&](const GaugeEnd& end) {
+                return end.kind == GaugeEnd::Kind::place && contains(outline, end.at);
+            }))
+            return true;
+    return std::ranges::any_of(mesh.boundary_edges, [&](const BoundaryEdge& edge) {
+        return std::ranges::find(triangles, edge.triangle) != triangles.end();
+    });
+}
+
 }  // namespace
 
 std::vector<PlannedExcavation> plan_excavations(const ReadResult& read, const Model& model) {
@@ -98,6 +112,12 @@ std::vector<PlannedExcavation> plan_excavations(const ReadResult& read, const Mo
             refuse(one, "covers no triangle of the body that is there at its time",
                    "a region in the body, at least as large as a triangle; coordinates without a unit are in metres");
         if (n_left == 0) refuse(one, "leaves nothing of the body", "a smaller region");
+        if (const auto& specimen = read.scenario.specimen;
+            specimen &&
+            measures_at(*specimen, model.mesh, one.triangles, read.scenario.excavations[one.number].outline))
+            refuse(
+                one, "takes a place at which the stress or the strains of the specimen are measured",
+                "a region inside the specimen and beside its gauges, or probes and reactions in place of [specimen]");
     }
     std::vector<Index> all;
     for (const PlannedExcavation& one : planned) all.insert(all.end(), one.triangles.begin(), one.triangles.end());

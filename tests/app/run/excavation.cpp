@@ -219,4 +219,32 @@ ramp = )" + ramp + "\n[time]\nend = 0.14\n[output]\nfields = false\nevery = 0.07
     }
 }
 
+// Of a plate with few round holes of the area fraction f the compliance is 1 + 3 f times as large (plane stress):
+// 0.0196 here, so that the stress between grips that stay falls by 5.6 %; the hole is a polygon, and the plate is no
+// large one.
+TEST_CASE("excavation: a hole that is bored into a specimen takes its part of the stress") {
+    const Folder folder("excavation specimen");
+    const auto bored = [&](const std::string& hole) {
+        return rectangle("0.04, 0.08", "0.003", "model = \"plane stress\"\n") +
+               "[material.rock]\ndensity = 2600\nE = 30e9\nnu = 0.25\n[interface.default]\nbreakable = false\n"
+               "[[load]]\non = \"bottom\"\ndisplacement = [0, 0]\n[[load]]\nname = \"top\"\non = \"top\"\n"
+               "displacement = [0, -1e-5]\nramp = 0.1\n[specimen]\ntest = \"compression\"\nforce = \"top\"\n"
+               "[[excavation]]\nat = 0.2\nramp = 0.1\n" +
+               hole +
+               "[time]\nend = 0.5\nbulk = \"implicit\"\nstep = 0.01\ntheta = 1\n[output]\nfields = false\n"
+               "history_every = 0.01\n";
+    };
+    check_refused(folder, bored("centre = [0.04, 0.04]\nradius = 0.004\n"), "error[empty-selection]",
+                  "takes a place at which the stress or the strains of the specimen are measured");
+    write_scene(folder, bored("centre = [0.02, 0.04]\nradius = 0.00447\n"));
+    const Answer run = run_scene(folder, "-j 1 -o " + folder.in_shell("run"));
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    const knap::History curve = knap::read_csv(folder.path / "run/stress_strain.csv");
+    const std::vector<double> time = curve.column("time"), stress = curve.column("stress");
+    double before = 0;
+    for (std::size_t i = 0; i < time.size() && time[i] < 0.2; ++i) before = stress[i];
+    CHECK(1 - stress.back() / before == doctest::Approx(0.056).epsilon(0.15));
+}
+
 }  // namespace excavation_test
