@@ -353,13 +353,13 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
     } else {
         const auto time = [](double seconds) { return readable(seconds, "s", 2); };
         const bool is_range = cost.least_steps < cost.steps;
-        const auto range = [&](double least, double most) {
-            return (is_range ? readable(least, "s", 2) + " to " : "") + readable(most, "s", is_range ? 2 : 3);
+        const auto range = [&](double least, double most, int digits) {
+            return (is_range ? readable(least, "s", 2) + " to " : "") + readable(most, "s", is_range ? 2 : digits);
         };
         std::printf("  about %s of one core: mesh and model %s, steps %s, frames %s, figures %s, tables %s\n",
-                    range(cost.least(), cost.total()).c_str(), time(cost.model).c_str(),
-                    range(cost.least_steps, cost.steps).c_str(), time(cost.frames).c_str(), time(cost.figures).c_str(),
-                    time(cost.lines).c_str());
+                    range(cost.least(), cost.total(), 3).c_str(), time(cost.model).c_str(),
+                    range(cost.least_steps, cost.steps, 2).c_str(), time(cost.frames).c_str(),
+                    time(cost.figures).c_str(), time(cost.lines).c_str());
         if (is_range)
             std::printf(
                 "  a step takes %s now (measured%s) while nothing breaks and no contact changes, the first number; "
