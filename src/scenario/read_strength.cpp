@@ -38,7 +38,7 @@ void apply_strength(const Table& table, const LawWithin& within, const StrengthT
                     "allowed: laws whose strength is one number");
         return;
     }
-    if (report_keys_without_rows(table, named.name)) return;
+    if (report_keys_without_rows(table, named.name, without_strength)) return;
     const std::optional<Surplus> surplus = strengths.of_measured(law);
     if (!surplus) {
         table.error("no-calibration", "",

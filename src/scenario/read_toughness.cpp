@@ -26,9 +26,9 @@ void report_bad_calibration(const Table& table, const UserError& error) {
         table.error(found.code, table.given("table") ? "table" : "", ": " + found.message, found.note);
 }
 
-bool report_keys_without_rows(const Table& table, const std::string& law) {
+bool report_keys_without_rows(const Table& table, const std::string& law, std::span<const char* const> of_tables) {
     if (table.given("table")) return false;
-    const std::string keys = given_keys(*table.reading().values.find("interface." + law), without_rows);
+    const std::string keys = given_keys(*table.reading().values.find("interface." + law), of_tables);
     if (!keys.empty())
         table.error("no-calibration", "",
                     "= \"as measured\", but the program's table has no surplus for the " + keys + " of `interface." +
@@ -74,7 +74,7 @@ void read_toughness(Reading& reading) {
         for (const LawWithin& within : found) {
             NamedLaw& named = scenario.laws[within.law];
             const MeshedLaw& law = within.meshed;
-            if (report_keys_without_rows(table, named.name)) continue;
+            if (report_keys_without_rows(table, named.name, without_toughness)) continue;
             const std::optional<Surplus> surplus = toughness.of_measured(law);
             if (!surplus) {
                 table.error("no-calibration", "",

@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <initializer_list>
+#include <span>
 
 namespace knap {
 
@@ -248,6 +249,6 @@ std::optional<std::string> calibration_table(const Table& table, const char* of_
 void report_bad_calibration(const Table& table, const UserError& error);
 /// Whether a law has keys that no row of the program's table has, which is a mistake. A table of the scenario was
 /// measured with them.
-bool report_keys_without_rows(const Table& table, const std::string& law);
+bool report_keys_without_rows(const Table& table, const std::string& law, std::span<const char* const> keys);
 
 }  // namespace knap

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 namespace knap {
 
@@ -53,9 +54,10 @@ std::string softening_words(const Node& law);
 /// place, a temperature or a direction.
 inline constexpr std::array not_calibrated{"scatter", "strength_over_bedding", "energy_over_bedding", "strength_table",
                                            "friction_table"};
-/// Those that it takes over, and that no row of the tables of the program has; friction and restitution change no
+/// Those that it takes over, and that no row of the tables of the program has. Friction and restitution change no
 /// toughness.
-inline constexpr std::array without_rows{"G_II", "relaxation_time", "incubation_time", "slip_distance"};
+inline constexpr std::array without_toughness{"G_II", "relaxation_time", "incubation_time"},
+    without_strength{"G_II", "relaxation_time", "slip_distance"};
 /// "G_II and relaxation_time": those of them that a law is given, and are not 0.
 std::string given_keys(const Node& law, std::span<const char* const> keys);
 

@@ -144,8 +144,10 @@ WithCoupling with_coupling(const Scenario& scenario, const Node& key, const LawW
     else if (law.friction > 0) found.compression = specimen("compression", compression_edges * within.edge);
     if (has_test(scenario, SpecimenOptions::Test::brazilian))
         found.disc = disc_of(tested("disc", scenario.strength.size), compressive_strength(law, coupling));
-    if (const std::string keys = given_keys(key, without_rows); !keys.empty())
-        for (const Line& line : lines)
+    const std::string no_toughness = given_keys(key, without_toughness),
+                      no_strength = given_keys(key, without_strength);
+    for (const Line& line : lines)
+        if (const std::string& keys = line.of == &WithCoupling::running ? no_toughness : no_strength; !keys.empty())
             if (auto& number = found.*line.of)
                 number->has_rows = false, number->remark = "no row; that without " + keys;
     return found;
