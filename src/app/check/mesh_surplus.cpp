@@ -20,7 +20,7 @@ constexpr double notched_zones = 0.886, tension_edges = 10, compression_edges = 
 
 // Discs of less compressive strength, in sigma_c, are crushed before they split. The ratio up to which a size counts as
 // that of the discs that were measured.
-constexpr double splits_from = 6.5, same_disc = 1.5;
+constexpr double splits_from = 6.5, same_disc = 2.1;
 
 // A run is slow where its steps are larger than the stable one by this factor, and last as many passages of a wave
 // through the body.
