@@ -91,6 +91,10 @@ TEST_CASE("check says what would happen") {
     for (const char* words : {"a plate in tension bears                     0.60          0.57  (no row; a facet",
                               "may err by all that it differs from 1"})
         CHECK_MESSAGE(weak.has(words), words, weak.text);
+    // large steps that the strength is met in
+    CHECK(command("check edge_cracked_block -s 'mesh.size=4 mm' -s time.bulk=auto")
+              .has("warning[few-steps]: `time.bulk`"));
+    CHECK_FALSE(command("check slow_crush").has("few-steps"));
     // a disc whose law is weak under compression is crushed
     const Answer disc = command("check brazilian_disc -s interface.default.coupling=norm -s 'mesh.size=2 mm'");
     for (const char* words :
