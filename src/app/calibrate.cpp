@@ -28,10 +28,10 @@ std::string matter_text(const CalibratedLaw& of) {
 std::string law_text(const CalibratedLaw& of, double sigma_c, double G_c) {
     std::vector<std::string> keys{"sigma_c = " + shortest(sigma_c), "G_c = " + shortest(G_c)};
     for (const Node& key : of.read.values.find("interface." + of.law.name)->children) {
-        const bool other = key.name == "sigma_c" || key.name == "G_c" || key.name == "delta_c" ||
-                           key.name == "strength_table" || key.name == "friction_table" || key.name == "csv" ||
-                           key.name == "friction_csv" || key.name == "scatter" || key.name == "strength_over_bedding" ||
-                           key.name == "energy_over_bedding";
+        // files are tables by now
+        const bool other = key.name == "sigma_c" || key.name == "G_c" || key.name == "delta_c" || key.name == "csv" ||
+                           key.name == "friction_csv" ||
+                           std::ranges::find(not_calibrated, key.name) != not_calibrated.end();
         if (key.valid && key.is_given() && !other && !key.key->is_table())
             keys.push_back(key.name + " = " + toml_text(key));
     }

@@ -281,7 +281,7 @@ void add_keys_of_calibration(KeyTable& t) {
     t.number("size", "m", "width of the tested plate, which is twice as high, or diameter of the disc; likewise")
         .above(0).computed("that of [specimen]");
     t.text("table", "file of `knap calibrate --of strength` with the surplus, relative to the scenario file")
-        .computed("a table of the program for plates under compression and linear softening")
+        .computed("a table of the program: BENCHMARKS.md, Strength as measured")
         .only_with("meaning", {"as measured"});
 }
 

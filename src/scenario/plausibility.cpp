@@ -1,5 +1,6 @@
 // Warnings of values that are possible, but likely mistakes: most are numbers with a forgotten unit.
 #include "scenario/reading.hpp"
+#include "scenario/toughness.hpp"
 
 #include "base/display_unit.hpp"
 
@@ -110,20 +111,29 @@ void check_locking(Reading& reading) {
                          "mesh.order = 2, or smaller triangles; compare two sizes");
 }
 
-/// The surplus of the program's tables is that of cracks in isotropic bodies.
-void check_calibration_of_layers(Reading& reading) {
+/// The surplus of the program's tables is that of cracks in isotropic bodies, and no specimen has the keys of
+/// not_calibrated.
+void check_calibration(Reading& reading) {
     const Scenario& scenario = reading.scenario;
+    const auto by_program = [&](double measured, const char* of) {
+        return measured > 0 && !reading.table(of).given("table");
+    };
     for (std::size_t i = 0; i < scenario.laws.size(); ++i) {
         const NamedLaw& law = scenario.laws[i];
         if (law.measured_G_c == 0 && law.measured_sigma_c == 0) continue;
+        const Table table = reading.table("interface." + law.name);
+        if (const std::string keys = given_keys(*reading.values.find(table.path()), not_calibrated); !keys.empty())
+            table.warning("calibration", "",
+                          "is corrected by the surplus of a mesh, which was measured without its " + keys,
+                          "compare with a run whose properties are those \"of interfaces\"");
+        if (!by_program(law.measured_G_c, "toughness") && !by_program(law.measured_sigma_c, "strength")) continue;
         for (std::size_t m = 0; m < scenario.materials.size(); ++m)
             if (scenario.materials[m].elastic.bedding && scenario.law_of_pair[m][m] == static_cast<Index>(i))
-                reading.table("interface." + law.name)
-                    .warning("calibration", "",
-                             "is corrected by the surplus of a mesh, which was measured in isotropic bodies, in the "
-                             "layers of `material." +
-                                 scenario.materials[m].name + "`",
-                             "a table of `knap calibrate` with this scenario");
+                table.warning("calibration", "",
+                              "is corrected by the surplus of a mesh, which was measured in isotropic bodies, in the "
+                              "layers of `material." +
+                                  scenario.materials[m].name + "`",
+                              "a table of `knap calibrate` with this scenario");
     }
 }
 
@@ -198,7 +208,7 @@ void warn_of_implausible(Reading& reading) {
         for (const Table& table : reading.list(range.table)) check(table, range);
     check_strains(reading);
     check_locking(reading);
-    check_calibration_of_layers(reading);
+    check_calibration(reading);
     check_times(reading);
 }
 

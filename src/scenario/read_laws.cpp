@@ -119,7 +119,7 @@ CohesiveLaw read_law(const Table& table) {
         table.exclude("relaxation_time", "relaxation_time", "plateau = 1",
                       "a slope at the end of the softening, for example plateau = 0.9");
     if (law.coupling == Coupling::norm) {
-        const std::string cure = "gamma = 1 or more, or coupling = \"sum\"";
+        const std::string cure = "gamma = 0.71 or more, or coupling = \"sum\"";
         if (!has_cohesion)
             table.error("exclusive-keys", "coupling", "belongs to a law with cohesion, and this one has no strength");
         if (law.gamma == 0) table.exclude("coupling", "coupling = \"norm\"", "gamma = 0", cure);

@@ -38,16 +38,16 @@ void apply_strength(const Table& table, const LawWithin& within, const StrengthT
                     "allowed: laws whose strength is one number");
         return;
     }
+    if (report_keys_without_rows(table, named.name, without_strength)) return;
     const std::optional<Surplus> surplus = strengths.of_measured(law);
     if (!surplus) {
-        table.error(
-            "no-calibration", "",
-            formatted("= \"as measured\", but its table has no surplus for `interface.%s`: %s, order %d, "
-                      "softening %s, unloading %s, gamma %.4g, friction %.4g, size of %.3g process zones and "
-                      "%.3g edges",
-                      named.name.c_str(), law.test.c_str(), law.order, law.softening.c_str(), law.unloading.c_str(),
-                      law.gamma, law.friction, law.zones, law.edges),
-            "`knap calibrate --of strength` with this scenario measures it; the table has " + strengths.contents());
+        table.error("no-calibration", "",
+                    formatted("= \"as measured\", but its table has no surplus for `interface.%s`: %s, order %d, "
+                              "softening %s, unloading %s, gamma %.4g, friction %.4g, size of %.3g process zones and "
+                              "%.3g edges",
+                              named.name.c_str(), law.test.c_str(), law.order, law.softening.c_str(),
+                              law.unloading.c_str(), law.gamma, law.friction, law.zones, law.edges),
+                    "`knap calibrate --of strength` with this scenario measures it; " + strengths.nearest_text(law));
         return;
     }
     named.measured_sigma_c = named.law.sigma_c;

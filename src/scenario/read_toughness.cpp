@@ -26,6 +26,17 @@ void report_bad_calibration(const Table& table, const UserError& error) {
         table.error(found.code, table.given("table") ? "table" : "", ": " + found.message, found.note);
 }
 
+bool report_keys_without_rows(const Table& table, const std::string& law, std::span<const char* const> of_tables) {
+    if (table.given("table")) return false;
+    const std::string keys = given_keys(*table.reading().values.find("interface." + law), of_tables);
+    if (!keys.empty())
+        table.error("no-calibration", "",
+                    "= \"as measured\", but the program's table has no surplus for the " + keys + " of `interface." +
+                        law + "`: its rows were measured without",
+                    "`knap calibrate` with this scenario measures a table of its own");
+    return !keys.empty();
+}
+
 std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& values) {
     const double mean = scenario.given ? mean_edge(scenario.given->mesh) : scenario.mesh.size,
                  edge = scenario.finest_edge(mean);
@@ -63,6 +74,7 @@ void read_toughness(Reading& reading) {
         for (const LawWithin& within : found) {
             NamedLaw& named = scenario.laws[within.law];
             const MeshedLaw& law = within.meshed;
+            if (report_keys_without_rows(table, named.name, without_toughness)) continue;
             const std::optional<Surplus> surplus = toughness.of_measured(law);
             if (!surplus) {
                 table.error("no-calibration", "",
@@ -70,7 +82,7 @@ void read_toughness(Reading& reading) {
                                       "softening %s, unloading %s, gamma %.4g, %.3g edges in the process zone",
                                       named.name.c_str(), law.order, law.softening.c_str(), law.unloading.c_str(),
                                       law.gamma, law.edges),
-                            "`knap calibrate` with this scenario measures it; the table has " + toughness.contents());
+                            "`knap calibrate` with this scenario measures it; " + toughness.nearest_text(law));
                 continue;
             }
             named.measured_G_c = named.law.G_c;

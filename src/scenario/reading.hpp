@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <initializer_list>
+#include <span>
 
 namespace knap {
 
@@ -246,5 +247,8 @@ void read_all(Reading& reading);
 /// without one that of the program. None: an error was reported.
 std::optional<std::string> calibration_table(const Table& table, const char* of_program, const char* stored_as);
 void report_bad_calibration(const Table& table, const UserError& error);
+/// Whether a law has keys that no row of the program's table has, which is a mistake. A table of the scenario was
+/// measured with them.
+bool report_keys_without_rows(const Table& table, const std::string& law, std::span<const char* const> keys);
 
 }  // namespace knap

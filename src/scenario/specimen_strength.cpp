@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace knap {
 namespace {
@@ -98,18 +97,16 @@ std::optional<Surplus> StrengthTable::find(const TestedLaw& law) const {
                         {0, 0, std::log(beyond_zones), std::log(beyond_specimen_edges)});
 }
 
-const StrengthRow* StrengthTable::nearest(const TestedLaw& law) const {
-    return nearest_row(rows_, [&](const StrengthRow& row) -> std::optional<double> {
-        const std::optional<double> of_law = distance(row.law.meshed(), law.meshed());
-        if (row.law.test != law.test || !of_law) return {};
-        return *of_law + apart(row.law.friction, law.friction) + apart(row.law.zones, law.zones);
-    });
+std::optional<double> distance(const TestedLaw& row, const TestedLaw& law) {
+    const std::optional<double> of_law = distance(row.meshed(), law.meshed());
+    if (row.test != law.test || !of_law) return {};
+    return *of_law + apart(row.friction, law.friction) + apart(row.zones, law.zones);
 }
 
-std::vector<std::string> differences(const TestedLaw& row, const TestedLaw& law) {
-    std::vector<std::string> parts = differences(row.meshed(), law.meshed(), beyond_specimen_edges);
+std::vector<std::string> differences(const TestedLaw& row, const TestedLaw& law, double factor) {
+    std::vector<std::string> parts = differences(row.meshed(), law.meshed(), factor);
     if (row.friction != law.friction) parts.push_back(formatted("friction %.3g", row.friction));
-    if (std::abs(std::log(row.zones / law.zones)) > std::log(beyond_zones))
+    if (std::abs(std::log(row.zones / law.zones)) > std::log(factor))
         parts.push_back(formatted("size of %.3g process zones", row.zones));
     return parts;
 }
@@ -127,29 +124,6 @@ std::optional<Surplus> StrengthTable::of_measured(TestedLaw law) const {
         found = next;
     }
     return found;
-}
-
-std::string StrengthTable::contents() const {
-    struct Extent {
-        double low[4] = {infinity, infinity, infinity, infinity}, high[4] = {0, 0, 0, 0};
-    };
-    std::map<std::string, Extent> kinds;
-    for (const StrengthRow& row : rows_) {
-        Extent& extent = kinds[formatted("%s, order %d, softening %s, unloading %s", row.law.test.c_str(),
-                                         row.law.order, row.law.softening.c_str(), row.law.unloading.c_str())];
-        const double at[4] = {row.law.gamma, row.law.friction, row.law.zones, row.law.edges};
-        for (int i = 0; i < 4; ++i) {
-            extent.low[i] = std::min(extent.low[i], at[i]);
-            extent.high[i] = std::max(extent.high[i], at[i]);
-        }
-    }
-    std::vector<std::string> parts;
-    for (const auto& [kind, extent] : kinds)
-        parts.push_back(kind + formatted(": gamma %.4g to %.4g, friction %.4g to %.4g, size of %.3g to %.3g process "
-                                         "zones and %.3g to %.3g edges",
-                                         extent.low[0], extent.high[0], extent.low[1], extent.high[1], extent.low[2],
-                                         extent.high[2], extent.low[3], extent.high[3]));
-    return parts.empty() ? "no row whose specimens broke" : joined(parts, "; ");
 }
 
 }  // namespace knap

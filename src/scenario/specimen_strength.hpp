@@ -30,8 +30,10 @@ TestedLaw tested_law(const Scenario& scenario, const LawWithin& within);
 /// [-] Over sigma_c, at most 1: the least uniaxial tension that damages a facet, of all its angles.
 double weakest_facet(const CohesiveLaw& law, Coupling coupling);
 
-/// What a row has in another way than a law, and than its specimen.
-std::vector<std::string> differences(const TestedLaw& row, const TestedLaw& law);
+/// [-] How far a row is from a law in a specimen; nothing where their tests or couplings differ.
+std::optional<double> distance(const TestedLaw& row, const TestedLaw& law);
+/// What a row has in another way than a law, and than its specimen; sizes that differ by a factor.
+std::vector<std::string> differences(const TestedLaw& row, const TestedLaw& law, double factor = same_size);
 
 /// Why no specimen can be calibrated for a law: random or rate-dependent strength, friction over temperature. Empty: it
 /// can.
@@ -57,12 +59,12 @@ public:
     /// the table those. None where the table has no rows for the law.
     std::optional<Surplus> find(const TestedLaw& law) const;
     /// The row of the same test and coupling whose law and size have most in common with it, or null.
-    const StrengthRow* nearest(const TestedLaw& law) const;
+    const StrengthRow* nearest(const TestedLaw& law) const { return nearest_row(rows_, law); }
+    std::span<const StrengthRow> rows() const { return rows_; }
     /// The surplus S of interfaces whose specimen has the strength that the law gives with S sigma_c. `law.zones` are
     /// those of the measured strength, and S is that of zones/S^2.
     std::optional<Surplus> of_measured(TestedLaw law) const;
-    /// "compression, order 1, ...: gamma 0.5 to 1, ...", a part for each kind.
-    std::string contents() const;
+    std::string nearest_text(const TestedLaw& law) const { return knap::nearest_text(rows_, law); }
 
 private:
     std::vector<StrengthRow> rows_;

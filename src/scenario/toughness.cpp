@@ -1,12 +1,9 @@
 #include "scenario/toughness.hpp"
 
-#include "base/formatted.hpp"
-#include "base/text.hpp"
 #include "scenario/toml_tree.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace knap {
 namespace {
@@ -42,6 +39,14 @@ std::string softening_words(const Node& law) {
         if (const Node* node = law.find(parameter); node && node->valid) text += formatted(" %.4g", node->number);
     if (coupling && coupling->valid && coupling->text == "norm") text += of_norm;
     return text;
+}
+
+std::string given_keys(const Node& law, std::span<const char* const> keys) {
+    std::vector<std::string> given;
+    for (const char* key : keys)
+        if (const Node* node = law.find(key); node && node->is_given() && !(node->is_number() && node->number == 0))
+            given.emplace_back(key);
+    return joined(given, " and ");
 }
 
 MeshedLaw MeshedLaw::with(Coupling coupling) const {
@@ -88,7 +93,7 @@ std::optional<double> distance(const MeshedLaw& row, const MeshedLaw& law) {
     return sum;
 }
 
-std::vector<std::string> differences(const MeshedLaw& row, const MeshedLaw& law, double edges_factor) {
+std::vector<std::string> differences(const MeshedLaw& row, const MeshedLaw& law, double factor) {
     std::vector<std::string> parts;
     const auto without_coupling = [](std::string words) {
         if (words.ends_with(of_norm)) words.resize(words.size() - of_norm.size());
@@ -98,13 +103,9 @@ std::vector<std::string> differences(const MeshedLaw& row, const MeshedLaw& law,
     if (row.unloading != law.unloading) parts.push_back("unloading " + row.unloading);
     if (row.order != law.order) parts.push_back(formatted("order %d", row.order));
     if (row.gamma != law.gamma) parts.push_back(formatted("gamma %.3g", row.gamma));
-    if (std::abs(std::log(row.edges / law.edges)) > std::log(edges_factor))
+    if (std::abs(std::log(row.edges / law.edges)) > std::log(factor))
         parts.push_back(formatted("%.3g edges", row.edges));
     return parts;
-}
-
-const ToughnessRow* ToughnessTable::nearest(const MeshedLaw& law) const {
-    return nearest_row(rows_, [&](const ToughnessRow& row) { return distance(row.law, law); });
 }
 
 std::optional<Surplus> ToughnessTable::find(const MeshedLaw& law) const {
@@ -127,26 +128,6 @@ std::optional<Surplus> ToughnessTable::of_measured(MeshedLaw law) const {
         found = next;
     }
     return found;
-}
-
-std::string ToughnessTable::contents() const {
-    struct Extent {
-        double gamma[2] = {infinity, 0}, edges[2] = {infinity, 0};
-    };
-    std::map<std::string, Extent> kinds;
-    for (const ToughnessRow& row : rows_) {
-        Extent& extent = kinds[formatted("order %d, softening %s, unloading %s", row.law.order,
-                                         row.law.softening.c_str(), row.law.unloading.c_str())];
-        extent.gamma[0] = std::min(extent.gamma[0], row.law.gamma);
-        extent.gamma[1] = std::max(extent.gamma[1], row.law.gamma);
-        extent.edges[0] = std::min(extent.edges[0], row.law.edges);
-        extent.edges[1] = std::max(extent.edges[1], row.law.edges);
-    }
-    std::vector<std::string> parts;
-    for (const auto& [kind, extent] : kinds)
-        parts.push_back(kind + formatted(": gamma %.4g to %.4g, %.3g to %.3g edges", extent.gamma[0], extent.gamma[1],
-                                         extent.edges[0], extent.edges[1]));
-    return parts.empty() ? "no row whose cracks ran through" : joined(parts, "; ");
 }
 
 }  // namespace knap

@@ -2,9 +2,15 @@
 // The surplus of a mesh: the work of the interfaces per advance of a crack along the edges of a random mesh, over G_c
 // of these interfaces. `knap calibrate` measures it on strips and writes a table; with toughness = "as measured" a
 // scenario gives the fracture energy of a specimen, and its interfaces get that over the surplus.
+#include "base/formatted.hpp"
+#include "base/text.hpp"
 #include "base/vec.hpp"
 #include "material/cohesive_law.hpp"
 #include "scenario/surplus.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
 
 namespace knap {
 
@@ -27,9 +33,11 @@ struct MeshedLaw {
 double apart(double a, double b);
 /// [-] How far a row is from a law, those of the same kind first; nothing where their couplings differ.
 std::optional<double> distance(const MeshedLaw& row, const MeshedLaw& law);
+/// Edges, and process zones in a specimen, whose ratio is nearer to 1 count as the same in what a message says of them.
+constexpr double same_size = 1.1;
 /// What a row has in another way than a law, "softening linear", "gamma 2"; edges where they are more or fewer by a
 /// factor.
-std::vector<std::string> differences(const MeshedLaw& row, const MeshedLaw& law, double edges_factor = 2);
+std::vector<std::string> differences(const MeshedLaw& row, const MeshedLaw& law, double factor = same_size);
 
 /// A law with cohesion that acts within a material: there cracks run along any edge.
 struct LawWithin {
@@ -41,6 +49,17 @@ std::vector<LawWithin> laws_within(const Scenario& scenario, const Values& value
 
 /// The softening of [interface.NAME] in the words of its keys: "linear", "trapezoid 0.5".
 std::string softening_words(const Node& law);
+
+/// Keys of [interface.NAME] that `knap calibrate` leaves out of its strips and specimens: they say what the law is at a
+/// place, a temperature or a direction.
+inline constexpr std::array not_calibrated{"scatter", "strength_over_bedding", "energy_over_bedding", "strength_table",
+                                           "friction_table"};
+/// Those that it takes over, and that no row of the tables of the program has. Friction and restitution change no
+/// toughness.
+inline constexpr std::array without_toughness{"G_II", "relaxation_time", "incubation_time"},
+    without_strength{"G_II", "relaxation_time", "slip_distance"};
+/// "G_II and relaxation_time": those of them that a law is given, and are not 0.
+std::string given_keys(const Node& law, std::span<const char* const> keys);
 
 /// Strips of one law on one mesh under one load, with several seeds.
 struct ToughnessRow {
@@ -59,14 +78,27 @@ struct ToughnessRow {
 std::string toughness_csv(const std::vector<ToughnessRow>& rows);
 
 /// The row of the smallest distance, of those that have one; null: none has.
-template <class Row>
-const Row* nearest_row(const std::vector<Row>& rows, const auto& distance_of) {
+template <class Row, class Law>
+const Row* nearest_row(const std::vector<Row>& rows, const Law& law) {
     const Row* nearest = nullptr;
     double least = 0;
     for (const Row& row : rows)
-        if (const std::optional<double> distance = distance_of(row); distance && (!nearest || *distance < least))
-            nearest = &row, least = *distance;
+        if (const std::optional<double> found = distance(row.law, law); found && (!nearest || *found < least))
+            nearest = &row, least = *found;
     return nearest;
+}
+
+/// "nearest row: gamma 2, 1.10 +- 0.01; rows of its coupling: 1.06 to 1.29", which tells how wrong it may be.
+template <class Row, class Law>
+std::string nearest_text(const std::vector<Row>& rows, const Law& law) {
+    const Row* nearest = nearest_row(rows, law);
+    if (!nearest) return "it has no row of its coupling whose specimens broke";
+    double least = nearest->surplus, most = least;
+    for (const Row& row : rows)
+        if (distance(row.law, law)) least = std::min(least, row.surplus), most = std::max(most, row.surplus);
+    return "nearest row: " + joined(differences(nearest->law, law)) +
+           formatted(", %.2f +- %.2f; all rows of its coupling: %.2f to %.2f", nearest->surplus, nearest->deviation,
+                     least, most);
 }
 
 class ToughnessTable {
@@ -79,12 +111,11 @@ public:
     /// None where the table has no rows for the law.
     std::optional<Surplus> find(const MeshedLaw& law) const;
     /// The row whose law has most in common with one of the same coupling, or null.
-    const ToughnessRow* nearest(const MeshedLaw& law) const;
+    const ToughnessRow* nearest(const MeshedLaw& law) const { return nearest_row(rows_, law); }
     /// The surplus S of interfaces for which G_c S is the measured fracture energy. `law.edges` are those of the
     /// measured energy, and S is that of edges/S.
     std::optional<Surplus> of_measured(MeshedLaw law) const;
-    /// "order 1, softening linear, unloading constant: gamma 0.5 to 5, 3 to 12 edges", a part for each kind.
-    std::string contents() const;
+    std::string nearest_text(const MeshedLaw& law) const { return knap::nearest_text(rows_, law); }
 
 private:
     std::vector<ToughnessRow> rows_;

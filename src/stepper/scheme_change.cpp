@@ -9,6 +9,7 @@ namespace {
 constexpr double fast = 10, fast_at_begin = 100;  // [-] over quiet_below, so that the schemes do not alternate
 constexpr double max_lag_of_step = 0.05;          // [-] law lag over the energy that the step consumed
 constexpr double max_lag_of_all = 1e-3;           // [-] or over all that was consumed so far
+constexpr double max_rise = 1.1;                  // [-] of the strain energy in a step whose damage exceeds all before
 constexpr double max_patience = 16;               // [-]
 // [-] Where the explicit stage consumed nothing: a longer implicit stage is short, too, and the wait may be longer.
 constexpr double short_stage = 50, max_vain_patience = 64;
@@ -39,6 +40,8 @@ StepFault SchemeChange::fault(const StepReport& report) const {
                        report.mixed_dissipation - consumed;
     const double allowed =
         std::max({max_lag_of_step * std::abs(consumed), max_lag_of_all * surface, relative_tolerance * report.strain});
+    if (consumed > std::max(surface_, relative_tolerance * report.strain) && report.strain > max_rise * strain_)
+        return StepFault::cohesive_work;
     return std::abs(lag) > allowed ? StepFault::cohesive_work : StepFault::none;
 }
 

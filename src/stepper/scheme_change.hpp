@@ -7,6 +7,9 @@
 //                              has no unique solution (Assumption 1: K and the softening slopes are no longer positive
 //                                definite, so a crack runs) or none that was found
 //                              misses the work of cohesion: law lag > 1/20 of the energy that the step consumed
+//                              begins the damage far below the strength: it consumes more than all before, and the
+//                                strain energy rises by a tenth. With theta = 1/2 the law bounds the stress of its
+//                                middle, and its end lies beyond by half of what rose, by all of it in one step from 0
 //                              leaves the body in motion: kinetic energy > 10 quiet_below U, in a step in which a
 //                                load only begins 100 quiet_below U; U: strain energy and what interfaces consumed,
 //                                at least the fracture energy of the weakest point (both may be near 0 at first)

@@ -32,7 +32,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
      "contacts of free faces and obstacles do not obey their laws to a millionth of their speeds, or bring energy"},
     {"not_converged", "the interface problem was not solved to its tolerance"},
     {"motion", "the body moves faster than a large implicit step resolves"},
-    {"cohesive_work", "a large implicit step misses the work of cohesion"},
+    {"cohesive_work", "a large implicit step misses the work of cohesion, or its end lies beyond the strength"},
     {"jammed", "contacts are driven against each other, and no motion was found that obeys their laws"},
     {"impact", "a hard impact moves faces by more than the critical opening"},
     {"blow", "a piece is hit, or vibrates, so hard that it may break; the body is deformable now"},

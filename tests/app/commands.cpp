@@ -58,8 +58,13 @@ TEST_CASE("check says what would happen") {
         CHECK_MESSAGE(other.has(words), words, other.text);
     CHECK_FALSE(command("check mesh_toughness").has("without a row"));
     const Answer between = command("check edge_cracked_block -s interface.default.gamma=1.5 -s mesh.size=0.5mm");
-    CHECK_MESSAGE(between.has("sum: between rows; gamma 2: 1.19; norm: no row; that of gamma 2 and 6 edges"),
-                  between.text);
+    CHECK_MESSAGE(
+        between.has("sum: between rows; gamma 2 and 12 edges: 1.19; norm: no row; that of gamma 2 and 6 edges"),
+        between.text);
+    const Answer edges = command("check mesh_toughness -s 'mesh.size=1.4 mm' -s 'mesh.refine[0].size=0.35 mm'");
+    CHECK_MESSAGE(edges.has("(between rows; 6 edges: 1.1"), edges.text);
+    const Answer sliding = command("check mesh_toughness -s interface.free-free.G_II='6 J/m2'");
+    CHECK_MESSAGE(sliding.has("(no row; that without G_II)"), sliding.text);
     const Answer plate = command("check uniaxial_compression -s interface.default.coupling=norm -s 'mesh.size=2 mm'");
     CHECK_MESSAGE(plate.has("a plate under compression bears              1.02 +- 0.00  1.04 +- 0.02\n"), plate.text);
     const std::string sum = "check uniaxial_compression -s 'mesh.size=2 mm' -s interface.default.";
@@ -80,17 +85,22 @@ TEST_CASE("check says what would happen") {
     CHECK_FALSE(command(slow_disc + "coupling=sum").has("fits it"));
     const Answer of_disc = command(slow_disc + "coupling=norm");
     CHECK_MESSAGE(of_disc.has("coupling = \"sum\" fits it"), of_disc.text);
-    CHECK_MESSAGE(of_disc.has("a Brazilian disc bears                       0.87 +- 0.07  0.57 +- 0.03\n"),
+    CHECK_MESSAGE(of_disc.has("a Brazilian disc bears                       0.88 +- 0.06  0.57 +- 0.03\n"),
                   of_disc.text);
     // a gamma below those of the table: 2 gamma of the sum, 2 gamma sqrt(1 - gamma^2) of the norm
     const Answer weak = command("check edge_cracked_block -s 'mesh.size=2 mm' -s interface.default.gamma=0.3");
     for (const char* words : {"a plate in tension bears                     0.60          0.57  (no row; a facet",
                               "may err by all that it differs from 1"})
         CHECK_MESSAGE(weak.has(words), words, weak.text);
+    // large steps that the strength is met in
+    CHECK(command("check edge_cracked_block -s 'mesh.size=4 mm' -s time.bulk=auto")
+              .has("warning[few-steps]: `time.bulk`"));
+    CHECK_FALSE(command("check slow_crush").has("few-steps"));
     // a disc whose law is weak under compression is crushed
     const Answer disc = command("check brazilian_disc -s interface.default.coupling=norm -s 'mesh.size=2 mm'");
-    for (const char* words : {"warning[crushed-disc]: `interface.default.gamma`", "compressive strength of 3.8 sigma_c",
-                              "gamma = 1.7, which gives 6.5 sigma_c, or coupling = \"sum\""})
+    for (const char* words :
+         {"warning[crushed-disc]: `interface.default.gamma`", "compressive strength of 3.8 sigma_c",
+          "bear 0.57 +- 0.03 of their splitting load", "gamma = 1.7, which gives 6.5 sigma_c, or coupling = \"sum\""})
         CHECK_MESSAGE(disc.has(words), words, disc.text);
     CHECK_FALSE(command("check brazilian_disc -s 'mesh.size=2 mm'").has("crushed-disc"));
     CHECK_FALSE(command("check brazilian_disc -s interface.default.coupling=norm -s interface.default.gamma=1.7 "

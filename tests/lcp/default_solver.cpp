@@ -232,4 +232,20 @@ TEST_CASE("a warm start is nearer to the solution along a run") {
     CHECK(warm < 0.5 * cold);
 }
 
+TEST_CASE("proximal points separate redundant conditions of a monotone problem") {
+    // as the slips of the polygon of coupling = "norm": more unknowns than directions of motion
+    Random random(13, "redundant lcp");
+    for (int n = 4; n <= 40; n += 4) {
+        const Eigen::MatrixXd rows = Eigen::MatrixXd::NullaryExpr(n, n / 2, [&] { return random.uniform(-1, 1); });
+        const Eigen::VectorXd slack = Eigen::VectorXd::NullaryExpr(n, [&] { return random.uniform(-1, 1); }),
+                              q = slack.cwiseMax(0) - rows * (rows.transpose() * (-slack).cwiseMax(0));
+        const LcpProblem problem = lcp_problem(rows * rows.transpose(), q);  // solved by z = max(-slack, 0)
+        const BoxLcp box = without_presolve(problem);
+        Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
+        int count = 0;
+        CHECK(solve_box_by_proximal_points(box, 1e-11, x, count) == LcpStatus::solved);
+        CHECK(scaled_residual(problem, box.lcp_point(x)) <= 1e-10);
+    }
+}
+
 }  // namespace default_solver_test

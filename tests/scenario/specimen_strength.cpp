@@ -3,9 +3,15 @@
 #include "samples.hpp"
 
 #include "base/error.hpp"
+#include "base/formatted.hpp"
+#include "scenario/built_in.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
+
+#include <fstream>
+#include <set>
+#include <sstream>
 
 namespace specimen_strength_test {
 
@@ -45,9 +51,8 @@ TEST_CASE("strength: the surplus is linear in friction and in the logarithm of t
     CHECK_FALSE(table.find(tested(1.1, 0.5, 4, 20)));
     CHECK_FALSE(table.find({"brazilian", "linear", "constant", 1, 1, 0.5, 4, 20}));
     CHECK_FALSE(table.find({"compression", "linear", "secant", 1, 1, 0.5, 4, 20}));
-    CHECK(table.contents() ==
-          "compression, order 1, softening linear, unloading constant: gamma 1 to 1, friction 0.5 to 0.7, size of 4 to "
-          "16 process zones and 20 to 20 edges");
+    CHECK(table.nearest_text(tested(1, 0.9, 4, 20)) ==
+          "nearest row: friction 0.7, 1.30 +- 0.02; all rows of its coupling: 1.10 to 1.30");
 }
 
 TEST_CASE("strength: the surplus of a measured strength is that of the process zone which its interfaces have") {
@@ -109,6 +114,30 @@ Diagnostic mistake_in(const std::string& text, const std::vector<std::string>& s
 }
 
 }  // namespace
+
+TEST_CASE("strength: what structures bear is what the bench measured") {
+    std::ifstream bench(KNAP_SOURCE_DIR "/scenarios/results/coupling_surplus.csv");
+    std::set<std::string> measured;
+    for (std::string line; std::getline(bench, line);) {
+        const std::size_t coupling = line.find("sum,") == line.npos ? line.find("norm,") : line.find("sum,");
+        std::istringstream fields(coupling == line.npos ? "" : line.substr(coupling));
+        std::string field, words;
+        for (int i = 0; i < 5 && std::getline(fields, field, ','); ++i) words += field + " ";
+        measured.insert(words);  // coupling, gamma, seeds, load, deviation
+    }
+    const StrengthTable table(
+        std::ranges::find(built_in_files(), std::string("mesh_strength.csv"), &BuiltIn::name)->text);
+    int n = 0;
+    for (const StrengthRow& row : table.rows()) {
+        if (row.law.test != "notched" && row.law.test != "tension" && row.law.test != "disc") continue;
+        const std::string words =
+            formatted("%s %g %d %.3f %.3f ", row.law.softening.ends_with(" norm") ? "norm" : "sum", row.law.gamma,
+                      row.seeds, row.surplus, row.deviation);
+        CHECK_MESSAGE(measured.contains(words), words);
+        ++n;
+    }
+    CHECK(n == 34);
+}
 
 TEST_CASE("strength: interfaces within a material get the measured strength over the surplus") {
     const std::string disc = tested_plate("test = \"brazilian\"\nsize = \"80 mm\"\n");

@@ -215,6 +215,27 @@ TEST_CASE("scheme change: a bar that is pulled slowly breaks in explicit steps b
     CHECK(run.n_steps < 120 + 20 + (changes[1].time - changes[0].time) / (0.8 * stable) + 60);
 }
 
+TEST_CASE("scheme change: a bar that is pulled at once bears no more than its strength") {
+    constexpr double sigma_c = 1e-3, speed = 1e-4;
+    ModelInput input = bar({.sigma_c = sigma_c, .G_c = 1e-6, .gamma = 1});
+    input.loads = {load(Load::Kind::velocity, "left", -speed, std::nullopt),
+                   load(Load::Kind::velocity, "right", speed, std::nullopt)};
+    const double stable = MoreauJean(make_model(ModelInput(input))).stable_step();
+    const StepLimits limits{.largest = 200 * stable,  // the load reaches the strength in half of it
+                            .cracking = 200 * stable,
+                            .smallest = 1e-6 * stable,
+                            .end = 400 * stable,
+                            .change = {.explicit_step = 0.8 * stable, .quiet_below = 1e-2, .quiet_for = 4}};
+    Changing run(std::move(input), limits, {.bulk = BulkScheme::automatic});
+    double most = 0;  // [-] of the strain energy over that of the strength
+    while (!StepControl::has_reached(run.body.now, limits.end)) {
+        run.step();
+        most = std::max(most, run.body.ledger.row().strain / (0.5 * sigma_c * sigma_c * length * height));
+    }
+    CHECK(most > 0.8);
+    CHECK(most < 1.3);  // with the waves of the load, a tenth of the stress; an implicit step to twice of it had 4
+}
+
 TEST_CASE("scheme change: the same steps from a state in the middle of either stage") {
     const auto [input, limits, scheme] = PulledBar();
     Changing whole(ModelInput(input), limits, scheme), reference(ModelInput(input), limits, scheme);
@@ -274,6 +295,12 @@ TEST_CASE("scheme change: what an implicit step does not resolve") {
     report.strain = 1, report.dissipated = 0.01, report.cohesive_work = 0.0104;
     CHECK(change.fault(report) == StepFault::none);
     report.cohesive_work = 0.0106;
+    CHECK(change.fault(report) == StepFault::cohesive_work);
+    // the first damage: with theta = 1/2 the end of the step lies beyond the strength by half of what rose in it
+    report = {};
+    report.strain = 1.09, report.dissipated = report.cohesive_work = 0.01;
+    CHECK(change.fault(report) == StepFault::none);
+    report.strain = 1.11;
     CHECK(change.fault(report) == StepFault::cohesive_work);
     report = {};
     report.strain = 1, report.dissipated = 1, report.consumed_change = -0.5;  // it warms: G_c of what broke falls

@@ -18,8 +18,9 @@ namespace {
 // 12.5 under compression.
 constexpr double notched_zones = 0.886, tension_edges = 10, compression_edges = 12.5;
 
-// Discs were measured with such a size; those of less compressive strength, in sigma_c, are crushed before they split.
-constexpr double splits_from = 6.5, disc_zones = 17.68, disc_edges = 50;
+// Discs of less compressive strength, in sigma_c, are crushed before they split. The ratio up to which a size counts as
+// that of the discs that were measured.
+constexpr double splits_from = 6.5, same_disc = 2.1;
 
 // A run is slow where its steps are larger than the stable one by this factor, and last as many passages of a wave
 // through the body.
@@ -58,20 +59,39 @@ bool crushes_discs(const CohesiveLaw& law, Coupling coupling) {
     return compressive_strength(law, coupling) < splits_from;
 }
 
-/// What a disc bears, over its compressive strength in sigma_c, whatever the coupling gives its law
-/// (results/coupling_surplus.csv); beyond those measured that of the next one.
+const std::string& table_of_program(const char* name) {
+    return std::ranges::find(built_in_files(), name, &BuiltIn::name)->text;
+}
+
+const StrengthTable& strength_of_program() {
+    static const StrengthTable table(table_of_program("mesh_strength.csv"));
+    return table;
+}
+
+/// What a disc bears over its load with cracks along a given path, by its compressive strength in sigma_c: the friction
+/// and either coupling of the rows count by that alone. Beyond them that of the next one.
 Found disc_of(const TestedLaw& law, double strength) {
-    static const std::vector<SurplusPoint> discs{
-        {{3.84}, {0.566, 0.028}}, {{6.53}, {0.870, 0.072}}, {{7.68}, {0.969, 0.091}}, {{10.38}, {1.107, 0.041}}};
-    const double within = std::clamp(strength, discs.front().at[0], discs.back().at[0]);
+    std::vector<SurplusPoint> discs;
     TestedLaw row = law;
-    row.softening = law.softening.ends_with(" norm") ? "linear norm" : "linear";
-    row.unloading = "constant", row.order = 1, row.zones = disc_zones, row.edges = disc_edges;
-    std::vector<std::string> other = differences(row, law);
+    const auto has_norm = [](const TestedLaw& of) { return of.softening.ends_with(" norm"); };
+    for (const bool own : {false, true})  // of two with one strength the last counts
+        for (const StrengthRow& disc : strength_of_program().rows()) {
+            if (disc.law.test != "disc" || (has_norm(disc.law) == has_norm(law)) != own) continue;
+            const CohesiveLaw of_disc{.sigma_c = 1, .gamma = disc.law.gamma, .friction = disc.law.friction};
+            const Coupling coupling = has_norm(disc.law) ? Coupling::norm : Coupling::sum;
+            discs.push_back({{compressive_strength(of_disc, coupling)}, {disc.surplus, disc.deviation}});
+            if (own) row = disc.law, row.gamma = law.gamma, row.friction = law.friction;
+        }
+    const auto [least, most] = std::ranges::minmax(discs, {}, [](const SurplusPoint& point) { return point.at[0]; });
+    const double within = std::clamp(strength, least.at[0], most.at[0]);
+    std::vector<std::string> other = differences(row, law, same_disc);
     if (within != strength) other.push_back(formatted("a compressive strength of %.3g sigma_c", within));
     return {*interpolated(discs, {within}, {0}), other.empty(),
             other.empty() ? "" : "no row; that of " + joined(other, " and ")};
 }
+
+/// The measured number alone, for any law with this compressive strength.
+std::string disc_text(double strength) { return disc_of({.test = "disc", .softening = "linear"}, strength).text(); }
 
 /// Below the table's gammas a plate in tension bears little more than what damages its worst facets.
 void limit_tension(std::optional<Found>& tension, const CohesiveLaw& law, Coupling coupling) {
@@ -89,13 +109,19 @@ bool has_test(const Scenario& scenario, SpecimenOptions::Test test) {
     return scenario.specimen && scenario.specimen->test == test;
 }
 
-const std::string& table_of_program(const char* name) {
-    return std::ranges::find(built_in_files(), name, &BuiltIn::name)->text;
-}
+struct Line {
+    std::optional<Found> WithCoupling::*of;
+    const char* words;
+};
+constexpr Line lines[] = {{&WithCoupling::running, "the slowest crack that runs costs, over G_c"},
+                          {&WithCoupling::notched, "a slow notched structure bears"},
+                          {&WithCoupling::tension, "a plate in tension bears"},
+                          {&WithCoupling::compression, "a plate under compression bears"},
+                          {&WithCoupling::disc, "a Brazilian disc bears"}};
 
-WithCoupling with_coupling(const Scenario& scenario, const LawWithin& within, Coupling coupling) {
+/// `key`: [interface.NAME] of the law.
+WithCoupling with_coupling(const Scenario& scenario, const Node& key, const LawWithin& within, Coupling coupling) {
     static const ToughnessTable toughness(table_of_program("mesh_toughness.csv"));
-    static const StrengthTable strength(table_of_program("mesh_strength.csv"));
     const MeshedLaw coupled = within.meshed.with(coupling);
     const CohesiveLaw& law = scenario.laws[within.law].law;
     const double zone = law.process_zone(scenario.materials[within.material].elastic.plane_modulus(scenario.plane));
@@ -104,7 +130,9 @@ WithCoupling with_coupling(const Scenario& scenario, const LawWithin& within, Co
         made.softening = coupled.softening;
         return made;
     };
-    const auto specimen = [&](const char* test, double size) { return look_up(strength, tested(test, size)); };
+    const auto specimen = [&](const char* test, double size) {
+        return look_up(strength_of_program(), tested(test, size));
+    };
     const bool compressed = has_test(scenario, SpecimenOptions::Test::compression);
     WithCoupling found{.running = look_up(toughness, coupled),
                        .notched = specimen("notched", notched_zones * zone),
@@ -115,19 +143,15 @@ WithCoupling with_coupling(const Scenario& scenario, const LawWithin& within, Co
     if (compressed && scenario.strength.size > 0) found.compression = specimen("compression", scenario.strength.size);
     else if (law.friction > 0) found.compression = specimen("compression", compression_edges * within.edge);
     if (has_test(scenario, SpecimenOptions::Test::brazilian))
-        found.disc = disc_of(tested("brazilian", scenario.strength.size), compressive_strength(law, coupling));
+        found.disc = disc_of(tested("disc", scenario.strength.size), compressive_strength(law, coupling));
+    const std::string no_toughness = given_keys(key, without_toughness),
+                      no_strength = given_keys(key, without_strength);
+    for (const Line& line : lines)
+        if (const std::string& keys = line.of == &WithCoupling::running ? no_toughness : no_strength; !keys.empty())
+            if (auto& number = found.*line.of)
+                number->has_rows = false, number->remark = "no row; that without " + keys;
     return found;
 }
-
-struct Line {
-    std::optional<Found> WithCoupling::*of;
-    const char* words;
-};
-constexpr Line lines[] = {{&WithCoupling::running, "the slowest crack that runs costs, over G_c"},
-                          {&WithCoupling::notched, "a slow notched structure bears"},
-                          {&WithCoupling::tension, "a plate in tension bears"},
-                          {&WithCoupling::compression, "a plate under compression bears"},
-                          {&WithCoupling::disc, "a Brazilian disc bears"}};
 
 std::string text_of(const Line& line, const WithCoupling& of_sum, const WithCoupling& of_norm) {
     const auto &sum = of_sum.*line.of, &norm = of_norm.*line.of;
@@ -184,8 +208,9 @@ std::string mesh_surplus_text(const ReadResult& read, const StepPlan& plan) {
     for (const LawWithin& within : laws_within(scenario, read.values)) {
         const NamedLaw& named = scenario.laws[within.law];
         if (named.measured_G_c > 0) continue;
-        const std::array couplings{with_coupling(scenario, within, Coupling::sum),
-                                   with_coupling(scenario, within, Coupling::norm)};
+        const Node& key = *read.values.find("interface." + named.name);
+        const std::array couplings{with_coupling(scenario, key, within, Coupling::sum),
+                                   with_coupling(scenario, key, within, Coupling::norm)};
         text += formatted("  %-46s sum           norm\n", ("law " + named.name + " on this mesh, coupling =").c_str());
         for (const Line& line : lines) text += text_of(line, couplings[0], couplings[1]);
         all_have_rows = all_have_rows && std::ranges::all_of(couplings, has_rows);
@@ -220,9 +245,9 @@ std::vector<Diagnostic> findings_of_crushed_discs(const ReadResult& read) {
              .code = "crushed-disc",
              .message =
                  formatted("`interface.%s.gamma` gives a compressive strength of %.2g sigma_c: a Brazilian disc is "
-                           "crushed below its platens before it splits. Measured: it bears 0.57 of its splitting load "
-                           "with 3.8 sigma_c, 0.87 with 6.5, 0.97 with 7.7, whatever the coupling",
-                           named.name.c_str(), bears),
+                           "crushed below its platens before it splits. Discs with this strength bear %s of their "
+                           "splitting load, whatever the coupling",
+                           named.name.c_str(), bears, disc_text(bears).c_str()),
              .note = (has_table ? std::string("a larger gamma or more friction over pressure")
                                 : formatted("gamma = %.2g, which gives %.2g sigma_c", gamma, splits_from)) +
                      (named.law.coupling == Coupling::norm && sum_splits ? ", or coupling = \"sum\"" : "")}));

@@ -56,7 +56,8 @@ bool in_mesh(const Mesh& mesh, const Vec2& x) {
 
 // ---- details that reduce the stable step
 
-constexpr std::size_t max_details = 5;  // that are named
+constexpr double fewest_large_steps = 100;  // of a run; the strength is met to half a step over the time until then
+constexpr std::size_t max_details = 5;      // that are named
 
 /// A step far below the usual one. The worst triangle of a good mesh has a third of it; two lines a tenth of an edge
 /// apart give less than this in every mesh.
@@ -340,6 +341,12 @@ public:
                           n_steps, readable(plan.limits.largest, "s").c_str(), readable(seconds, "s", 2).c_str()),
                 "use a smaller time.end (waves cross a body in micro- to milliseconds), larger triangles, or bulk = "
                 "\"implicit\"");
+        if (plan.limits.changes() && n_steps < fewest_large_steps)
+            add("time.bulk", "few-steps",
+                formatted("`time.bulk` = \"auto\" makes %.3g steps of %s of this run, at least 200 stable ones each: a "
+                          "body that reaches its strength in one of the first bears up to twice of it at its end",
+                          n_steps, readable(plan.limits.largest, "s").c_str()),
+                formatted("bulk = \"explicit\" makes %.3g steps", end / plan.limits.change.explicit_step));
         const double explicit_step = plan.limits.changes() ? plan.limits.change.explicit_step : plan.limits.largest;
         if (const double part = scenario_.time.scheme.damping * explicit_step;
             part > 1 && scenario_.time.scheme.takes_explicit_steps())
