@@ -31,7 +31,7 @@ double follow_energy(double h, const Vec2& rate, double cohesive_impulse, double
     const double part = passes ? part_at(d) : std::clamp(mean / link.kappa, 0.0, 1.0), off = std::abs(found - part),
                  as_speed = off * softer * link.ramp / speed;
     double shift = 0;
-    if (touch > a) {
+    if (may_pass && touch > a) {
         link.ramp *= (touch / a) * (touch / a);
         shift = part_at(touch) * link.ramp - 4 / h * (0.5 * touch + opened);
     }

@@ -11,9 +11,6 @@ constexpr double max_lag_of_step = 0.05;          // [-] law lag over the energy
 constexpr double max_lag_of_all = 1e-3;           // [-] or over all that was consumed so far
 constexpr double max_rise = 1.1;                  // [-] of the strain energy in a step whose damage exceeds all before
 constexpr double max_patience = 16;               // [-]
-// [-] Where the explicit stage consumed nothing: a longer implicit stage is short, too, and the wait may be longer.
-constexpr double short_stage = 50, max_vain_patience = 64;
-constexpr double nothing = 1e-3;  // of the fracture energy of the weakest point
 
 double surface_of(const StepReport& report) {
     return report.dissipated + report.recoverable + report.interface_elastic;
@@ -56,9 +53,7 @@ void SchemeChange::after_step(const State& begin, double h, const StepReport& re
 }
 
 void SchemeChange::to_explicit(double time) {
-    const bool was_short = time - changed_ <= (was_vain_ ? short_stage : 1) * waiting_time();
-    patience_ = was_short ? std::min(2 * patience_, was_vain_ ? max_vain_patience : max_patience) : 1;
-    surface_before_ = surface_;
+    patience_ = time - changed_ <= waiting_time() ? std::min(2 * patience_, max_patience) : 1;
     changed_ = quiet_since_ = time;
     calms_down_ = true, kinetic_ = infinity, look_again_ = time + options_.quiet_for;
 }
@@ -66,7 +61,6 @@ void SchemeChange::to_explicit(double time) {
 void SchemeChange::to_implicit(double time, const StepReport& closing) {
     changed_ = time;
     surface_ = surface_of(closing), strain_ = closing.strain;
-    was_vain_ = surface_ - surface_before_ <= nothing * options_.weakest_point;
 }
 
 }  // namespace knap

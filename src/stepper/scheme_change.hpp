@@ -18,9 +18,7 @@
 //                            above quiet_below times the strain energy alone (pieces hardly have any; at least that
 //                            point) and halves within every quiet_for, damping and contacts still bring them to
 //                            rest, and explicit steps go on. An implicit stage that lasts no longer than this
-//                            waiting time doubles the next one, up to 16 times. Where the explicit stage before
-//                            consumed nothing, one of 50 waiting times does, too, up to 64 times: near a limit of
-//                            stability motion grows slowly from a body that looks quiet, and starts anew each time.
+//                            waiting time doubles the next one, up to 16 times.
 //
 // Between steps the explicit scheme has velocities of the middle of the last step, the implicit one those of its end:
 //
@@ -89,7 +87,7 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(surface_, strain_, quiet_since_, busy_until_, changed_, patience_);
-        archive(at_rest_, calms_down_, kinetic_, look_again_, surface_before_, was_vain_);
+        archive(at_rest_, calms_down_, kinetic_, look_again_);
     }
 
 private:
@@ -103,8 +101,6 @@ private:
     double busy_until_ = 0;            // [s] the end of the last implicit step that did not count
     double changed_ = -infinity;       // [s] the last change
     double patience_ = 1;              // [-]
-    double surface_before_ = 0;        // [J] at the last change to explicit steps
-    bool was_vain_ = false;            // the last explicit stage consumed nothing
     bool at_rest_ = false;             // the kinetic energy is below a part of the strain energy alone
     bool calms_down_ = true;           // it has halved within quiet_for
     double kinetic_ = infinity;        // [J] when that was looked at

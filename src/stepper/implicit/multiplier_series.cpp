@@ -50,33 +50,36 @@ MultiplierSeries::MultiplierSeries(const Model& model, const ThetaMatrix& matrix
 
 void MultiplierSeries::extrapolate(const std::vector<Vec2>& move, double min_move, std::vector<ActivePoint>& points) {
     assert(move.size() == points.size());
-    force_.resize(matrix_.nodes().n_nodes());  // H' d
-    for (const Index node : matrix_.near_nodes()) force_[node].setZero();
+    force_.resize(matrix_.nodes().n_nodes());
     last_move_.resize(points.size(), Vec2::Zero());
-    for (std::size_t j = 0; j < points.size(); ++j) points[j].sides.add_force(points[j].out_of_frame(move[j]), force_);
     const auto force_on = [&](Index node) {
         double largest = 0;
-        for (int k = 0; node >= 0 && k < 2; ++k)
+        for (int k = 0; k < 2; ++k)
             if (matrix_.is_free(node, k)) largest = std::max(largest, std::abs(force_[node][k]));
         return largest;
     };
     for (std::size_t first = 0, end; first < points.size(); first = end) {
+        // H' d of this group alone: moves that cancel with those of others must not go on without them
+        for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end)
+            points[end].sides.for_each_node([&](Index node, const auto&) { force_[node].setZero(); });
+        for (std::size_t j = first; j < end; ++j) points[j].sides.add_force(points[j].out_of_frame(move[j]), force_);
         double longest = 0, strongest = 0, square = 0, product = 0, length = 0;  // of the previous move and this one
         // Faces are one group, in which a few points may march; some of the others are always near their bounds.
         const bool faces = points[first].fan == between_faces;
         double least = 0;
-        for (std::size_t j = first; faces && j < points.size() && points[j].fan == between_faces; ++j)
+        for (std::size_t j = first; faces && j < end; ++j)
             least = std::max(least, least_part * move[j].cwiseAbs().maxCoeff());
         bool is_rigid = true;        // else ramps decide how redundant points share their forces
         double to_turn = infinity;   // moves until the force of an opening point has turned
         double to_bound = infinity;  // moves until a contact, or a sticking point, is at its bound
-        for (end = first; end < points.size() && points[end].fan == points[first].fan; ++end) {
-            const ActivePoint& point = points[end];
-            const Vec2& d = move[end];
+        for (std::size_t j = first; j < end; ++j) {
+            const ActivePoint& point = points[j];
+            const Vec2& d = move[j];
             longest = std::max(longest, d.cwiseAbs().maxCoeff());
-            strongest = std::max({strongest, force_on(point.sides.before), force_on(point.sides.after)});
-            square += last_move_[end].squaredNorm();
-            product += last_move_[end].dot(d);
+            point.sides.for_each_node(
+                [&](Index node, const auto&) { strongest = std::max(strongest, force_on(node)); });
+            square += last_move_[j].squaredNorm();
+            product += last_move_[j].dot(d);
             length += d.squaredNorm();
             const PointLaw& law = point.law;
             const Multipliers& multipliers = point.multipliers;

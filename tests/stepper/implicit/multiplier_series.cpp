@@ -14,27 +14,29 @@ using namespace knap::tests;
 
 namespace {
 
-enum class Forces { act, cancel };
+enum class Forces { act, cancel, cancel_with_faces };
 
 /// The way [moves] on which a fan of the bar is taken after the moves d and q d, where the second one is turned by an
-/// angle. Forces that cancel: its last point is there twice, and one of both moves by -d.
+/// angle. Forces that cancel: its last point is there twice, and one of both moves by -d; or this one is a contact of
+/// faces, which another series moves.
 double extrapolated(double q, double angle, Forces forces = Forces::act) {
     BarStep bar(1);
     bar.matrix.set_all_near();
-    if (forces == Forces::cancel) {
+    if (forces != Forces::act) {
         std::vector<ActivePoint>& points = bar.x.points;
         points.push_back(points.back());
         for (ActivePoint& point : points) point.multipliers.contact = 0.5 * bar.scale();
     }
     MultiplierSeries series(bar.model, bar.matrix);
     const Index fan = bar.x.points.back().fan;
+    if (forces == Forces::cancel_with_faces) bar.x.points.back().fan = between_faces;
     std::vector<Vec2> move(bar.x.points.size(), Vec2::Zero());
     const double unit = bar.scale();
     for (std::size_t j = 0; j < move.size(); ++j) {
         bar.x.points[j].response.closed = true;
         if (bar.x.points[j].fan == fan && forces == Forces::act) move[j] = {1e-4 * unit, 1e-5 * unit};
     }
-    if (forces == Forces::cancel) move.back() = {1e-4 * unit, 1e-5 * unit}, move.end()[-2] = -move.back();
+    if (forces != Forces::act) move.back() = {1e-4 * unit, 1e-5 * unit}, move.end()[-2] = -move.back();
     const std::vector<ActivePoint> before = bar.x.points;
     series.extrapolate(move, 1e-10 * unit, bar.x.points);
     for (std::size_t j = 0; j < move.size(); ++j) {
@@ -46,7 +48,7 @@ double extrapolated(double q, double angle, Forces forces = Forces::act) {
     double way = 0;
     for (std::size_t j = 0; j < move.size(); ++j) {
         const double along = bar.x.points[j].multipliers.contact - before[j].multipliers.contact;
-        if (move[j].x() != 0) way = along / move[j].x();
+        if (move[j].x() != 0) way = std::max(way, along / move[j].x());
         else CHECK(along == 0);
     }
     return way;
@@ -157,6 +159,8 @@ TEST_CASE("multiplier series: contradictory bounds lead to a bound and nearly re
     CHECK(extrapolated(1, 0, Forces::cancel) == doctest::Approx(5000));  // 0.5 over 1e-4 of the scale
     CHECK(extrapolated(0.9999, 0, Forces::cancel) == doctest::Approx(5000).epsilon(1e-3));
     CHECK(extrapolated(0.996, 0, Forces::cancel) == doctest::Approx(0.996 / 0.004));
+    // without the contacts that balance it a fan must not go on: its forces load its nodes
+    CHECK(extrapolated(1, 0, Forces::cancel_with_faces) == 0);
 }
 
 }  // namespace multiplier_series_test
