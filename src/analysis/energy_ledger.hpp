@@ -222,7 +222,7 @@ private:
     double start_energy_, start_surface_, largest_energy_,
         largest_recoverable_ = 0, largest_residual_ = 0, largest_rotation_work_ = 0, law_lag_ = 0, largest_law_lag_ = 0,
         supplied_, smallest_mass_, weakest_point_, excavated_dissipated_ = 0, consumed_change_ = 0,
-        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0, path_ = 0, time_of_look_,
+        largest_heat_residual_ = 0, largest_overshoot_ = 0, largest_free_thermal_ = 0, path_ = 0, time_of_look_ = 0,
         braked_ = 0, largest_angular_momentum_ = 0;  // [s], [kg m2/s]
     std::int64_t n_steps_ = 0;
     EnergyRow row_;
