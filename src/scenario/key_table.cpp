@@ -459,7 +459,7 @@ void add_keys_of_loads(KeyTable& t) {
         "`vibration_booked`. It needs [contact], and loads that are accelerations; without this table all is "
         "deformable always");
     t.number("step", "s", "largest step of rigid pieces; it is divided where faces that meet move by more than a "
-        "twentieth of an edge, and what passes others by more than an edge, down to half the stable step of the mesh. "
+        "fifth of an edge, and what passes others by more than an edge, down to half the stable step of the mesh. "
         "Velocities and kinetic energies of tables are those of the middle of the last step (leapfrog): of what "
         "falls, g step/2 behind; those of [[collector]] are exact").above(0).computed("0.5 ms")
         .to(&RigidOptions::step);

@@ -26,7 +26,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, cutback_reas
     {"softening", "cohesion begins to fall"},
     {"release", "a fan splits"},
     {"assumption_1", "Assumption 1 does not hold, so the step has several solutions"},
-    {"contact_speed", "faces that meet move by more than a twentieth of an edge"},
+    {"contact_speed", "faces that meet move by more than a twentieth of an edge, of rigid pieces a fifth"},
     {"contact_depth", "free faces lie deeper in each other than limits.contact_depth"},
     {"contact_residual",
      "contacts of free faces and obstacles do not obey their laws to a millionth of their speeds, or bring energy"},
@@ -127,7 +127,7 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
 /// A step of rigid pieces. What cannot be resolved with smaller ones is left to the deformable body; what islands
 /// cannot resolve has the reason of their own steps.
 std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, const StepReport& report) {
-    constexpr double aimed_motion = 0.04, largest_growth = 1.5;
+    constexpr double aimed_motion = 0.8, largest_growth = 1.5;
     const double motion = std::max(report.contact_motion, 1e-300), smallest = limits_.rigid.smallest;
     const double fitting = std::min(aimed_motion / motion, largest_growth) * h;
     if (report.rejection == Rejection::none) {
@@ -146,7 +146,7 @@ std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, co
         deformable_until_ = begin.time + h + limits_.rigid.hold;
     } else {
         // speeds are those of the start of the step, so that a motion is in proportion to it
-        cut.to = rigid_step_ = std::max(motion > largest_motion ? fitting : 0.5 * h, smallest);
+        cut.to = rigid_step_ = std::max(motion > 1 ? fitting : 0.5 * h, smallest);
         if (stuck_ = h <= smallest; stuck_) cut.to = 0.5 * smallest;
     }
     ++n_cutbacks_[static_cast<std::size_t>(cut.reason)];

@@ -17,7 +17,7 @@
 //     a run that changes scheme   scheme_change.hpp: implicit steps are quartered down to the cracking step and doubled
 //                                 after each that counts; explicit ones have a size of their own. A size that was not
 //                                 solved is tried again after 8 steps, where it fails again after 16, up to 128
-//     rigid pieces ([rigid])      steps have a size of their own, in which faces that meet move by at most a twentieth
+//     rigid pieces ([rigid])      steps have a size of their own, in which faces that meet move by at most a fifth
 //                                 of an edge, down to that of a deformable body. After a blow the body is deformable
 //                                 until nothing has lost cohesion for `hold` passages of a wave; then a step of rigid
 //                                 pieces is tried, which counts if it is no blow and no piece vibrates as fast as one

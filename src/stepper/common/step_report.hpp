@@ -86,7 +86,7 @@ struct StepReport {
     Index drop_corner = -1;              // a corner of that point
     double micro_lag = 0;                // [J] largest law lag within a step of rigid pieces, since its start
     double micro_lead = 0;               // [J] likewise of negative ones
-    double contact_motion = 0;           // [-] of rigid pieces: largest motion of faces that meet, over their edge
+    double contact_motion = 0;           // [-] of rigid pieces: largest motion over the one that is allowed
     std::int64_t fan_solves = 0;         // nonlinear problems of split fans
     std::int64_t fan_iterations = 0;     // linear systems solved for them
     std::int64_t fan_fallbacks = 0;      // of them not solved by the active set

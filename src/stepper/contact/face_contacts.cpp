@@ -321,7 +321,7 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     if (!at.cone.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
     const double gap_at_end = gap + h * n.dot(v);
-    if (travel > largest_motion * length && gap_at_end < touching_part * length)
+    if (travel > (pieces_ ? largest_rigid_motion : largest_motion) * length && gap_at_end < touching_part * length)
         refuse({ContactRefusal::Reason::speed, travel / length, at.x}, block.refusal);
     // a piece that has just left its fan is as far from the mean of its corners as half their slip
     const double slipped = 0.5 * retirement_slip * std::max(at.l_in, at.l_out);

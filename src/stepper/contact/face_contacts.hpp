@@ -73,7 +73,8 @@ public:
     void find_of_pieces(const State& begin, double h, std::span<const Vec3> kicks);
     /// In the order of (vertex, edge).
     std::span<const FaceContact> all() const { return contacts_; }
-    /// Where the step moves a contact by more than 0.05 L, or else where one is deeper than 0.1 L: the worst place.
+    /// Where the step moves a contact by more than 0.05 L (0.2 L of rigid pieces), or else where one is deeper than
+    /// 0.1 L: the worst place.
     const std::optional<ContactRefusal>& refusal() const { return refusal_; }
     /// Of rigid pieces that may reach each other in the step.
     const LargestMotion& passing() const { return nearby_pieces_.passing(); }

@@ -330,19 +330,19 @@ void RigidContacts::solve(std::size_t number, const RigidStep& step, const std::
 LargestMotion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report) {
     LargestMotion fastest;
     for (const LargestMotion& passing : {faces_.passing(), obstacle_contacts_.passing()})
-        fastest.at_least({largest_motion / most_passed * passing.value, passing.place});
+        fastest.at_least({passing.value / most_passed, passing.place});
     for (const Row& row : rows_) {
-        if (!(row.own_N > 0) || row.gap + step.drift_time * row.before.x() >= 0 ||
-            sides_of(row, bodies) == Sides::deformable)
-            continue;
+        const Sides sides = sides_of(row, bodies);
+        if (!(row.own_N > 0) || row.gap + step.drift_time * row.before.x() >= 0 || sides == Sides::deformable) continue;
+        const double allowed = sides == Sides::rigid ? largest_rigid_motion : largest_motion;
         const bool of_faces = row.source == Source::face || row.source == Source::point;
         const double speed = of_faces ? row.before.norm() : -row.before.x();
-        fastest.at_least({step.drift_time * speed / row.length, row.place});
+        fastest.at_least({step.drift_time * speed / (allowed * row.length), row.place});
     }
     if (const auto& refusal = faces_.refusal();
         refusal && refusal->reason == ContactRefusal::Reason::speed && meets_faces())
         report.reject(Rejection::contact_speed, refusal->place, refusal->value);
-    const bool is_too_fast = report.rejection != Rejection::none || fastest.value > largest_motion;
+    const bool is_too_fast = report.rejection != Rejection::none || fastest.value > 1;
     if (is_too_fast && !step.closing && weakest_ == infinity) return fastest;  // else it may be a blow, too
     if (work_.size() < clusters_.size()) work_.resize(clusters_.size());
     for_blocks(std::ssize(clusters_), [&](std::ptrdiff_t k) { solve(k, step, bodies, work_[k]); });
@@ -356,7 +356,7 @@ LargestMotion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody
             const MovingBody& body = bodies[row.terms[k].body];
             const double turn = step.drift_time * body.end.z();
             const double bend = 0.5 * turn * turn * (row.place - body.centre).norm() / row.length;
-            if (!body.deformable) fastest.at_least({largest_motion * std::sqrt(bend / allowed_bend), row.place});
+            if (!body.deformable) fastest.at_least({std::sqrt(bend / allowed_bend), row.place});
         }
     }
     return fastest;

@@ -29,8 +29,8 @@ public:
     void renew(const State& begin);
     /// Finds the contacts; wakes bodies that are hit, and those that lie on them. `bodies`: pieces, then obstacles.
     void find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies);
-    /// Finds the impulses, end velocities and shifts. Returns the largest motion of faces that meet over their edge: a
-    /// gap is linear in the turn of a piece, so what turns far counts, too, and what passes others (most_passed).
+    /// Finds the impulses, end velocities and shifts. Returns the largest motion of faces that meet over the allowed
+    /// one: a gap is linear in the turn of a piece, so what turns far counts, too, and what passes others.
     LargestMotion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
     /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, in clusters with a
     /// body that is marked [0/1]. [m/s] The largest error of a rate.
