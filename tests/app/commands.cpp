@@ -62,7 +62,7 @@ TEST_CASE("check says what would happen") {
         between.has("sum: between rows; gamma 2 and 12 edges: 1.19; norm: no row; that of gamma 2 and 6 edges"),
         between.text);
     const Answer edges = command("check mesh_toughness -s 'mesh.size=1.4 mm' -s 'mesh.refine[0].size=0.35 mm'");
-    CHECK_MESSAGE(edges.has("(between rows; 6 edges: 1.1"), edges.text);
+    CHECK_MESSAGE(edges.has("(sum: between rows; 6 edges: 1.1"), edges.text);
     const Answer sliding = command("check mesh_toughness -s interface.free-free.G_II='6 J/m2'");
     CHECK_MESSAGE(sliding.has("(no row; that without G_II)"), sliding.text);
     const Answer plate = command("check uniaxial_compression -s interface.default.coupling=norm -s 'mesh.size=2 mm'");
