@@ -169,7 +169,12 @@ public:
     void renew(const Model& model, double weakest_point);
 
     /// The time of the row becomes that of another clock [s].
-    void set_clock(double time) { row_.time = time_of_look_ = time; }
+    /// The time counts from `time` [s] on, and so do the problems that are solved.
+    void set_back(double time) {
+        row_.time = time_of_look_ = row_.time - time;
+        worst_.fan_solves = worst_.fan_iterations = worst_.fan_fallbacks = worst_.bond_checks = 0;
+        worst_.linear_solves = worst_.factorisations = 0;
+    }
 
     const EnergyRow& row() const { return row_; }
     const StepReport& worst() const { return worst_; }  // maxima and counts over all steps

@@ -141,7 +141,10 @@ std::vector<ProbeSubject> Recorder::after_adaptation(const State& now, const Ren
 }
 
 Strength Recorder::strength() const {
-    return strength_of(specimen_->curve(breaks_->n_tensile(), breaks_->n_shear()), options_.specimen->modulus_between);
+    Strength found =
+        strength_of(specimen_->curve(breaks_->n_tensile(), breaks_->n_shear()), options_.specimen->modulus_between);
+    if (!model_.vanished.empty()) found.tangent_modulus = found.strain_ratio = Strength::unknown;  // of two bodies
+    return found;
 }
 
 /// In every step, so that what is found does not depend on the lines that are written. Returns whether the status of an

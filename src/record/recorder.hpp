@@ -71,7 +71,7 @@ public:
     /// A run goes on from another one: with the step that ended its leapfrog, with other assumptions.
     void close_leapfrog(const State& now, const StepReport& closing) { ledger_.add(now, closing); }
     void assume(const State& now, std::size_t n_obstacles) { ledger_.assume(model_, now, n_obstacles); }
-    void set_back(double time) { cracks_.set_back(time), ledger_.set_clock(ledger_.row().time - time); }
+    void set_back(double time) { cracks_.set_back(time), ledger_.set_back(time); }
 
     /// Writes the tables with all lines so far and opens them for the next lines. The constructor does this for a new
     /// run; a resumed run calls it after its checkpoint was read.

@@ -312,7 +312,7 @@ constexpr SummaryRow rows[]{
     {"peak_strain", "", "axial strain at that stress", [](F f) { return f.strength.peak_strain; }, of_specimen},
     {"tangent_modulus", "Pa",
      "slope of stress over axial strain of a specimen, in the plane; only for loading that is slow against the wave "
-     "transit",
+     "transit, and where nothing was excavated",
      [](F f) { return f.strength.tangent_modulus; }, of_specimen},
     {"youngs_modulus", "Pa",
      "of the material of a specimen; in plane strain the tangent modulus times 1 - nu^2, which needs a "

@@ -260,19 +260,6 @@ public:
                 "domain.rotation = \"large\" (mesh.order = 1)");
     }
 
-    /// What topples turns by some sqrt(g/D).
-    void on_toppling(double step) {
-        if (!model_.faces_meet() || scenario_.time.scheme.takes_explicit_steps()) return;
-        double g = 0;
-        for (const Load& load : scenario_.loads)
-            if (load.kind == Load::Kind::acceleration)
-                g = std::max(g, std::hypot(load.value[0].value_or(0), load.value[1].value_or(0)));
-        double diameter = diagonal(mesh_.vertices);
-        for (const Fragment& body : free_fragments(model_, initial_state(model_)))
-            diameter = std::min(diameter, body.diameter());
-        on_braked_spin("time.theta", std::sqrt(g / diameter), step);
-    }
-
     void on_places() {
         std::ranges::move(findings_of_probes(read_, model_), std::back_inserter(found));
         std::ranges::move(findings_of_collectors(read_, model_), std::back_inserter(found));
@@ -387,18 +374,15 @@ private:
         const SchemeOptions& scheme = scenario_.time.scheme;
         constexpr double negligible = 0.01;  // as of the gate
         const double rate = braked_per_time(scheme.theta, step, spin), part = 1 - std::exp(-rate * scenario_.time.end);
-        if (!scheme.takes_implicit_steps() || part <= negligible) return;
+        // (what spins moves, and bulk = "auto" resolves that by explicit steps)
+        if (!scheme.takes_implicit_steps() || scheme.takes_explicit_steps() || part <= negligible) return;
         add(key, "braked-spin",
-            formatted("theta = %.6g takes %.2g %% of %s until `time.end` in implicit steps of %s, and more of its "
-                      "energy; the gate braked_spin tells how much it was",
-                      scheme.theta, 100 * part,
-                      key == "time.theta"
-                          ? formatted("the spin of a piece that topples, some %.3g deg/s,", spin / degree).c_str()
-                          : formatted("the spin of %.3g deg/s of a free body", spin / degree).c_str(),
-                      readable(step, "s").c_str()),
-            formatted("time.step = \"%s\" (1 %%), theta = 0.5, or bulk = \"%s\"",
-                      readable(step * negligible / (rate * scenario_.time.end), "s", 2).c_str(),
-                      key == "time.theta" ? "auto" : "explicit"));
+            formatted(
+                "theta = %.6g takes %.2g %% of the spin of %.3g deg/s of a free body until `time.end` in implicit "
+                "steps of %s, and more of its energy; the gate braked_spin tells how much it was",
+                scheme.theta, 100 * part, spin / degree, readable(step, "s").c_str()),
+            formatted("time.step = \"%s\" (1 %%), theta = 0.5, or bulk = \"explicit\"",
+                      readable(step * negligible / (rate * scenario_.time.end), "s", 2).c_str()));
     }
 
     const Body& body_of(Index triangle) const {
@@ -448,7 +432,6 @@ std::vector<Diagnostic> findings_of_model(const ReadResult& read, const Model& m
     warnings.on_heat(plan.limits.largest);
     warnings.on_jumps(plan.limits.largest);
     warnings.on_spins(plan.limits.largest);
-    warnings.on_toppling(plan.limits.largest);
     warnings.on_places();
     warnings.on_details(plan.stable_of_triangle);
     warnings.on_numbers(plan, cost);

@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
+#include "mesh/overlap.hpp"
 #include "model/body_in_obstacles.hpp"
 #include "scenario/keys.hpp"
 #include "stepper/common/elastic_energy.hpp"
@@ -22,6 +23,8 @@ namespace {
 constexpr const char* large = "\"large\"";  // of domain.rotation
 constexpr double negligible_jump = 1e-6;    // [-] of the displacement
 constexpr double touches = 1e-6;            // [-] depth of an edge in an obstacle over its length, of rounding
+constexpr double overlaps = 1e-3;           // [-] of the area of a triangle
+constexpr double small_gain = 0.01;         // [-] of the least strength, of a stress by turns
 constexpr int max_refinements = 20;         // of the mesh on which an equilibrium is found
 
 using Lines = std::map<std::string, std::string>;
@@ -90,19 +93,18 @@ bool is_thermal(const std::string& path) {
 struct NewAssumptions {
     bool rotation, contact, rigid;  // they are large; free faces meet; pieces may be rigid
     bool no_heat;                   // thermal strains vanish
-    bool excavations;               // all of them were after the end of the other run: others may be their times
-    std::size_t n_obstacles = 0;    // of the other run
-    bool obstacles;                 // more of them
+    std::vector<bool> is_later;   // per excavation: it was after the end of the other run, and its times may be others
+    std::size_t n_obstacles = 0;  // of the other run
+    bool obstacles;               // more of them
 
     NewAssumptions(const Lines& there, const Lines& here)
         : rotation(or_nothing(there, "domain.rotation") != large && or_nothing(here, "domain.rotation") == large),
           contact(is_new(there, here, "contact")),
           rigid(is_new(there, here, "rigid")),
-          no_heat(is_new(here, there, "heat")),
-          excavations(true) {
+          no_heat(is_new(here, there, "heat")) {
         for (std::size_t i = 0; has_table(there, item("excavation", i)); ++i)
-            excavations &=
-                std::stod(or_nothing(there, item("excavation", i) + ".at")) >= std::stod(or_nothing(there, "time.end"));
+            is_later.push_back(std::stod(or_nothing(there, item("excavation", i) + ".at")) >=
+                               std::stod(or_nothing(there, "time.end")));
         while (has_table(there, item("obstacle", n_obstacles))) ++n_obstacles;
         obstacles = has_table(here, item("obstacle", n_obstacles));
     }
@@ -111,13 +113,18 @@ struct NewAssumptions {
     bool concern(const std::string& key) const {
         return (rotation && key == "domain.rotation") || (contact && is_in(key, "contact")) ||
                (rigid && is_in(key, "rigid")) || (no_heat && (is_in(key, "heat") || is_thermal(key))) ||
-               (excavations && key.starts_with("excavation[") && (key.ends_with(".at") || key.ends_with(".ramp"))) ||
-               (obstacles && concerns_new_obstacle(key));
+               is_time_of_later_excavation(key) || (obstacles && concerns_new_obstacle(key));
     }
 
 private:
     static bool is_new(const Lines& there, const Lines& here, std::string_view table) {
         return !has_table(there, table) && has_table(here, table);
+    }
+    bool is_time_of_later_excavation(const std::string& key) const {
+        constexpr std::string_view list = "excavation[";
+        if (!key.starts_with(list) || !(key.ends_with(".at") || key.ends_with(".ramp"))) return false;
+        const std::size_t i = std::stoul(key.substr(list.size()));
+        return i < is_later.size() && is_later[i];
     }
     /// The files of terrains, too.
     bool concerns_new_obstacle(const std::string& key) const {
@@ -153,6 +160,28 @@ UserError refusal(const ReadResult& read, const std::string& text, const std::st
 /// Few triangles of a refined mesh are new: those that could not be refined with the others before.
 bool is_nearly_the_same(const std::vector<Index>& triangle_before) {
     return 50 * static_cast<std::size_t>(std::ranges::count(triangle_before, Index(-1))) < triangle_before.size();
+}
+
+/// Free faces that meet from now on would not find each other there.
+void refuse_overlaps(const Model& model, const State& now) {
+    const Mesh& mesh = model.mesh;
+    std::vector<Vec2> corner;
+    std::vector<Index> vertex;
+    double area = 0;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (Index k = 0; k < 3 && !model.has_vanished(t); ++k) {
+            vertex.push_back(mesh.triangles[t][k]);
+            corner.push_back(mesh.corner(t, k) +
+                             now.displacement[now.node_of_corner[mesh.corners_per_triangle() * t + k]]);
+            area += mesh.area(t) / 3;
+        }
+    const CoveredTwice found = find_covered_twice(corner, vertex);
+    if (found.largest <= overlaps * 3 * area / static_cast<double>(vertex.size())) return;
+    throw UserError(
+        "overlapping-faces",
+        "[contact] is new, and pieces of the other run, which passed through each other, overlap: most at " +
+            place_text(found.place) + ", by " + readable(found.largest, "m2", 3),
+        "[contact] in the other run, too, or a start from a moment before they met");
 }
 
 /// In the clock that begins at 0; heat keeps its place among the steps.
@@ -209,13 +238,16 @@ StartState::StartState(const std::string& file, const RunOrigin& origin, const S
     excavations.repeat(model);
     adaptation.repeat(model);
     now.reaction.assign(model.prescribed.size(), Vec2::Zero());  // of other loads
+    const NewAssumptions assumed(lines_of(reader.origin().scenario), lines_of(origin.scenario));
     add_obstacles(model);
+    if (assumed.contact) refuse_overlaps(model, now);
+    if (assumed.rotation) find_gained_stress(model);
     if (model.faces_meet()) now.retired.resize(model.n_points(), Retirement::none);
     if (!model.heat) drop_heat(model);
     fit_laws(model, now);
     begin_bulk(scenario, model);
     if (scenario.time.scheme.rigid.active() && now.motion == Motion::deformable) now.motion = Motion::thawed;
-    assumes_anew_ = NewAssumptions(lines_of(reader.origin().scenario), lines_of(origin.scenario)).change_energy();
+    assumes_anew_ = assumed.change_energy();
     if (assumes_anew_ && model.large_rotation) {
         const LeapfrogEnergies energies = leapfrog_energies(model, now);
         now.elastic_energy = energies.elastic, now.elastic_work = energies.work;
@@ -238,6 +270,37 @@ void StartState::add_obstacles(const Model& model) {
                         " overlaps the body as the other run left it, by " + readable(deepest->depth, "m") + " at " +
                         place_text(deepest->place),
                     "place it beside the body of that moment: `knap render` of the other run shows it");
+}
+
+/// G' G/2 of the displacement gradient G, of which small rotations know nothing.
+void StartState::find_gained_stress(const Model& model) {
+    double weakest = infinity;
+    for (const CohesiveLaw& law : model.laws)
+        if (law.breakable()) weakest = std::min(weakest, law.sigma_c);
+    gained_stress.emplace();
+    const Mesh& mesh = model.mesh;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const auto u = [&](Index k) -> Vec2 {
+            return now.displacement[now.node_of_corner[mesh.corners_per_triangle() * t + k]];
+        };
+        Eigen::Matrix2d sides, changes;
+        for (Index k : {0, 1})
+            sides.col(k) = mesh.corner(t, k + 1) - mesh.corner(t, 0), changes.col(k) = u(k + 1) - u(0);
+        const Eigen::Matrix2d G = changes * sides.inverse();
+        const double strain = 0.5 * (G.transpose() * G).diagonal().maxCoeff(),
+                     stress = strain * model.elastic(t).stress_of_expansion(model.plane).cwiseAbs().maxCoeff();
+        if (!model.has_vanished(t) && stress > gained_stress->largest) *gained_stress = {stress, mesh.centroid(t)};
+    }
+    if (gained_stress->largest > weakest)
+        throw UserError(
+            "turned-body",
+            "large rotations take the turns of the other run, whose rotations were small, for strains: with "
+            "stresses of up to " +
+                readable(gained_stress->largest, "Pa", 3) + " at " + place_text(gained_stress->place) +
+                ", where interfaces hold " + readable(weakest, "Pa", 3),
+            "`domain.rotation = \"large\"` in the other run, too, or a start from a moment at which it had "
+            "turned less");
+    if (!(gained_stress->largest > small_gain * std::min(weakest, model.elastic(0).E))) gained_stress.reset();
 }
 
 void StartState::drop_heat(const Model& model) {
@@ -345,6 +408,16 @@ std::string jumps_text(const ReadResult& read, const Model& model, const StartSt
                                                                readable(other.lost_stress->largest, "Pa", 3).c_str(),
                                                                place_text(other.lost_stress->place).c_str()),
                                           .note = "[heat] with temperature = \"frozen\" keeps them"}));
+    if (other.gained_stress)
+        text += format(read.at(
+            "domain.rotation",
+            {.severity = Diagnostic::Severity::warning,
+             .code = "jump",
+             .message = formatted("large rotations take the turns of the other run, whose rotations were small, for "
+                                  "strains: with stresses of up to %s at %s",
+                                  readable(other.gained_stress->largest, "Pa", 3).c_str(),
+                                  place_text(other.gained_stress->place).c_str()),
+             .note = "large rotations in the other run, too, or a start from a moment at which it had turned less"}));
     const auto warn = [&](const std::string& path, double is, double begins) {
         const double jump = std::abs(begins - is);
         if (jump <= negligible_jump * (std::abs(is) + std::abs(begins))) return;

@@ -41,14 +41,16 @@ struct StartState {
     double time = 0;            // [s] of the other run
     std::int64_t n_steps = 0;   // of the other run
     std::int64_t set_back = 0;  // steps
-    struct LostStress {
-        double largest = 0;  // [Pa] of prevented thermal strains
+    struct StressAt {
+        double largest = 0;  // [Pa]
         Vec2 place = Vec2::Zero();
     };
-    std::optional<LostStress> lost_stress;  // where this run has no heat
+    std::optional<StressAt> lost_stress;    // of prevented thermal strains, where this run has no heat
+    std::optional<StressAt> gained_stress;  // of turns that are strains with large rotations, where it matters
 
 private:
     void add_obstacles(const Model& model);
+    void find_gained_stress(const Model& model);
     void drop_heat(const Model& model);
     void begin_bulk(const Scenario& scenario, const Model& model);
     std::optional<StepReport> closing_;  // of the leapfrog, before implicit steps

@@ -10,10 +10,10 @@ namespace knap {
 constexpr double contact_reach_in_steps = 4;  // distances covered in a step at the speeds of its start
 constexpr double near_contact = 0.02;   // [-] of the size of what meets an obstacle: nearer is a candidate at any speed
 constexpr double touching_part = 1e-3;  // [-] of an edge: gaps and penetrations that count as rounding of the geometry
-constexpr double largest_motion = 0.05;  // [-] of an edge, in a step: what moves further is not where it was found
+constexpr double largest_motion = 0.05;       // [-] of an edge, in a step: what moves further is not where it was found
 constexpr double largest_rigid_motion = 0.2;  // [-] likewise of what keeps its shape
-constexpr double most_passed = 1;        // [-] of an edge, in a step beside others: further, and it may be through them
-constexpr double even_turn = 1e-4;       // sine of a turn that does not protrude
+constexpr double most_passed = 1;   // [-] of an edge, in a step beside others: further, and it may be through them
+constexpr double even_turn = 1e-4;  // sine of a turn that does not protrude
 constexpr double max_depth_in_altitudes = 0.35;  // of a triangle: the step before should have been rejected
 constexpr double position_rounding = 1e-15;      // [-] of the positions of what touches
 

@@ -190,11 +190,9 @@ void RigidScheme::find_contacts(StepReport& report) {
     contacts_.find(step, obstacles_, bodies_);
     LargestMotion motion = contacts_.solve(step, bodies_, report);
     for (const MovingBody& body : bodies_)
-        if (body.kick > 0)
-            motion.at_least({step.drift_time * std::abs(body.end.z()) / largest_turn, body.centre});
+        if (body.kick > 0) motion.at_least({step.drift_time * std::abs(body.end.z()) / largest_turn, body.centre});
     report.contact_motion = motion.value;
-    if (motion.value > 1)
-        report.reject(Rejection::contact_speed, motion.place, largest_rigid_motion * motion.value);
+    if (motion.value > 1) report.reject(Rejection::contact_speed, motion.place, largest_rigid_motion * motion.value);
 }
 
 StepReport RigidScheme::end_step(StepReport report, State& end) {

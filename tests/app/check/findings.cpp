@@ -399,7 +399,8 @@ TEST_CASE("check gives a range for the time of implicit steps and one number for
     CHECK(slow.stage > 0);
     CHECK(fast.least_steps == fast.steps);
     const Answer text = command("check slow_crush");
-    CHECK(text.has("while nothing breaks and no contact changes, the first number; a stage of explicit steps at least"));
+    CHECK(
+        text.has("while nothing breaks and no contact changes, the first number; a stage of explicit steps at least"));
 }
 
 // L^2/kappa_T = 2.82 s (kappa_T = 8.85e-6 m2/s, L = 5 mm), k/transfer = 0.31 mm, 2 kappa_T/l = 0.11 m/s of an edge l = 0.16 mm.
