@@ -19,7 +19,7 @@ double follow_energy(double h, const Vec2& rate, double cohesive_impulse, double
     const double opened = std::max(link.middle.x(), 0.0) + link.gamma * std::abs(link.middle.y());  // s-
     const double a = link.kappa - opened, d = 2 * (mean - opened), found = cohesive_impulse / link.cohesive;
     const auto part_at = [&](double passed) { return 1 - 0.5 * a * a / (link.kappa * passed); };
-    const bool may_pass = a > 0, passes = may_pass && d > a;
+    const bool may_pass = a > relative_tolerance * link.kappa, passes = may_pass && d > a;
     const double softer = passes ? (d / a) * (d / a) : 1;  // the slope of r here is that of the ramp over this
     double touch = 0;                                      // [m] d of the tangent; up to a it is the ramp
     if (may_pass) {

@@ -166,7 +166,8 @@ TEST_CASE("ramps of secant unloading: random links that pass kappa bear the quot
             const double opened = std::max(link.middle.x(), 0.0) + link.gamma * std::abs(link.middle.y());
             link.kappa = opened * (1 + random.uniform()) + step * std::pow(10, random.uniform(-6, 0));
             // what softens is at its largest opening but for rounding
-            if (opened > 0 && random.uniform() < 0.3) link.kappa = std::nextafter(opened, 0.0);
+            if (const double draw = random.uniform(); opened > 0 && draw < 0.4)
+                link.kappa = std::nextafter(opened, draw < 0.2 ? 0.0 : 1.0);
             link.set_ramp(problem.drift_time);
             problem.has_ramps = true;
         }
