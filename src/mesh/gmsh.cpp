@@ -1,7 +1,7 @@
 // From the nodes, lines and triangles of the file to a Mesh: numbers for tags, counterclockwise triangles, named edges.
 #include "mesh/gmsh.hpp"
 
-#include "base/union_find.hpp"
+#include "mesh/edge_graph.hpp"
 #include "mesh/gmsh_file.hpp"
 #include "mesh/overlap.hpp"
 #include "mesh/shape_graph.hpp"
@@ -17,14 +17,6 @@ constexpr double min_flatness = 1e-10;    // height over longest side of a trian
 constexpr double plane_tolerance = 1e-8;  // of z, relative to the extent of the mesh
 constexpr double same_place = 1e-9;       // of two nodes, relative to the extent of the mesh
 constexpr double max_coordinate = 1e100;  // so that its square is a number
-
-/// Connected components of triangles that share edges.
-Index n_pieces(const Mesh& mesh) {
-    UnionFind pieces(mesh.triangles.size());
-    Index n = mesh.n_triangles();
-    for (const InteriorEdge& edge : mesh.interior_edges) n -= pieces.join(edge.triangle[0], edge.triangle[1]);
-    return n;
-}
 
 /// Vertices of the boundary at the same place as another one (in a grid of the tolerance, so a few may be missed).
 std::size_t n_doubled_vertices(const Mesh& mesh) {
@@ -253,7 +245,7 @@ private:
         if (file_.n_second_order > 0)
             add(file_.n_second_order, " triangles have 6 nodes: they are read by their corners, with straight sides; ",
                 "their order in the run is mesh.order");
-        if (const Index n = n_pieces(mesh_); n > 1)
+        if (const Index n = std::ranges::max(pieces_of(mesh_)) + 1; n > 1)
             add("the mesh consists of ", n, " pieces that share no edge: they do not interact, not even by contact");
         if (const std::size_t n = n_doubled_vertices(mesh_); n > 0)
             add(n, " nodes of the boundary coincide with others: the body is open there, without cohesion and contact ",

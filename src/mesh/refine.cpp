@@ -2,12 +2,14 @@
 
 #include "base/random.hpp"
 #include "mesh/constrained_delaunay.hpp"
+#include "mesh/edge_graph.hpp"
 #include "mesh/edge_labels.hpp"
 #include "mesh/poisson_discs.hpp"
 #include "mesh/relax.hpp"
 #include "mesh/triangle_locator.hpp"
 
 #include <cmath>
+#include <list>
 #include <numbers>
 #include <numeric>
 #include <unordered_map>
@@ -33,23 +35,49 @@ double circumradius_of(const Vec2& a, const Vec2& b, const Vec2& c) {
     return (b - a).norm() * (c - b).norm() * (a - c).norm() / (2 * cross(b - a, c - a));
 }
 
-/// The triangles that are replaced. Its points are numbered: old vertices, points on lines, free points.
+double size_at(const Refinement& requested, const Mesh& mesh, const Place& at) {  // [m]
+    double size = 0;
+    for (int k = 0; k < 3; ++k) size += at.weight[k] * requested.size[mesh.triangles[at.triangle][k]];
+    return size;
+}
+
+double radius_of(const Refinement& requested, const Mesh& mesh, Index triangle) {  // [m]
+    return radius_per_size * size_at(requested, mesh, {triangle, {1. / 3, 1. / 3, 1. / 3}});
+}
+
+/// Those that may change, ascending.
+std::vector<Index> too_large_triangles(const Mesh& mesh, const Refinement& requested) {
+    std::vector<Index> found;
+    const auto [finest, coarsest] = std::ranges::minmax(requested.size);
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        const double radius = radius_of(requested, mesh, t);
+        const bool is_final = finest < coarsest && radius <= 1.01 * finest * radius_per_size;
+        if (!requested.frozen[t] && circumradius(mesh, t) > (is_final ? too_large_finest : too_large) * radius)
+            found.push_back(t);
+    }
+    return found;
+}
+
+/// The triangles of one piece that are replaced. Its points are numbered: old vertices, points on lines, free points.
 class Patch {
 public:
-    /// `kept` [0/1]: triangles that stay although they are too large.
-    Patch(const Mesh& mesh, const Refinement& requested, const std::vector<std::uint8_t>& kept)
-        : mesh_(mesh), requested_(requested), random_(requested.seed, "refine") {
-        find_triangles(kept);
-        if (triangles_.empty()) return;
-        old_.emplace(mesh, triangles_);
+    /// `triangles`: ascending. Takes random numbers from where `random` is.
+    Patch(const Mesh& mesh, const Refinement& requested, const std::vector<Index>& triangles, const Random& random)
+        : mesh_(mesh), requested_(requested), random_(random), triangles_(triangles), old_(mesh, triangles) {
+        number_points();
         find_lines();
     }
 
-    bool empty() const { return triangles_.empty(); }
+    const std::vector<Index>& triangles() const { return triangles_; }
+    const Random& random() const { return random_; }
     /// The old triangles where new ones are not allowed, to be kept; none: the patch is filled.
     std::vector<Index> fill();
-    /// The whole mesh with the patch replaced.
-    RefinedMesh replaced() const;
+    /// Puts the points and the new triangles behind those that stay.
+    void add_to(RefinedMesh& found);
+    /// Calls set(a, b, label) with numbers of vertices that add_to gave.
+    void for_each_line(const auto& set) const {
+        for (const Line& line : lines_) set(vertex_of_[line.from], vertex_of_[line.to], line.label);
+    }
 
 private:
     /// Material and grain.
@@ -63,7 +91,7 @@ private:
         EdgeLabel label;
     };
 
-    void find_triangles(const std::vector<std::uint8_t>& kept);
+    void number_points();
     void find_lines();
     void divide(const Line& line);
     void triangulate();
@@ -76,21 +104,16 @@ private:
     std::vector<Index> triangles_at(const std::vector<std::uint8_t>& points) const;
     bool has_room(const Vec2& p, double radius, double factor, Face near) const;
 
-    double size_at(const Place& at) const {  // [m]
-        double size = 0;
-        for (int k = 0; k < 3; ++k) size += at.weight[k] * requested_.size[mesh_.triangles[at.triangle][k]];
-        return size;
-    }
-    double radius_at(const Place& at) const { return radius_per_size * size_at(at); }
-    double radius_of(Index triangle) const { return radius_at({triangle, {1. / 3, 1. / 3, 1. / 3}}); }
+    double radius_at(const Place& at) const { return radius_per_size * size_at(requested_, mesh_, at); }  // [m]
 
     const Mesh& mesh_;
     const Refinement& requested_;
     Random random_;
-    std::vector<Index> triangles_;           // ascending
+    const std::vector<Index> triangles_;     // ascending
     std::vector<std::uint8_t> in_patch_;     // [0/1] per triangle of the mesh before
     std::vector<Index> old_vertices_;        // their points are the first ones, in this order
     std::vector<Index> number_;              // per vertex of the mesh before: its point, or -1
+    std::vector<Index> vertex_of_;           // per point: its vertex behind those of the mesh before
     std::vector<Line> lines_;                // the outline of the patch, and lines within; divided
     std::unordered_set<std::uint64_t> rim_;  // directed_key of the lines around the patch, which is to their left
     std::size_t n_fixed_ = 0;                // old vertices and points on lines
@@ -99,22 +122,16 @@ private:
     std::vector<Place> places_;              // per point
     std::vector<double> factor_;             // [-] per point, of its disc
     std::vector<Index> neighbour_;           // per point: an earlier one beside it; -1: the one before it
-    std::optional<TriangleLocator> old_;
+    const TriangleLocator old_;
     Delaunay fine_;
     Mesh part_;  // the new triangles, its vertices are the points
 };
 
-void Patch::find_triangles(const std::vector<std::uint8_t>& kept) {
+void Patch::number_points() {
     in_patch_.assign(mesh_.n_triangles(), 0);
     number_.assign(mesh_.n_vertices(), -1);
-    const auto [finest, coarsest] = std::ranges::minmax(requested_.size);
-    for (Index t = 0; t < mesh_.n_triangles(); ++t) {
-        const bool is_final = finest < coarsest && radius_of(t) <= 1.01 * finest * radius_per_size;
-        if (requested_.frozen[t] || kept[t] ||
-            circumradius(mesh_, t) <= (is_final ? too_large_finest : too_large) * radius_of(t))
-            continue;
+    for (const Index t : triangles_) {
         in_patch_[t] = 1;
-        triangles_.push_back(t);
         for (const Index v : mesh_.triangles[t]) {
             if (number_[v] >= 0) continue;
             number_[v] = static_cast<Index>(points_.size());
@@ -224,7 +241,7 @@ void Patch::throw_darts() {
                 return std::ranges::any_of(within[i],
                                            [&](const Vec2& q) { return (q - p).squaredNorm() < distance * distance; });
             };
-            const double radius = radius_of(t), n_darts = mesh_.area(t) / (cell * radius * radius);
+            const double radius = radius_of(requested_, mesh_, t), n_darts = mesh_.area(t) / (cell * radius * radius);
             for (auto n = static_cast<int>(n_darts + random_.uniform()); n > 0 && misses[i] < n_misses; --n) {
                 double u = random_.uniform(), v = random_.uniform();
                 if (u + v > 1) u = 1 - u, v = 1 - v;
@@ -279,7 +296,7 @@ bool Patch::refine_worst() {
     for (const Face face : fine_.finite_face_handles()) {
         if (!face->is_in_domain()) continue;
         const Vec2 a = position(face->vertex(0)), b = position(face->vertex(1)), c = position(face->vertex(2));
-        const Place middle = old_->place_of((a + b + c) / 3);
+        const Place middle = old_.place_of((a + b + c) / 3);
         if (middle.triangle < 0) continue;
         const double R = circumradius_of(a, b, c),
                      sine = std::min({(b - a).norm(), (c - b).norm(), (a - c).norm()}) / (2 * R),
@@ -291,7 +308,7 @@ bool Patch::refine_worst() {
     std::ranges::stable_sort(bad, {}, &Bad::quality);
     bool refined = false;
     for (const auto& [quality, centre, corner] : bad) {
-        const Place place = old_->place_of(centre);
+        const Place place = old_.place_of(centre);
         if (place.triangle < 0) continue;
         const Face near = fine_.locate(delaunay::point(centre), corner->face());
         if (!has_room(centre, radius_at(place), min_distance, near)) continue;
@@ -327,7 +344,7 @@ void Patch::relax(Mesh& part) {
         if (on_line_[i]) continue;
         for (const Vec2& x : {part.vertices[i], points_[i]}) {
             part.vertices[i] = x;
-            places_[i] = is_at_home(i, x) ? Place{} : old_->place_of(x);
+            places_[i] = is_at_home(i, x) ? Place{} : old_.place_of(x);
             if (places_[i].triangle >= 0 || is_at_home(i, x)) break;
         }
     }
@@ -341,7 +358,7 @@ std::vector<Index> Patch::fill() {
         part_ = inside();
         relax(part_);
         for (Index t = 0; t < part_.n_triangles(); ++t) {
-            const Place place = old_->place_of(part_.centroid(t));
+            const Place place = old_.place_of(part_.centroid(t));
             const Index there = place.triangle < 0 ? triangles_.front() : place.triangle;
             part_.region.push_back(mesh_.region[there]);
             if (!mesh_.grain.empty()) part_.grain.push_back(mesh_.grain[there]);
@@ -381,55 +398,100 @@ std::vector<Index> Patch::triangles_at(const std::vector<std::uint8_t>& points) 
     return found;
 }
 
-RefinedMesh Patch::replaced() const {
-    RefinedMesh found;
+void Patch::add_to(RefinedMesh& found) {
     Mesh& mesh = found.mesh;
-    mesh.vertices = mesh_.vertices;
-    for (Index v = 0; v < mesh_.n_vertices(); ++v) found.origin.push_back({.vertex = v});
-    std::vector<Index> vertex_of = old_vertices_;  // per point
+    vertex_of_ = old_vertices_;
     for (std::size_t i = 0; i < points_.size(); ++i) {
         if (i >= old_vertices_.size()) {
-            vertex_of.push_back(mesh.n_vertices());
+            vertex_of_.push_back(mesh.n_vertices());
             mesh.vertices.emplace_back(), found.origin.emplace_back();
         }
-        mesh.vertices[vertex_of[i]] = part_.vertices[i];
-        found.origin[vertex_of[i]].triangle = places_[i].triangle;
-        found.origin[vertex_of[i]].weight = places_[i].weight;
-    }
-    for (Index t = 0; t < mesh_.n_triangles(); ++t) {
-        if (in_patch_[t]) continue;
-        mesh.triangles.push_back(mesh_.triangles[t]), mesh.region.push_back(mesh_.region[t]);
-        if (!mesh_.grain.empty()) mesh.grain.push_back(mesh_.grain[t]);
-        found.triangle_before.push_back(t);
+        mesh.vertices[vertex_of_[i]] = part_.vertices[i];
+        found.origin[vertex_of_[i]].triangle = places_[i].triangle;
+        found.origin[vertex_of_[i]].weight = places_[i].weight;
     }
     for (Index t = 0; t < part_.n_triangles(); ++t) {
         std::array<Index, 3> corners = part_.triangles[t];
-        for (Index& v : corners) v = vertex_of[v];
+        for (Index& v : corners) v = vertex_of_[v];
         mesh.triangles.push_back(corners), mesh.region.push_back(part_.region[t]);
         if (!mesh_.grain.empty()) mesh.grain.push_back(part_.grain[t]);
         found.triangle_before.push_back(-1);
     }
+}
+
+/// Each piece along a curve of its own, one after the other. `piece`: per triangle.
+CurveOrder order_by_piece(Mesh& mesh, const std::vector<Index>& piece) {
+    Mesh ordered;
+    CurveOrder all{std::vector<Index>(mesh.vertices.size(), -1), {}};
+    std::vector<Index> number(mesh.vertices.size(), -1);  // in its piece
+    const Grouped<Index> triangles(std::ranges::max(piece) + 1, [&](const auto& visit) {
+        for (Index t = 0; t < mesh.n_triangles(); ++t) visit(piece[t], t);
+    });
+    for (std::size_t p = 0; p < triangles.n_groups(); ++p) {
+        Mesh own;
+        std::vector<Index> vertices;
+        for (const Index t : triangles[p]) {
+            std::array<Index, 3> corners = mesh.triangles[t];
+            for (Index& v : corners) {
+                if (number[v] < 0)
+                    number[v] = own.n_vertices(), vertices.push_back(v), own.vertices.push_back(mesh.vertices[v]);
+                v = number[v];
+            }
+            own.triangles.push_back(corners), own.region.push_back(mesh.region[t]);
+        }
+        const CurveOrder order = order_along_curve(own);
+        for (std::size_t v = 0; v < vertices.size(); ++v)
+            all.vertex[vertices[v]] = ordered.n_vertices() + order.vertex[v];
+        for (const Index t : order.triangle) all.triangle.push_back(triangles[p][t]);
+        append(ordered, own);
+    }
+    mesh.vertices = std::move(ordered.vertices), mesh.triangles = std::move(ordered.triangles);
+    mesh.region = std::move(ordered.region);
+    return all;
+}
+
+/// The mesh `before` with the patches replaced.
+RefinedMesh replaced(const Mesh& before, const std::vector<Index>& piece, std::list<Patch>& patches) {
+    RefinedMesh found;
+    Mesh& mesh = found.mesh;
+    mesh.vertices = before.vertices;
+    for (Index v = 0; v < before.n_vertices(); ++v) found.origin.push_back({.vertex = v});
+    std::vector<Index> piece_now;
+    std::vector<std::uint8_t> stays(before.triangles.size(), 1);
+    for (const Patch& patch : patches)
+        for (const Index t : patch.triangles()) stays[t] = 0;
+    for (Index t = 0; t < before.n_triangles(); ++t) {
+        if (!stays[t]) continue;
+        mesh.triangles.push_back(before.triangles[t]), mesh.region.push_back(before.region[t]);
+        if (!before.grain.empty()) mesh.grain.push_back(before.grain[t]);
+        found.triangle_before.push_back(t), piece_now.push_back(piece[t]);
+    }
+    for (Patch& patch : patches) {
+        patch.add_to(found);
+        piece_now.resize(mesh.triangles.size(), piece[patch.triangles().front()]);
+    }
     const std::vector<Index> grain = std::move(mesh.grain);
-    const CurveOrder order = order_along_curve(mesh);
+    const CurveOrder order = order_by_piece(mesh, piece_now);
     for (const Index t : order.triangle)
         if (!grain.empty()) mesh.grain.push_back(grain[t]);
     std::vector<VertexOrigin> origin(mesh.n_vertices());
     for (std::size_t v = 0; v < order.vertex.size(); ++v)
         if (order.vertex[v] >= 0) origin[order.vertex[v]] = found.origin[v];
     found.origin = std::move(origin);
-    std::vector<Index> before;
-    for (const Index t : order.triangle) before.push_back(found.triangle_before[t]);
-    found.triangle_before = std::move(before);
+    std::vector<Index> triangle_before;
+    for (const Index t : order.triangle) triangle_before.push_back(found.triangle_before[t]);
+    found.triangle_before = std::move(triangle_before);
 
     EdgeLabels labels;
     const auto set = [&](Index a, Index b, const EdgeLabel& label) {
         labels.set({order.vertex[a], order.vertex[b]}, label);
     };
-    for_each_label(mesh_, [&](std::array<Index, 2> ends, const EdgeLabel& label) { set(ends[0], ends[1], label); });
-    for (const Line& line : lines_) set(vertex_of[line.from], vertex_of[line.to], line.label);
+    for_each_label(before, [&](std::array<Index, 2> ends, const EdgeLabel& label) { set(ends[0], ends[1], label); });
+    for (const Patch& patch : patches) patch.for_each_line(set);
     find_edges(mesh);
-    mesh.boundary_names = mesh_.boundary_names;
+    mesh.boundary_names = before.boundary_names;
     labels.put_on(mesh);
+    mesh.parts = refined_parts(before, mesh);
     return found;
 }
 
@@ -439,15 +501,40 @@ double circumradius(const Mesh& mesh, Index triangle) {
     return circumradius_of(mesh.corner(triangle, 0), mesh.corner(triangle, 1), mesh.corner(triangle, 2));
 }
 
-std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested) {
-    std::vector<std::uint8_t> kept(mesh.n_triangles(), 0);
-    while (true) {
-        Patch patch(mesh, requested, kept);
-        if (patch.empty()) return std::nullopt;
-        const std::vector<Index> not_allowed = patch.fill();
-        if (not_allowed.empty()) return patch.replaced();
-        for (const Index t : not_allowed) kept[t] = 1;
+std::vector<MeshPart> refined_parts(const Mesh& before, const Mesh& after) {
+    std::vector<MeshPart> parts = before.parts;
+    if (parts.empty()) return parts;
+    const std::vector<Index> old = pieces_of(before), now = pieces_of(after);  // ascending: bodies are consecutive
+    for (auto& [name, first, n] : parts) {
+        const auto begin = std::ranges::lower_bound(now, old[first]),
+                   end = std::ranges::upper_bound(now, old[first + n - 1]);
+        first = static_cast<Index>(begin - now.begin()), n = static_cast<Index>(end - begin);
     }
+    return parts;
+}
+
+std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested) {
+    const std::vector<Index> piece = pieces_of(mesh), too_large = too_large_triangles(mesh, requested);
+    const Grouped<Index> of_piece(std::ranges::max(piece) + 1, [&](const auto& visit) {
+        for (const Index t : too_large) visit(piece[t], t);
+    });
+    Random random(requested.seed, "refine");
+    std::list<Patch> patches;
+    for (std::size_t p = 0; p < of_piece.n_groups(); ++p) {
+        std::vector<Index> triangles(of_piece[p].begin(), of_piece[p].end());
+        while (!triangles.empty()) {
+            Patch& patch = patches.emplace_back(mesh, requested, triangles, random);
+            const std::vector<Index> not_allowed = patch.fill();
+            if (not_allowed.empty()) {
+                random = patch.random();
+                break;
+            }
+            patches.pop_back();
+            std::erase_if(triangles, [&](Index t) { return std::ranges::binary_search(not_allowed, t); });
+        }
+    }
+    if (patches.empty()) return std::nullopt;
+    return replaced(mesh, piece, patches);
 }
 
 }  // namespace knap

@@ -44,9 +44,13 @@ struct RefinedMesh {
     std::vector<VertexOrigin> origin;    // per vertex
 };
 
-/// Nothing where no triangle is too large or none can be refined. The mesh has first order and no
-/// parts. The same bits for the same input.
+/// Nothing where no triangle is too large or none can be refined. Bodies, or what else shares no edge, are refined each
+/// by itself, so they may touch, and their triangles stay consecutive; of one piece, no two vertices are at one place.
+/// The mesh has first order. The same bits for the same input.
 std::optional<RefinedMesh> refined(const Mesh& mesh, const Refinement& requested);
+
+/// The parts of `before` in a mesh to which it was refined.
+std::vector<MeshPart> refined_parts(const Mesh& before, const Mesh& after);
 
 /// [m] Radius of the circle through the corners of a triangle.
 double circumradius(const Mesh& mesh, Index triangle);

@@ -89,8 +89,6 @@ std::span<const Exclusion> exclusions() {
          "a vertex that splits in large triangles rejects the step, and large steps split many"},
         {"[adapt]", "mesh.order = 2", "fields go over to the new mesh as linear ones"},
         {"[adapt]", "rotation = \"large\"", "momentum and energy go over in the undeformed body"},
-        {"[adapt]", "[[body]]",
-         "bodies that touch have vertices at one place, where a triangulation of new triangles has one"},
         {"[adapt]", "[[excavation]]", "triangles that vanished keep their numbers, and a new mesh has others"},
         {"[adapt]", "scatter without a correlation",
          "a new interface would draw its strength anew; with a `correlation` it has a place"},

@@ -1,21 +1,28 @@
 // [adapt]: refinement of the mesh during the run, and what it does not go together with.
-#include "base/union_find.hpp"
+#include "mesh/edge_graph.hpp"
 #include "scenario/reading.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
+#include <tuple>
 
 namespace knap {
 namespace {
 
-/// Bodies with names, or parts of a file that share no nodes.
-bool has_several_bodies(const Scenario& scenario) {
-    if (!scenario.given) return !scenario.bodies.empty() && !scenario.bodies.front().name.empty();
-    const Mesh& mesh = scenario.given->mesh;
-    UnionFind pieces(mesh.n_triangles());
-    for (const InteriorEdge& edge : mesh.interior_edges) pieces.join(edge.triangle[0], edge.triangle[1]);
-    for (Index t = 0; t < mesh.n_triangles(); ++t)
-        if (pieces.find(t) != pieces.find(0)) return true;
-    return false;
+/// A place where triangles of a file meet in a node alone, or in two nodes of one piece.
+std::optional<Vec2> place_of_bad_node(const Mesh& mesh) {
+    const std::vector<Index> piece = pieces_of(mesh);
+    const double scale = 1e9 / bounding_box(mesh.vertices).diagonal();  // nearer ones are at one place
+    std::map<Index, int> at_node;                                       // ends of edges of the boundary
+    std::map<std::tuple<Index, double, double>, int> at_place;
+    for (const BoundaryEdge& edge : mesh.boundary_edges)
+        for (const Index v : mesh.side_vertices(edge.triangle, edge.side)) {
+            const Vec2& x = mesh.vertices[v];
+            const std::tuple place{piece[edge.triangle], std::round(scale * x.x()), std::round(scale * x.y())};
+            if (++at_node[v] > 2 || ++at_place[place] > 2) return x;
+        }
+    return std::nullopt;
 }
 
 void exclude_others(Reading& reading, const Table& table) {
@@ -29,7 +36,6 @@ void exclude_others(Reading& reading, const Table& table) {
     exclude(scenario.time.mass_scaling > 0, "mass_scaling", "remove mass_scaling from [time]");
     exclude(scenario.order == 2, "mesh.order = 2", "triangles of first order");
     exclude(scenario.large_rotation, "rotation = \"large\"", fine_from_start);
-    exclude(has_several_bodies(scenario), "[[body]]", fine_from_start);
     exclude(!scenario.excavations.empty(), "[[excavation]]", fine_from_start);
     exclude(std::ranges::any_of(scenario.probes,
                                 [](const ProbeOptions& probe) {
@@ -84,12 +90,20 @@ void read_adapt(Reading& reading) {
     warn_of_what_stays(reading, table);
     const Mesh* given = scenario.given ? &scenario.given->mesh : nullptr;
     if (!scenario.adapt.active() || (scenario.bodies.empty() && given == nullptr)) return;  // reported
-    scenario.adapt.coarse = given ? mean_edge(*given) : scenario.mesh.size,
+    scenario.adapt.coarse = given ? mean_edge(*given) : 0;
+    for (const Body& body : scenario.bodies) scenario.adapt.coarse = std::max(scenario.adapt.coarse, body.mesh.size);
     scenario.adapt.grading = scenario.mesh.grading;
-    if (scenario.adapt.size >= scenario.adapt.coarse)
+    if (!(scenario.adapt.size < scenario.adapt.coarse))  // also where a file has no edge between triangles
         table.error("bad-value", "size",
-                    "is not below mesh.size, the size where nothing breaks (of a file: its mean edge)",
+                    "is not below mesh.size, the size where nothing breaks (of bodies the largest mesh_size, of a "
+                    "file its mean edge)",
                     "mesh.size = 8 to 16 times adapt.size");
+    const std::optional<Vec2> bad_node = given ? place_of_bad_node(*given) : std::nullopt;
+    if (bad_node)
+        reading.table("mesh").error("geometry", "file",
+                                    "has triangles that meet at " + place_text(*bad_node) +
+                                        " in a node and no edge, and [adapt] cannot tell what is joined there",
+                                    "an edge in common, or nodes and pieces of their own");
     for (Body& body : scenario.bodies) refine_crack_ends(scenario.adapt, body);
 }
 

@@ -174,4 +174,49 @@ TEST_CASE("refined mesh: triangles that are not allowed do not come about") {
     CHECK(bound->mesh.n_triangles() > 0.7 * free->mesh.n_triangles());
 }
 
+TEST_CASE("refined mesh: bodies that touch are refined each as if it were alone and keep their names") {
+    const auto block = [](double left, const char* side) {
+        Shape shape;
+        shape.outer = {{{left, 0}, {left + 0.5, 0}, {left + 0.5, 0.5}, {left, 0.5}}, {0, 0, 0, 0}};
+        shape.boundary_names = {side};
+        return triangulate(shape, {.size = coarse});
+    };
+    const Mesh alone = block(0, "a.rim");
+    Mesh old = alone;
+    append(old, block(0.5, "b.rim"));
+    append(old, block(1, "c.rim"));
+    const Index n = alone.n_triangles(), of_b = block(0.5, "").n_triangles();
+    old.parts = {
+        {"a", 0, n}, {"b", n, of_b}, {"c", n + of_b, old.n_triangles() - n - of_b}, {"bc", n, old.n_triangles() - n}};
+    const Vec2 touching(0.5, 0.25);  // of a and b
+    const std::vector<std::uint8_t> frozen(old.n_triangles(), 0);
+    const std::vector<double> size = sizes_around(old, touching), of_alone = sizes_around(alone, touching);
+    const auto refined = knap::refined(old, {.size = size, .frozen = frozen, .seed = 3}),
+               as_alone = knap::refined(alone, {.size = of_alone, .frozen = frozen, .seed = 3});
+    REQUIRE(refined);
+    const Mesh& mesh = refined->mesh;
+    REQUIRE(mesh.parts.size() == 4);
+    Index next = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto& [name, first, count] = mesh.parts[i];
+        CHECK(name == old.parts[i].name);
+        CHECK(first == next);
+        next += count;
+        CHECK((count > 2 * old.parts[i].n_triangles) == (i < 2));
+        for (Index t = first; t < next; ++t) CHECK(std::abs(mesh.centroid(t).x() - 0.25 - 0.5 * i) < 0.25);
+    }
+    CHECK(next == mesh.n_triangles());
+    CHECK(mesh.parts[3].first_triangle == mesh.parts[1].first_triangle);
+    CHECK(mesh.parts[3].n_triangles == mesh.parts[1].n_triangles + mesh.parts[2].n_triangles);
+    for (const auto& [name, length] : boundary_lengths(mesh)) CHECK(length == doctest::Approx(2).epsilon(1e-13));
+    for (const InteriorEdge& e : mesh.interior_edges)
+        CHECK((mesh.centroid(e.triangle[0]).x() < 0.5) == (mesh.centroid(e.triangle[1]).x() < 0.5));
+    // the same bits as of the body alone
+    REQUIRE(mesh.parts[0].n_triangles == as_alone->mesh.n_triangles());
+    for (Index t = 0; t < as_alone->mesh.n_triangles(); ++t) {
+        CHECK(mesh.triangles[t] == as_alone->mesh.triangles[t]);
+        for (Index k = 0; k < 3; ++k) CHECK(mesh.corner(t, k) == as_alone->mesh.corner(t, k));
+    }
+}
+
 }  // namespace refine_test

@@ -45,7 +45,7 @@ bool loads_need_all_of_it(const Scenario& scenario, double area) {
     for (Body& body : coarse.bodies) meshes.push_back(&body.mesh);
     for (MeshOptions* mesh : meshes) {
         mesh->refine.clear();  // small triangles would need small steps
-        mesh->size = std::max(scenario.mesh.size, std::sqrt(n_triangles_of(area, 1) / rehearsal_size));
+        mesh->size = std::max(mesh->size, std::sqrt(n_triangles_of(area, 1) / rehearsal_size));
     }
     try {
         Model model = build_model(coarse);
@@ -86,12 +86,16 @@ AdaptationForecast forecast(const Scenario& scenario, const Mesh& mesh) {
     const double width = 14 * cohesive_length * 0.09 / (adapt.load * adapt.load) + 2 * adapt.margin * adapt.size +
                          2 * adapt.size / adapt.grading;
     const FutureMesh uniform = future_mesh(mesh, std::vector<double>(mesh.vertices.size(), adapt.size), adapt.size);
-    const double across = bounding_box(mesh.vertices).extent().maxCoeff();
+    const auto length = [](const std::vector<Vec2>& points) { return bounding_box(points).extent().maxCoeff(); };
     AdaptationForecast expected{.area = uniform.area, .uniform = uniform.n};
-    for (const Body& body : scenario.bodies)
+    double longest = scenario.given ? length(mesh.vertices) : 0;
+    for (const Body& body : scenario.bodies) {
+        const double across = length(body.shape.outer.points);
+        longest = std::max(longest, across);
         for (const Crack& crack : body.shape.cracks)
-            if (crack.joint < 0) expected.crack += across - bounding_box(crack.points).extent().maxCoeff();
-    if (expected.crack <= 0) expected.crack = across;
+            if (crack.joint < 0) expected.crack += across - length(crack.points);
+    }
+    if (expected.crack <= 0) expected.crack = longest;
     const auto after = [&](double advance) {
         return mesh.n_triangles() + n_triangles_of(std::min(uniform.area, width * advance), adapt.size);
     };
@@ -108,7 +112,8 @@ std::string replace_where_it_does_not_pay(Scenario& scenario, const Mesh& coarse
     const bool short_zone = expected.gain >= pays_from;
     if (short_zone && !loads_need_all_of_it(scenario, expected.area)) return {};
     scenario.mesh.size = adapt.size;
-    for (Body& body : scenario.bodies) body.mesh.size = adapt.size, body.mesh.refine = scenario.mesh.refine;
+    for (Body& body : scenario.bodies)
+        body.mesh.size = std::min(body.mesh.size, adapt.size), body.mesh.refine = scenario.mesh.refine;
     adapt.size = 0;
     const std::string why =
         short_zone ? formatted("the loads bring most of the body near its strength within %d steps", steps_of_rebuild)
@@ -129,6 +134,7 @@ void Adaptation::repeat(Model& model) const {
     if (!mesh_.triangles.empty()) {
         ModelInput input = input_;
         input.mesh = mesh_;
+        input.mesh.parts = refined_parts(model.mesh, mesh_);
         model = make_model(std::move(input));
     }
     guard(model);

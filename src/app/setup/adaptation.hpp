@@ -72,7 +72,7 @@ private:
     std::vector<Vec2> allowed_;  // [m] vertices that may split in this step although they are coarse
 };
 
-/// The numbers of triangles to expect of [adapt] where every initial crack, or else one, crosses the body along its
+/// The numbers of triangles to expect of [adapt] where every initial crack, or else one, crosses its body along the
 /// longer side. `gain` was within a factor of 2 of that of the run in five scenarios (scenarios/BENCHMARKS.md); it
 /// knows no loads.
 struct AdaptationForecast {

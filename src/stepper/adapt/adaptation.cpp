@@ -182,11 +182,8 @@ std::vector<double> requested_sizes(const Model& model, const State& state, cons
     }
     for (Index t = 0; t < mesh.n_triangles(); ++t)
         if (law[t] != nullptr && load_factor(stresses[t], *law[t]) > options.load) mark(t);
-    if (also) {
-        const auto nearest =
-            std::ranges::min_element(mesh.vertices, {}, [&](const Vec2& x) { return (x - *also).squaredNorm(); });
-        distance[nearest - mesh.vertices.begin()] = 0;
-    }
+    for (Index v = 0; also && v < mesh.n_vertices(); ++v)
+        if (mesh.vertices[v] == *also) distance[v] = 0;  // of all bodies that touch there
     // distances along edges (Dijkstra), as far as they matter
     const double fine_until = options.margin * options.size,
                  reach = fine_until + (options.coarse - options.size) / options.grading;

@@ -43,7 +43,7 @@ double load_factor(const Eigen::Vector3d& stress, const Vec2& normal, const Cohe
 /// [m] Stable step of the smallest triangle that a mesh of edge length `size` should have, of the fastest material.
 double guaranteed_step(double size, const std::vector<Elastic>& materials, PlaneModel plane);
 
-/// [m] Requested mean edge lengths per vertex. `also`: a place [m] that is marked, too.
+/// [m] Requested mean edge lengths per vertex. `also` [m]: a vertex that is marked, too.
 std::vector<double> requested_sizes(const Model& model, const State& state, const AdaptOptions& options,
                                     const std::optional<Vec2>& also = {});
 

@@ -54,6 +54,77 @@ nlohmann::json record_of(const fs::path& directory) { return nlohmann::json::par
 
 }  // namespace
 
+/// The torn plate as the body `plate`, without or with another one.
+std::string bodies(const std::string& other, const std::string& more = "") {
+    std::string text = plate("\"30 mm\", \"12 mm\"", "",
+                             pull("plate.top", "0, \"2.5 MPa\"") + pull("plate.bottom", "0, \"-2.5 MPa\"") + more,
+                             near_the_crack, "16 us");
+    const std::size_t shape = text.find("[domain]\n"), mesh = text.find("[mesh]\n");
+    text.replace(shape, mesh - shape,
+                 "[[body]]\nname = \"plate\"\nshape = \"rectangle\"\nsize = [0.03, 0.012]\n"
+                 "crack = [{ points = [[0, 0.006], [0.012, 0.006]] }]\n" +
+                     other);
+    return text;
+}
+
+TEST_CASE("adaptation: a body breaks beside another one as it does alone") {
+    const Folder folder("adaptation bodies");
+    const std::string flying =
+        "[[body]]\nname = \"other\"\nshape = \"rectangle\"\nsize = [0.02, 0.012]\n"
+        "origin = [0.03, 0]\nvelocity = [3, 0]\n";  // it touches the plate at first
+    for (const auto& [name, other] : {std::pair("alone", std::string()), {"beside", flying}}) {
+        write_scene(folder, bodies(other));
+        const Answer answer = run_scene(folder, std::string("-j 1 -o ") + folder.in_shell(name));
+        CAPTURE(answer.text);
+        REQUIRE(answer.code == 0);
+    }
+    CHECK(text_of(folder.path / "alone/breaks.csv") == text_of(folder.path / "beside/breaks.csv"));
+    const auto alone = record_of(folder.path / "alone"), beside = record_of(folder.path / "beside");
+    CHECK(alone["adaptation"]["batches"] > 5);
+    for (const char* number : {"batches", "largest_batch", "coarse_breaks"})
+        CHECK(alone["adaptation"][number] == beside["adaptation"][number]);
+    for (const char* number : {"dissipated", "broken_length", "main_length"})
+        CHECK(alone["summary"][number] == beside["summary"][number]);
+    const double flies = 2450 * 0.02 * 0.012 * 3;  // [kg m/s]
+    CHECK(beside["summary"]["momentum_x"].get<double>() - alone["summary"]["momentum_x"].get<double>() ==
+          doctest::Approx(flies).epsilon(1e-12));
+    CHECK(beside["summary"]["fragments"].get<int>() == alone["summary"]["fragments"].get<int>() + 1);
+    CHECK(beside["summary"]["energy_residual"] < 1e-13);
+}
+
+TEST_CASE("adaptation: two bodies that break and touch have the same bits for threads and parts") {
+    const Folder folder("adaptation bodies bits");
+    write_scene(folder, bodies("[[body]]\nname = \"other\"\nshape = \"rectangle\"\nsize = [0.03, 0.012]\n"
+                               "origin = [0.03, 0]\nmesh_size = \"1 mm\"\ncrack = [{ points = [[0.06, 0.007], "
+                               "[0.049, 0.007]] }]\n",
+                               pull("other.top", "0, \"3 MPa\"") + pull("other.bottom", "0, \"-3 MPa\"")));
+    check_threads_and_parts(folder, {"3"}, {"6.5us", "11us"}, 12);
+    const auto record = record_of(folder.path / "whole");
+    CHECK(record["adaptation"]["batches"] > 5);
+    CHECK(record["summary"]["fragments"] >= 2);
+    CHECK(record["summary"]["energy_residual"] < 1e-13);
+    CHECK(std::abs(record["summary"]["momentum_y"].get<double>()) < 1e-12 * 3e6 * 0.03 * 16e-6);
+}
+
+TEST_CASE("adaptation: pieces of a mesh file may touch but not with a node in common") {
+    const Folder folder("adaptation pieces");
+    const auto file = [&](int n_nodes, const std::string& corner) {  // of the second piece, at node 2
+        const std::string last = "8 10 0 0\n";
+        std::ofstream(folder.path / "pieces.msh")
+            << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n"
+            << n_nodes << "\n1 0 0 0\n2 10 0 0\n3 0 10 0\n4 10 10 0\n5 20 0 0\n6 20 10 0\n7 12 20 0\n"
+            << (n_nodes > 7 ? last : "") << "$EndNodes\n$Elements\n4\n1 2 2 1 1 1 2 3\n2 2 2 1 1 2 4 3\n3 2 2 1 1 "
+            << corner << " 5 6\n4 2 2 1 1 " << corner << " 6 7\n$EndElements\n";
+        return "knap = 1\n[mesh]\nfile = \"pieces.msh\"\nunit = \"1 mm\"\n[material.glass]\ndensity = 2450\n"
+               "E = \"32 GPa\"\nnu = 0.2\n[interface.default]\nsigma_c = \"12.8 MPa\"\nG_c = \"3 J/m2\"\n"
+               "[[load]]\nacceleration = [0, 1]\n[time]\nend = \"1 us\"\n[adapt]\nsize = \"0.2 mm\"\n"
+               "[output]\nevery = \"1 us\"\n";
+    };
+    check_refused(folder, file(7, "2"), "geometry", "triangles that meet at (0.01, 0) m in a node and no edge");
+    const Answer answer = accepted(folder, file(8, "8"));
+    CHECK(answer.has("2 pieces that share no edge"));
+}
+
 TEST_CASE("adaptation: the same bits for one and three threads and for a run in parts") {
     const Folder folder("adaptation bits");
     write_scene(folder, scene(near_the_crack,
