@@ -28,8 +28,8 @@ constexpr double of_line = 2e-5, of_line_interface = 6e-9;       // a line of th
 // [1/s] With [rigid]; each makes a body deformable for `hold`. Within a factor of 2 for boulders on slopes.
 constexpr double blows_a_second = 1;
 
-// [-] With bulk = "auto": stages of explicit steps of a run, and what they cost over the shortest, in which nothing rubs
-// yet; fitted to the gallery (17 stages of slow_crush, one of permafrost_collapse as long as the fall)
+// [-] With bulk = "auto": stages of explicit steps of a run, and what they cost over the shortest, in which nothing
+// rubs yet; fitted to the gallery (17 stages of slow_crush, one of permafrost_collapse as long as the fall)
 constexpr double most_stages = 30, mean_over_shortest_stage = 500;
 // [-] Of steps whose contacts change over those at rest, in solves: 50 over 4 (walls of blocks that begin to slide)
 constexpr double of_changing_contacts = 12;

@@ -57,19 +57,6 @@ TEST_CASE("moving pieces: what theta takes of a spin is in a gate and check tell
     }
 }
 
-TEST_CASE("moving pieces: check tells what theta takes of the spin of what may topple") {
-    const Folder folder("braked toppling");
-    const std::string block = "[[load]]\nacceleration = [0, -9.81]\n[contact]\n";
-    const auto text = [&](const std::string& step) {
-        return spinning("end = 1\nbulk = \"implicit\"\ntheta = 1\nstep = " + step + "\n", "", block);
-    };
-    std::string lying = text("2e-3");
-    lying.erase(lying.find("[[initial]]"), lying.find("[[load]]") - lying.find("[[initial]]"));
-    CHECK(accepted(folder, lying).has("theta = 1 takes 6 % of the spin of a piece that topples, some 449 deg/s"));
-    lying.replace(lying.find("2e-3"), 4, "2e-4");
-    CHECK_FALSE(accepted(folder, lying).has("braked-spin"));
-}
-
 // Its kinetic energy is 300 times the strain energy of its temperatures.
 TEST_CASE("moving pieces: a flight and a spin are no inertia of heat") {
     const Folder folder("warm flight");

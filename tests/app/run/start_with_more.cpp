@@ -80,6 +80,46 @@ TEST_CASE("start with more: what falls becomes rigid and meets a floor that the 
     }
 }
 
+// Turned by a = 0.03 rad, small rotations have the strain 0, large ones a^2/2 = 4.5e-4: 562 kPa with
+// E/(1 - nu) = 1.25 GPa.
+TEST_CASE("start with more: what has turned with small rotations would be strained by large ones") {
+    const Folder folder("start turned");
+    const auto spins = [](const std::string& strength, const std::string& domain, const std::string& time) {
+        return rectangle("0.1, 0.1", "0.05", domain) + "model = \"plane stress\"\n" +
+               "[material.rock]\ndensity = 2000\nE = 1e9\nnu = 0.2\n[interface.default]\n" + strength +
+               "[[initial]]\nspin = \"3 rad/s\"\nvelocity = [0, 0]\n[time]\n" + time;
+    };
+    const std::string strong = "sigma_c = 1e7\nG_c = 1000\n", large = "rotation = \"large\"\n",
+                      weak = "sigma_c = 5e5\nG_c = 1\n", on = "end = 1e-3\n" + from(folder, "0.01");
+    for (const bool is_weak : {false, true}) {
+        const std::string& strength = is_weak ? weak : strong;
+        REQUIRE(run(folder, "first", spins(strength, "", "end = 0.01\n")).code == 0);
+        const Answer turned = run(folder, "turned", spins(strength, large, on));
+        CAPTURE(turned.text);
+        CHECK(turned.code == (is_weak ? 2 : 0));
+        CHECK(turned.has(is_weak ? "error[turned-body]" : "warning[jump]"));
+        CHECK(turned.has("with stresses of up to 562 kPa"));
+        fs::remove_all(folder.path / "first");
+    }
+}
+
+TEST_CASE("start with more: faces that overlap would not meet") {
+    const Folder folder("start overlapping");
+    const auto two = [](const std::string& more) {
+        return std::string(
+                   "knap = 1\n[mesh]\nsize = 0.1\n[material.rock]\ndensity = 2000\nE = 1e9\nnu = 0.2\n"
+                   "[interface.default]\nbreakable = false\n[[body]]\nname = \"a\"\nshape = \"rectangle\"\n"
+                   "size = [0.1, 0.1]\norigin = [0, 0]\n[[body]]\nname = \"b\"\nshape = \"rectangle\"\n"
+                   "size = [0.1, 0.1]\norigin = [0.1005, 0]\nvelocity = [-1, 0]\n") +
+               more;
+    };
+    REQUIRE(run(folder, "first", two("[time]\nend = 0.01\n")).code != 1);
+    const Answer refused = run(folder, "second", two("[contact]\n[time]\nend = 0.01\n" + from(folder, "0.01")));
+    CAPTURE(refused.text);
+    CHECK(refused.code == 2);
+    CHECK(refused.has("error[overlapping-faces]"));
+}
+
 TEST_CASE("start with more: a region vanishes whose time was after the end of the first run") {
     const Folder folder("start with excavation");
     const auto held = [](const char* at) {
