@@ -111,6 +111,8 @@ void check_locking(Reading& reading) {
                          "mesh.order = 2, or smaller triangles; compare two sizes");
 }
 
+constexpr double most_friction_of_rows = 0.7;  // mesh_toughness.csv
+
 /// The surplus of the program's tables is that of cracks in isotropic bodies, and no specimen has the keys of
 /// not_calibrated.
 void check_calibration(Reading& reading) {
@@ -126,7 +128,14 @@ void check_calibration(Reading& reading) {
             table.warning("calibration", "",
                           "is corrected by the surplus of a mesh, which was measured without its " + keys,
                           "compare with a run whose properties are those \"of interfaces\"");
-        if (!by_program(law.measured_G_c, "toughness") && !by_program(law.measured_sigma_c, "strength")) continue;
+        const bool costs_by_program = by_program(law.measured_G_c, "toughness");
+        if (costs_by_program && (law.law.friction > most_friction_of_rows || law.law.over_pressure != nullptr))
+            table.warning(
+                "calibration", "toughness",
+                "= \"as measured\" has rows with a friction of up to 0.7 (which changes the cost of a crack by "
+                "less than its scatter), and this law has more, or one over the pressure",
+                "a table of `knap calibrate` with this scenario");
+        if (!costs_by_program && !by_program(law.measured_sigma_c, "strength")) continue;
         for (std::size_t m = 0; m < scenario.materials.size(); ++m)
             if (scenario.materials[m].elastic.bedding && scenario.law_of_pair[m][m] == static_cast<Index>(i))
                 table.warning("calibration", "",

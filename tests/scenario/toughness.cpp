@@ -155,6 +155,12 @@ TEST_CASE("toughness: a mesh without calibration is an error with its cure") {
     CHECK(codes(measured, {"interface.glass-glass.G_II=6"}) == "no-calibration");
     CHECK(codes(measured, {"interface.glass-glass.relaxation_time=1 us"}) == "no-calibration");
     CHECK(codes(measured, {"interface.glass-glass.friction=0.7"}).empty());
+    const auto warned = [&](const char* friction) {
+        return std::ranges::count(read_scenario_text(plate(measured), "plate.toml", {friction}).warnings, "calibration",
+                                  &Diagnostic::code);
+    };
+    CHECK(warned("interface.glass-glass.friction=0.7") == 0);
+    CHECK(warned("interface.glass-glass.friction=0.9") == 1);
 }
 
 }  // namespace toughness_test
