@@ -285,7 +285,7 @@ void ObstacleContacts::read_pieces(const State& begin) {
         Piece& piece = pieces_[piece_of(mesh.triangle_of(edge.a))];
         if (piece.last_edge == 0) piece.first_edge = k;
         piece.last_edge = k + 1;
-        piece.longest_edge = std::max(piece.longest_edge, (place(edge.b, begin) - place(edge.a, begin)).norm());
+        piece.longest_edge = std::max(piece.longest_edge, (mesh.corner(edge.b) - mesh.corner(edge.a)).norm());
     }
 }
 

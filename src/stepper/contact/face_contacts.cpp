@@ -191,7 +191,7 @@ void FaceContacts::find_rigid(const State& begin, double h, bool boundary_change
     const auto edges = boundary_.edges();
     placed_.resize(edges.size());
     for (Index e = 0; e < std::ssize(edges); ++e) place_edge(e);
-    if (reads) nearby_pieces_.read(edges, corners_, *pieces_);
+    if (reads) nearby_pieces_.read(edges, reference_, *pieces_);
     complete_ = true;
     nearby_pieces_.find(edges, corners_, begin.rigid_pieces, kicks_, h);
     near_.clear();

@@ -18,13 +18,14 @@ constexpr double motion_margin = NearbyEdges::motion_margin / 2;  // relative mo
 
 }  // namespace
 
-void NearbyPieces::read(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-                        const FrozenBody& body) {
+void NearbyPieces::read(std::span<const FreeEdge> edges, std::span<const Vec2> undeformed, const FrozenBody& body) {
     const std::size_t ground = body.pieces.size();
     const auto piece_of = [&](const FreeEdge& edge) {
         return edge.ground ? ground : static_cast<std::size_t>(body.piece_of_triangle[edge.start / 3]);
     };
-    const auto along = [&](Index e) -> Vec2 { return corners[edges[e].end_place].x - corners[edges[e].start_place].x; };
+    const auto along = [&](Index e) -> Vec2 {
+        return undeformed[edges[e].end_place] - undeformed[edges[e].start_place];
+    };
     outlines_.assign(ground + 1, {});
     for (std::size_t p = 0; p < ground; ++p) outlines_[p].radius = body.pieces[p].radius;
     std::vector<std::uint8_t> touches(edges.size());

@@ -15,8 +15,8 @@ namespace knap {
 
 class NearbyPieces {
 public:
-    /// Reads the outlines.
-    void read(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners, const FrozenBody& body);
+    /// Reads the outlines. `undeformed` [m]: their corners, so that lengths do not depend on when they are read.
+    void read(std::span<const FreeEdge> edges, std::span<const Vec2> undeformed, const FrozenBody& body);
     /// Finds the pairs for a step of h [s]; `kicks` [m/s, m/s, rad/s, per piece]: what loads add to the velocities in
     /// it, or empty.
     void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
