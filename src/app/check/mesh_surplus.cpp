@@ -220,8 +220,8 @@ std::string mesh_surplus_text(const ReadResult& read, const StepPlan& plan) {
     if (!text.empty()) text += "    (what bodies bear: over their load with cracks along a given path)\n";
     if (!text.empty() && !slow)  // BENCHMARKS.md, Fast cracks
         text +=
-            "    cracks above 0.6 c_R cost less with the sum (1.29 against 1.50 G_c at 0.67 c_R), slower ones (1.14 "
-            "against 1.11 at 0.51 c_R) and structures under slow loads with the norm\n";
+            "    cracks above 0.6 c_R cost less with the sum, slower ones and structures under slow loads with the "
+            "norm\n";
     if (!all_have_rows)
         text +=
             "    without a row it was not measured: the number is that of another law and may err by all that it "

@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "base/formatted.hpp"
 #include "base/stopwatch.hpp"
+#include "element/shape_functions.hpp"
 #include "mesh/overlap.hpp"
 #include "model/body_in_obstacles.hpp"
 #include "scenario/keys.hpp"
@@ -168,15 +169,17 @@ void refuse_overlaps(const Model& model, const State& now) {
     std::vector<Vec2> corner;
     std::vector<Index> vertex;
     double area = 0;
-    for (Index t = 0; t < mesh.n_triangles(); ++t)
-        for (Index k = 0; k < 3 && !model.has_vanished(t); ++k) {
+    Index n = 0;
+    for (Index t = 0; t < mesh.n_triangles(); ++t) {
+        if (model.has_vanished(t)) continue;
+        ++n, area += mesh.area(t);
+        for (Index k = 0; k < 3; ++k) {
             vertex.push_back(mesh.triangles[t][k]);
-            corner.push_back(mesh.corner(t, k) +
-                             now.displacement[now.node_of_corner[mesh.corners_per_triangle() * t + k]]);
-            area += mesh.area(t) / 3;
+            corner.push_back(place_of(model, now, mesh.corners_per_triangle() * t + k));
         }
+    }
     const CoveredTwice found = find_covered_twice(corner, vertex);
-    if (found.largest <= overlaps * 3 * area / static_cast<double>(vertex.size())) return;
+    if (found.largest <= overlaps * area / static_cast<double>(n)) return;
     throw UserError(
         "overlapping-faces",
         "[contact] is new, and pieces of the other run, which passed through each other, overlap: most at " +
@@ -272,6 +275,19 @@ void StartState::add_obstacles(const Model& model) {
                     "place it beside the body of that moment: `knap render` of the other run shows it");
 }
 
+namespace {
+
+constexpr const char* turned_less =
+    "`domain.rotation = \"large\"` in the other run, too, or a start from a moment at which it had turned less";
+
+std::string gain_text(const StartState::StressAt& gained) {
+    return "large rotations take the turns of the other run, whose rotations were small, for strains: with stresses of "
+           "up to " +
+           readable(gained.largest, "Pa", 3) + " at " + place_text(gained.place);
+}
+
+}  // namespace
+
 /// G' G/2 of the displacement gradient G, of which small rotations know nothing.
 void StartState::find_gained_stress(const Model& model) {
     double weakest = infinity;
@@ -280,26 +296,18 @@ void StartState::find_gained_stress(const Model& model) {
     gained_stress.emplace();
     const Mesh& mesh = model.mesh;
     for (Index t = 0; t < mesh.n_triangles(); ++t) {
-        const auto u = [&](Index k) -> Vec2 {
-            return now.displacement[now.node_of_corner[mesh.corners_per_triangle() * t + k]];
-        };
-        Eigen::Matrix2d sides, changes;
-        for (Index k : {0, 1})
-            sides.col(k) = mesh.corner(t, k + 1) - mesh.corner(t, 0), changes.col(k) = u(k + 1) - u(0);
-        const Eigen::Matrix2d G = changes * sides.inverse();
+        Eigen::Matrix2d G = Eigen::Matrix2d::Zero();
+        const auto shape = shape_gradients(mesh, t);
+        for (Index k = 0; k < 3; ++k)
+            G += now.displacement_of(mesh.corners_per_triangle() * t + k) * shape[k].transpose();
         const double strain = 0.5 * (G.transpose() * G).diagonal().maxCoeff(),
                      stress = strain * model.elastic(t).stress_of_expansion(model.plane).cwiseAbs().maxCoeff();
         if (!model.has_vanished(t) && stress > gained_stress->largest) *gained_stress = {stress, mesh.centroid(t)};
     }
     if (gained_stress->largest > weakest)
-        throw UserError(
-            "turned-body",
-            "large rotations take the turns of the other run, whose rotations were small, for strains: with "
-            "stresses of up to " +
-                readable(gained_stress->largest, "Pa", 3) + " at " + place_text(gained_stress->place) +
-                ", where interfaces hold " + readable(weakest, "Pa", 3),
-            "`domain.rotation = \"large\"` in the other run, too, or a start from a moment at which it had "
-            "turned less");
+        throw UserError("turned-body",
+                        gain_text(*gained_stress) + ", where interfaces hold " + readable(weakest, "Pa", 3),
+                        turned_less);
     if (!(gained_stress->largest > small_gain * std::min(weakest, model.elastic(0).E))) gained_stress.reset();
 }
 
@@ -399,37 +407,28 @@ std::string start_damage_text(const Model& model, const State& start) {
 std::string jumps_text(const ReadResult& read, const Model& model, const StartState& other, double step) {
     const State& start = other.now;
     std::string text;
+    const auto jumps = [&](const std::string& path, const std::string& message, const std::string& note) {
+        return format(read.at(
+            path, {.severity = Diagnostic::Severity::warning, .code = "jump", .message = message, .note = note}));
+    };
     if (other.lost_stress && other.lost_stress->largest > 0)
         text +=
-            format(read.at("time.start", {.severity = Diagnostic::Severity::warning,
-                                          .code = "jump",
-                                          .message = formatted("without heat the thermal strains of the other run "
-                                                               "vanish, and with them up to %s at %s",
-                                                               readable(other.lost_stress->largest, "Pa", 3).c_str(),
-                                                               place_text(other.lost_stress->place).c_str()),
-                                          .note = "[heat] with temperature = \"frozen\" keeps them"}));
-    if (other.gained_stress)
-        text += format(read.at(
-            "domain.rotation",
-            {.severity = Diagnostic::Severity::warning,
-             .code = "jump",
-             .message = formatted("large rotations take the turns of the other run, whose rotations were small, for "
-                                  "strains: with stresses of up to %s at %s",
-                                  readable(other.gained_stress->largest, "Pa", 3).c_str(),
-                                  place_text(other.gained_stress->place).c_str()),
-             .note = "large rotations in the other run, too, or a start from a moment at which it had turned less"}));
+            jumps("time.start",
+                  formatted("without heat the thermal strains of the other run vanish, and with them up to %s at %s",
+                            readable(other.lost_stress->largest, "Pa", 3).c_str(),
+                            place_text(other.lost_stress->place).c_str()),
+                  "[heat] with temperature = \"frozen\" keeps them");
+    if (other.gained_stress) text += jumps("domain.rotation", gain_text(*other.gained_stress), turned_less);
     const auto warn = [&](const std::string& path, double is, double begins) {
         const double jump = std::abs(begins - is);
         if (jump <= negligible_jump * (std::abs(is) + std::abs(begins))) return;
-        const std::string warning = format(read.at(
+        const std::string warning = jumps(
             path,
-            {.severity = Diagnostic::Severity::warning,
-             .code = "jump",
-             .message = formatted(
-                 "`%s` begins with %s, where the other run is at %s: in the first step of %s this is a velocity of %s",
-                 path.c_str(), readable(begins, "m", 9).c_str(), readable(is, "m", 9).c_str(),
-                 readable(step, "s").c_str(), readable(jump / step, "m/s").c_str()),
-             .note = "a table that begins there; or a velocity, which goes on from where the other run is"}));
+            formatted(
+                "`%s` begins with %s, where the other run is at %s: in the first step of %s this is a velocity of %s",
+                path.c_str(), readable(begins, "m", 9).c_str(), readable(is, "m", 9).c_str(),
+                readable(step, "s").c_str(), readable(jump / step, "m/s").c_str()),
+            "a table that begins there; or a velocity, which goes on from where the other run is");
         if (text.find(warning) == std::string::npos) text += warning;
     };
     std::vector<std::uint8_t> seen(2 * model.histories.size(), 0);
@@ -451,13 +450,11 @@ std::string jumps_text(const ReadResult& read, const Model& model, const StartSt
     for (std::size_t c = 0; c < begins->of_corner.size(); ++c)
         jump = std::max(jump, std::abs(begins->of_corner[c] - start.temperature->of_corner[c]));
     if (jump > 1e-6)
-        text += format(read.at("heat.temperature",
-                               {.severity = Diagnostic::Severity::warning,
-                                .code = "jump",
-                                .message = formatted("the prescribed temperature begins up to %.3g K away from that of "
-                                                     "the other run: a thermal shock within the first step",
-                                                     jump),
-                                .note = "time counts from 0 again: shift the times of heat.table or of the formula"}));
+        text += jumps("heat.temperature",
+                      formatted("the prescribed temperature begins up to %.3g K away from that of the other run: a "
+                                "thermal shock within the first step",
+                                jump),
+                      "time counts from 0 again: shift the times of heat.table or of the formula");
     return text;
 }
 
