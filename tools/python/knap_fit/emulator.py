@@ -19,17 +19,39 @@ def students(freedom, interval=0.9):
     return (stats.t.ppf(end, min(freedom, 1e9)) / stats.norm.ppf(end)) ** 2
 
 
-def _process(u, y, noises, noise_bounds):
-    """The most likely one of some starts."""
-    gp, k = need("the emulator", "sklearn.gaussian_process"), u.shape[1]
-    kernels = gp.kernels
-    starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
-              + kernels.WhiteKernel(np.clip(noise, *noises), noise_bounds)
-              for length, noise in ((1.0, 1e-2), (0.3, 1e-2), (3.0, 1e-2), (1.0, 1e-5), (3.0, 1e-5))]
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
-        return max((gp.GaussianProcessRegressor(start, random_state=1).fit(u, y) for start in starts),
-                   key=lambda process: process.log_marginal_likelihood_value_)
+class _Process:
+    """The most likely of the Gaussian processes that scikit-learn finds from some starts. Its values are written out
+    here: scikit-learn checks all that it is given, at each step of a chain, which takes five times as long."""
+
+    def __init__(self, u, y, noises, noise_bounds):
+        gp, k = need("the emulator", "sklearn.gaussian_process"), u.shape[1]
+        kernels = gp.kernels
+        starts = [kernels.ConstantKernel(4.0, (0.1, 1e3)) * kernels.Matern([length] * k, [(0.05, 30)] * k, nu=2.5)
+                  + kernels.WhiteKernel(np.clip(noise, *noises), noise_bounds)
+                  for length, noise in ((1.0, 1e-2), (0.3, 1e-2), (3.0, 1e-2), (1.0, 1e-5), (3.0, 1e-5))]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # a length at its bound: the value does not depend on that parameter
+            found = max((gp.GaussianProcessRegressor(start, random_state=1).fit(u, y) for start in starts),
+                        key=lambda process: process.log_marginal_likelihood_value_)
+        self.u, self.noise = u, found.kernel_.k2.noise_level
+        self.variance, self.length = found.kernel_.k1.k1.constant_value, found.kernel_.k1.k2.length_scale
+        self.weights, self.inverse_root = found.alpha_, np.linalg.inv(found.L_)
+
+    def prior(self, a, b):
+        """Covariance between the places a and b: s^2 (1 + r + r^2/3) exp(-r), r = 5^(1/2) |a - b|/length (Matern)."""
+        r = np.sqrt(5) * np.linalg.norm((a[:, None] - b) / self.length, axis=2)
+        return self.variance * (1 + r + r**2 / 3) * np.exp(-r)
+
+    def mean(self, u):
+        return self.prior(u, self.u) @ self.weights
+
+    def mean_and_variance(self, u):
+        known = self.prior(u, self.u)
+        return known @ self.weights, self.variance - ((known @ self.inverse_root.T) ** 2).sum(axis=1)
+
+    def covariance(self, u):
+        known = self.prior(u, self.u) @ self.inverse_root.T
+        return self.prior(u, u) - known @ known.T
 
 
 class Emulator:
@@ -73,13 +95,13 @@ class Emulator:
                 square = (about[:, j] ** 2).sum() / self.n_seeds
                 bounds = np.clip(square / stats.chi2.ppf([0.95, 0.05], repeats), 1e-6, 2.0)
             exact = bounds[1] < 1.01e-6  # the seeds change nothing
-            self.processes.append(_process(self.u, g[:, j] / self.scale[j], bounds, "fixed" if exact else bounds))
-            noise = self.processes[j].kernel_.k2.noise_level
+            self.processes.append(_Process(self.u, g[:, j] / self.scale[j], bounds, "fixed" if exact else bounds))
+            noise = self.processes[j].noise
             self.noise[j] = noise * self.scale[j] ** 2 if noise > 1.01e-6 else 0
             # n - trace(K (K + noise)^-1) of the points, and those of the seeds
-            freedom[j] = np.inf if exact else noise * (np.linalg.inv(self.processes[j].L_) ** 2).sum() + len(runs) - n
+            freedom[j] = np.inf if exact else noise * (self.processes[j].inverse_root**2).sum() + len(runs) - n
         self.freedom = freedom[np.argmax(self.noise)]
-        left = np.array([process.predict(self.u) for process in self.processes]).T - g / self.scale
+        left = np.array([process.mean(self.u) for process in self.processes]).T - g / self.scale
         left = np.where(self.noise > 0, left / np.maximum(left.std(axis=0), 1e-12), 0)
         alike = cov.ledoit_wolf(left, assume_centered=True)[0] if r > 1 else np.eye(1)
         np.fill_diagonal(alike, 1)
@@ -88,9 +110,8 @@ class Emulator:
 
     def __call__(self, u):
         """Mean (places of u, places of the curve) and the variances of its components (places of u, components)."""
-        g, deviation = np.transpose([process.predict(u, return_std=True) for process in self.processes], (1, 2, 0))
-        variance = np.maximum(deviation**2 - [process.kernel_.k2.noise_level for process in self.processes], 1e-12)
-        return self.mean + g * self.scale @ self.v.T, variance * self.scale**2
+        g, variance = np.transpose([process.mean_and_variance(u) for process in self.processes], (1, 2, 0))
+        return self.mean + g * self.scale @ self.v.T, np.maximum(variance, 1e-12) * self.scale**2
 
     def spread(self, variance):
         """Covariance of the values, of variances of the components."""
@@ -103,8 +124,7 @@ class Emulator:
 
     def covariances(self, u):
         """Of each component between all places of u."""
-        return [s**2 * (process.predict(u, return_cov=True)[1] - process.kernel_.k2.noise_level * np.eye(len(u)))
-                for s, process in zip(self.scale, self.processes)]
+        return [s**2 * process.covariance(u) for s, process in zip(self.scale, self.processes)]
 
     def draws(self, u, n=100):
         """Of a number: n functions as probable as the runs leave them, a column of values at the places u for each."""
