@@ -85,7 +85,8 @@ void ObstacleContacts::add_open_faces(Index f, const State& begin) {
 }
 
 /// Every piece of a split fan needs a contact of its own: the corner after each point whose sides ever moved.
-void ObstacleContacts::add_pieces(Index f, const State& begin) {
+template <class Visit>
+void ObstacleContacts::visit_pieces(Index f, const State& begin, const Visit& visit) const {
     const Fan& fan = model_.fans[f];
     const auto corners = model_.corners(fan);
     const PointState* state = begin.points.data() + begin.first_point[begin.split_rank[f]];
@@ -95,7 +96,7 @@ void ObstacleContacts::add_pieces(Index f, const State& begin) {
         if (!fan.closed && (point.after == corners.front() || point.after == corners.back())) continue;  // in boundary_
         const bool together = begin.displacement_of(point.after) == begin.displacement_of(point.before);
         const bool intact = unbreakable(model_, point) || (!point.cracked && state[i].cohesion == 1);
-        if (!(intact && together)) of_split_fans_.push_back({.fan = f, .corner = point.after, .place = i + 2});
+        if (!(intact && together)) visit(Candidate{.fan = f, .corner = point.after, .place = i + 2});
     }
 }
 
@@ -121,15 +122,17 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
             if (model_.obstacles[o].is_free(k)) predicted_[o][k] = start[k];
     }
     if (body_) return find_of_pieces(begin, h, end_velocity);
-    candidates_.clear(), of_split_fans_.clear();
-    for (const Index f : begin.split_fans) add_pieces(f, begin);
-    std::ranges::sort(of_split_fans_, {}, &Candidate::order);
-    std::ranges::merge(boundary_, of_split_fans_, std::back_inserter(candidates_), {}, &Candidate::order,
-                       &Candidate::order);
-    for (const Candidate& candidate : candidates_) {
+    found_.clear();
+    const auto look_from = [&](const Candidate& candidate) {
         const MovingCorner at = moving(candidate, begin, h, corner_force);
+        const std::size_t first = contacts_.size();
         for (Index o = 0; o < static_cast<Index>(surfaces_.size()); ++o) find_at_corner(at, o, begin, h, end_velocity);
-    }
+        for (std::size_t i = first; i < contacts_.size(); ++i) found_.push_back({candidate.order(), contacts_[i]});
+    };
+    for (const Candidate& candidate : boundary_) look_from(candidate);
+    for (const Index f : begin.split_fans) visit_pieces(f, begin, look_from);
+    std::ranges::stable_sort(found_, {}, &Found::order);  // few of the candidates
+    std::ranges::transform(found_, contacts_.begin(), &Found::contact);
     n_at_corners_ = contacts_.size();
     open_faces_.clear();
     for (const Index f : begin.split_fans) add_open_faces(f, begin);

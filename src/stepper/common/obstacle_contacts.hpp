@@ -116,6 +116,10 @@ private:
 
         std::int64_t order() const { return (std::int64_t(fan) << 32) + place; }
     };
+    struct Found {
+        std::int64_t order;  // of its candidate
+        ObstacleContact contact;
+    };
     /// The edge of the body to the left of a to b; of second order half of it.
     struct Edge {
         Index a, b;    // corners
@@ -144,7 +148,8 @@ private:
         std::size_t first_corner = 0, last_corner = 0, first_edge = 0, last_edge = 0;
         double longest_edge = 0;  // [m]
     };
-    void add_pieces(Index fan, const State& begin);
+    template <class Visit>
+    void visit_pieces(Index fan, const State& begin, const Visit& visit) const;
     void read_pieces(const State& begin);
     void find_of_pieces(const State& begin, double h, const std::vector<Vec3>& end_velocity);
     double kick_of(Index corner) const;
@@ -167,13 +172,14 @@ private:
                       const State& begin) const;
 
     const Model& model_;
-    std::vector<Candidate> boundary_;       // the corners at both ends of the fans on the boundary
-    std::vector<Edge> edges_, open_faces_;  // of the boundary; of faces that came apart
-    std::vector<Index> next_, previous_;    // per corner: the corner at the other end of the edge of the boundary that
-                                            // leaves or enters it, or -1
-    double longest_edge_ = 0;               // [m]
-    std::vector<double> corner_size_;       // [m] per corner: distance to the nearest other corner of its triangle
-    std::vector<Candidate> candidates_, of_split_fans_;
+    std::vector<Candidate> boundary_;        // the corners at both ends of the fans on the boundary
+    std::vector<Edge> edges_, open_faces_;   // of the boundary; of faces that came apart
+    std::vector<Index> next_, previous_;     // per corner: the corner at the other end of the edge of the boundary that
+                                             // leaves or enters it, or -1
+    double longest_edge_ = 0;                // [m]
+    std::vector<double> corner_size_;        // [m] per corner: distance to the nearest other corner of its triangle
+    std::vector<Candidate> candidates_;      // of rigid pieces
+    std::vector<Found> found_;               // at corners of a deformable body, in a search
     SharedFrozenBody body_;                  // null: a deformable one
     std::vector<Piece> pieces_;              // of rigid ones, once they are read
     std::vector<Edge> piece_edges_;          // piece by piece

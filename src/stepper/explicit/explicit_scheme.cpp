@@ -80,6 +80,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
                             .large_rotation = model_.large_rotation,
                             .corner_impulse = corner_impulse_,
                             .velocity_factor = velocity_factor_,
+                            .frames = find_frames(begin),
                             .carried = free_pieces_.carried(begin, damping, end.free_pieces)};
     copy_partition(model_, begin, end);  // fans that were split before are split at the end, too
     end.viscous_stress.resize(no_viscous_stress_.size());
@@ -120,6 +121,23 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
     absorbing_.account(step, report);
     if (report.released > 0) order_split_fans(model_, end, unordered_);  // a block reads contiguous ones
     return report;
+}
+
+/// One point is asked for its frame up to five times in a step.
+std::span<const Rotation> ExplicitScheme::find_frames(const State& begin) {
+    if (!model_.large_rotation) return {};
+    frames_.assign(begin.points.size(), {});
+    const std::ptrdiff_t n = std::ssize(begin.split_fans), block = 8 * split_fans_in_a_block;
+    for_blocks((n + block - 1) / block, [&](std::ptrdiff_t b) {
+        for (std::ptrdiff_t rank = b * block; rank < std::min(n, (b + 1) * block); ++rank) {
+            Rotation* frame = frames_.data() + begin.first_point[rank];
+            for (const FanPoint& point : model_.points(model_.fans[begin.split_fans[rank]])) {
+                if (!begin.has_retired(point.point)) *frame = point_frame(model_, begin, point);
+                ++frame;
+            }
+        }
+    });
+    return frames_;
 }
 
 template <class Corner>

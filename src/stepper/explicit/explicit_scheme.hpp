@@ -27,6 +27,7 @@ private:
     StepReport sweep_blocks(const ExplicitStep& step);
     template <class Corner>
     struct Sweep;
+    std::span<const Rotation> find_frames(const State& begin);
     template <class Corner>
     void move_fans(const Sweep<Corner>& sweep);
     template <class Corner>
@@ -91,6 +92,7 @@ private:
     std::vector<double> no_viscous_stress_;       // zeros, of a state without; empty: no viscosity
     std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
     std::vector<std::uint8_t> splits_;            // per fan, in this step
+    std::vector<Rotation> frames_;                // per point of split fans, see ExplicitStep
     std::vector<ThreadWorkspace> workspaces_;     // one per thread
     std::vector<StepReport> partial_;
     State unordered_;

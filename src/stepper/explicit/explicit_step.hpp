@@ -67,12 +67,21 @@ struct ExplicitStep {
 
     const std::vector<Vec2>& corner_impulse;  // [N s] per corner, of contacts between free faces; empty: there are none
     const std::vector<double>& velocity_factor;  // [-] per history: mean over the step, of a prescribed velocity
-    const Vec2* carried = nullptr;  // [m/s] per node: (1 - decay) W, zero where a piece is held; null: everywhere
+    std::span<const Rotation> frames;  // per point of split fans, of which none has retired; empty: nothing turns
+    const Vec2* carried = nullptr;     // [m/s] per node: (1 - decay) W, zero where a piece is held; null: everywhere
 
     /// [m/s] What damping leaves of the velocity of a node, without forces.
     Vec2 damped(Index node) const {
         const Vec2 left = decay * begin.velocity[node];
         return carried == nullptr ? left : Vec2(left + carried[node]);
+    }
+
+    /// Of point i of a fan, at the start of the step.
+    Rotation frame(const Model& model, Index fan, Index i) const {
+        if (frames.empty()) return point_frame(model, begin, model.points(model.fans[fan])[i]);
+        const Index rank = begin.split_rank[fan];
+        return rank < 0 ? point_frame(model, begin, model.points(model.fans[fan])[i])
+                        : frames[begin.first_point[rank] + i];
     }
 
     static StepTimes times_of(const State& begin, double h) {

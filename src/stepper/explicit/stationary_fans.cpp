@@ -29,10 +29,8 @@ bool find_parts(const Model& model, Index rank, const ExplicitStep& step, Statio
         if (model.motion_of(corners[i])) return false;
         work.node[i] = begin.node_of_corner[corners[i]];
     }
-    for (Index j = 0; j < fan.n_points; ++j)  // of a retired point no normal is read
-        work.normal[j] = begin.has_retired(points[j].point)
-                             ? Vec2::Zero()
-                             : point_frame(model, begin, points[j]).turned(points[j].normal);
+    for (Index j = 0; j < fan.n_points; ++j)
+        work.normal[j] = step.frame(model, begin.split_fans[rank], j).turned(points[j].normal);
     work.first_open = -1;
     work.part[0] = 0;
     Index part = 0;

@@ -157,8 +157,8 @@ void VertexSolver::assemble(Index f, const ExplicitStep& step, Workspace& work) 
     for (Index i = 0; i < fan.n_points; ++i) {
         const FanPoint& point = points[i];
         const CohesiveLaw& law = law_of(model_, begin, point);
-        const Rotation frame = point_frame(model_, begin, point);
         const bool retired = begin.has_retired(point.point);  // its sides meet as free faces, elsewhere
+        const Rotation frame = retired ? point_frame(model_, begin, point) : step.frame(model_, f, i);
         const bool sticks = unbreakable(model_, point);
         const double beta = sticks || point.cracked ? 0 : cohesion_before(model_, f, i, begin);
         const Vec2 u = retired ? Vec2(far(model_, point), 0) : cohesive_opening(model_, begin, point, frame, beta);
