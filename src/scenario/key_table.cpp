@@ -467,7 +467,8 @@ void add_keys_of_loads(KeyTable& t) {
         "sqrt(area) of the piece, sigma_c its smallest strength now) from which on a piece may break; 0: pieces are "
         "never rigid").at_least(0).computed("0.3").to(&RigidOptions::thaw);
     t.number("hold", "", "time for which a piece stays deformable after its last blow and its last loss of cohesion, "
-        "in passages D/c of a wave through it, and then until what moves in it is slower than a blow that may break it")
+        "in passages D/c of a wave through it, and then until what moves in it is slower than a blow that may break it "
+        "or has a hundredth of its kinetic energy")
         .above(0).computed("20").to(&RigidOptions::hold);
     t.number("smallest", "m", "pieces of a smaller diameter (fragments.csv) never break; run.json has their mass")
         .at_least(0).computed("0").to(&RigidOptions::smallest);

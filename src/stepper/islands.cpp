@@ -331,15 +331,16 @@ void Islands::update_pieces(double h, State& end, StepReport& report) {
         const std::vector<double> vibration = find_means(end);
         for (std::size_t t = 0; t < last.size() && !changed; ++t) {
             const Index p = body.piece_of_triangle[part_.triangles[t]];
-            changed = is_quiet(body.pieces[p], struck_[t], vibration[p], end_time);
+            changed = is_quiet(body.pieces[p], end.rigid_pieces[p], vibration[p], end_time);
         }
     }
     if (changed) rebuild_pieces(end_time, end, report);
 }
 
 /// Whether it may become rigid.
-bool Islands::is_quiet(const FrozenBody::Piece& piece, double struck, double vibration, double now) const {
-    return now >= struck + hold(piece.area, piece.first_triangle) && unrest(piece, vibration, rigid_options_) <= 1;
+bool Islands::is_quiet(const FrozenBody::Piece& piece, const RigidPiece& motion, double vibration, double now) const {
+    return now >= motion.struck + hold(piece.area, piece.first_triangle) &&
+           unrest(piece, motion, vibration, rigid_options_) <= 1;
 }
 
 /// The rest keeps its bits.
@@ -358,8 +359,7 @@ void Islands::rebuild_pieces(double end_time, State& end, StepReport& report) co
         }
         motion.last_step = 0, motion.begin_slow(end_time);
         motion.struck = struck_[part_.triangle_of_part[piece.first_triangle]];
-        const bool stays =
-            can_break(piece, rigid_options_) && !is_quiet(piece, motion.struck, frozen.vibration[q], end_time);
+        const bool stays = can_break(piece, rigid_options_) && !is_quiet(piece, motion, frozen.vibration[q], end_time);
         motion.state = stays ? PieceState::deformable : PieceState::rigid;
         if (!stays) report.vibration_booked -= frozen.vibration[q], report.kinetic -= frozen.vibration[q];
     }

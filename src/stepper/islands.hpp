@@ -59,7 +59,7 @@ private:
     void rebuild_pieces(double end_time, State& end, StepReport& report) const;
     std::vector<double> find_means(State& end) const;
     double hold(double area, Index triangle) const;  // [s]
-    bool is_quiet(const FrozenBody::Piece& piece, double struck, double vibration, double now) const;
+    bool is_quiet(const FrozenBody::Piece& piece, const RigidPiece& motion, double vibration, double now) const;
 
     const Model& model_;
     SchemeOptions options_;

@@ -12,7 +12,8 @@
 namespace knap {
 namespace {
 
-constexpr double few_edges = 10;  // [-] D/L up to which sigma_c/(rho c) breaks a piece
+constexpr double few_edges = 10;      // [-] D/L up to which sigma_c/(rho c) breaks a piece
+constexpr double small_swing = 0.01;  // [-] of the kinetic energy: an impact spends many times as much
 
 /// [m/s] The particle velocity of a wave whose stress breaks a point now, and that stress [Pa]; infinite where nothing
 /// can.
@@ -39,11 +40,14 @@ Weakness weakness_of(const Model& model, const State& state, Index fan, std::siz
 
 double least_blow(const FrozenBody::Piece& piece, const RigidOptions& options) {
     if (!can_break(piece, options)) return infinity;
+    // smaller pieces bear more, but as rigid ones they would not rebound
     return options.thaw * piece.weakest * std::min(1.0, std::sqrt(few_edges * piece.edge() / std::sqrt(piece.area)));
 }
 
-double unrest(const FrozenBody::Piece& piece, double vibration, const RigidOptions& options) {
-    return std::sqrt(2 * vibration / piece.mass) / least_blow(piece, options);
+double unrest(const FrozenBody::Piece& piece, const RigidPiece& motion, double vibration, const RigidOptions& options) {
+    const double blow = least_blow(piece, options);
+    const double twice = piece.mass * motion.velocity.squaredNorm() + piece.inertia * motion.spin * motion.spin;
+    return std::sqrt(2 * vibration / std::max(piece.mass * blow * blow, small_swing * twice));
 }
 
 FrozenPieces freeze(const Model& model, State& state) {

@@ -36,9 +36,9 @@ inline bool can_break(const FrozenBody::Piece& piece, const RigidOptions& option
 /// [m/s] The slowest blow that may break the piece (rigid_scheme.hpp); infinite where none can.
 double least_blow(const FrozenBody::Piece& piece, const RigidOptions& options);
 /// [-] The mean speed of what moves in a piece beside its rigid motion, of energy `vibration` [J], over the slowest
-/// blow that may break it. It is a wave after a blow, or parts that turn about the last whole point between them: above
-/// 1 the piece is no rigid one.
-double unrest(const FrozenBody::Piece& piece, double vibration, const RigidOptions& options);
+/// blow that may break it, or over what is small beside the rigid motion, if that is more. It is a wave after a blow,
+/// or parts that turn about the last whole point between them, as long as the piece flies: above 1 it is no rigid one.
+double unrest(const FrozenBody::Piece& piece, const RigidPiece& motion, double vibration, const RigidOptions& options);
 
 /// Writes places and velocities of the nodes of a state from the motion of its pieces that are not deformable.
 void place_nodes(const Model& model, State& state);

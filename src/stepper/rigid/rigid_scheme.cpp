@@ -87,7 +87,9 @@ StepReport RigidScheme::try_step(const State& begin, double h, std::span<const s
             start_.velocity[node] = piece.velocity + piece.spin * turned_left(frozen.body->arm[node]);
         }
         for (std::size_t p = 0; p < frozen.vibration.size(); ++p)
-            if (const double value = unrest(frozen.body->pieces[p], frozen.vibration[p], options_.rigid); value > 1)
+            if (const double value =
+                    unrest(frozen.body->pieces[p], start_.rigid_pieces[p], frozen.vibration[p], options_.rigid);
+                value > 1)
                 report.reject(Rejection::blow, start_.rigid_pieces[p].centre, value);
         report.vibration_booked = -frozen.all_vibration();
         account_freeze(begin, *frozen.body, frozen.strain, report);

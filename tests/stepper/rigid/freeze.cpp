@@ -117,20 +117,23 @@ TEST_CASE("parts that turn about the last whole point between them are no rigid 
                     state.points[state.first_point[state.split_rank[f]] + static_cast<Index>(j)].cohesion = 0;
         }
     const RigidOptions options{.step = 1e-3};
-    const auto unrest_of = [&](double spin_left, double spin_right) {
+    const auto unrest_of = [&](double spin_left, double spin_right, const Vec2& velocity = Vec2::Zero()) {
         for (Index c = 0; c < model.mesh.n_corners(); ++c)
             state.velocity[state.node_of_corner[c]] =
-                (is_right(c) ? spin_right : spin_left) * turned_left(Vec2(model.mesh.corner(c) - hinge));
+                velocity + (is_right(c) ? spin_right : spin_left) * turned_left(Vec2(model.mesh.corner(c) - hinge));
         const FrozenPieces frozen = freeze(model, state);
         REQUIRE(frozen.pieces.size() == 1);
         CHECK(frozen.strain == 0);
-        return unrest(frozen.body->pieces[0], frozen.vibration[0], options);
+        if (!velocity.isZero()) CHECK((frozen.vibration[0] < 0.01 * frozen.kinetic) == (velocity.norm() > 1));
+        return unrest(frozen.body->pieces[0], frozen.pieces[0], frozen.vibration[0], options);
     };
     CHECK(unrest_of(3, 3) < 1e-14);
     const double opens = unrest_of(-1, 1);
     CHECK(opens > 1);
-    CHECK(unrest_of(2, 4) == doctest::Approx(opens));  // the turn of the whole is no part of it
+    CHECK(unrest_of(0.5, 2.5) == doctest::Approx(opens));  // the turn of the whole is no part of it
     CHECK(unrest_of(-0.1, 0.1) == doctest::Approx(0.1 * opens));
+    CHECK(unrest_of(-1, 1, {0, 10}) < 1);  // it flies so fast that its swing is a small part of its energy
+    CHECK(unrest_of(-1, 1, {0, 0.1}) == doctest::Approx(opens));
 }
 
 }  // namespace rigid_freeze_test
