@@ -78,10 +78,9 @@ struct ExplicitStep {
 
     /// Of point i of a fan, at the start of the step.
     Rotation frame(const Model& model, Index fan, Index i) const {
-        if (frames.empty()) return point_frame(model, begin, model.points(model.fans[fan])[i]);
         const Index rank = begin.split_rank[fan];
-        return rank < 0 ? point_frame(model, begin, model.points(model.fans[fan])[i])
-                        : frames[begin.first_point[rank] + i];
+        if (frames.empty() || rank < 0) return point_frame(model, begin, model.points(model.fans[fan])[i]);
+        return frames[begin.first_point[rank] + i];
     }
 
     static StepTimes times_of(const State& begin, double h) {
