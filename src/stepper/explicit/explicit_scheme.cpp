@@ -126,6 +126,7 @@ StepReport ExplicitScheme::step(const State& begin, double h, State& end) {
 /// One point is asked for its frame up to five times in a step.
 std::span<const Rotation> ExplicitScheme::find_frames(const State& begin) {
     if (!model_.large_rotation) return {};
+    reserve_capacity(model_.fan_points.size(), frames_);
     frames_.assign(begin.points.size(), {});
     const std::ptrdiff_t n = std::ssize(begin.split_fans), block = 8 * split_fans_in_a_block;
     for_blocks((n + block - 1) / block, [&](std::ptrdiff_t b) {
