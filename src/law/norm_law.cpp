@@ -55,7 +55,8 @@ double NormLaw::size_after(const Vec2& A, double k) const {
         const double force = k * rho(S), growth = k * slope_of_rho(S);
         const double n = A.x() / (S + force), t = gamma * A.y() / (S + g2 * force), norm = length(n, t);
         const double falls = (n * n * (1 + growth) / (S + force) + t * t * (1 + g2 * growth) / (S + g2 * force)) / norm;
-        return {1 / norm - 1, falls / (norm * norm)};
+        const double value = 1 / norm - 1;
+        return {std::abs(value) <= root_rounding ? 0 : value, falls / (norm * norm)};
     };
     return root_between(0, most, std::max(0.0, most - k * std::max(gamma, 1.0) * rho(most)), missing);
 }

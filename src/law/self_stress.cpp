@@ -97,7 +97,7 @@ double StrengthPolygon::smallest_slack_of_curve(const Vec2& P) const {
     if (coupling != Coupling::norm) return slack_over(N + cohesive, rubbing(N + cohesive), P);
     const double T = std::abs(P.dot(turned_left(normal)));
     return N >= 0 || cohesive == 0 ? std::min(N + cohesive, jump + rubbing(N) - T)
-                                   : cohesive * (1 - std::hypot(N / cohesive, T / jump));
+                                   : cohesive * (1 - Vec2(N / cohesive, T / jump).norm());
 }
 
 void StrengthPolygon::add_chords(Index link, const Vec2& P, const Vec2& undetermined,

@@ -15,8 +15,7 @@ constexpr int most_newton_steps = 20, most_descents = 40, most_halvings = 12, n_
 constexpr double round_weights[n_rounds] = {1, 1, 30, 1000, 1, 30, 1000};
 constexpr double multiplier_weights[] = {10,  10,  10,  30,  30,
                                          100, 100, 1e3, 1e4, 1e5};  // [-] of the method of multipliers
-constexpr Eigen::Index max_unknowns = 32;
-constexpr int most_lags = 56, lags_between = 4;  // of friction, before Newton's steps
+constexpr int most_lags = 56, lags_between = 4;                     // of friction, before Newton's steps
 constexpr int most_sweeps = 40, sweeps_between = 4, most_sweep_rounds = 28;
 struct Start {
     double impulse, pressed;  // of those of the step before; impulse -1: the best ones found
@@ -100,41 +99,59 @@ double CurvedFan::find_gaps(double weight) {
     return largest;
 }
 
-/// change_ = (M + H' stiff_ H)^-1 force_, of velocities that are not prescribed.
-template <int max>
-bool CurvedFan::solve_change() {
-    using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max, max>;
-    using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max, 1>;
+/// change_ = (M + H' stiff_ H)^-1 force_, of velocities that are not prescribed. Body after body of the chain is
+/// eliminated, each coupled to the next one and to the last, which closes the chain.
+bool CurvedFan::find_change() {
     const std::vector<FanBody>& bodies = problem_->bodies;
-    const auto n = static_cast<Eigen::Index>(2 * bodies.size());
-    Matrix A = Matrix::Zero(n, n);
-    Vector b(n);
+    const std::size_t n = bodies.size(), last = n - 1;
+    std::vector<Vec2>& change = change_.velocity;
+    blocks_.assign(n, {}), change.resize(n);
+    const auto is_free = [&](std::size_t body) -> Vec2 {
+        return (bodies[body].inverse_mass.array() > 0).cast<double>();
+    };
+    for (std::size_t body = 0; body < n; ++body) {
+        const Vec2 free = is_free(body);
+        change[body] = free.cwiseProduct(force_[body]);
+        blocks_[body].own.diagonal() = bodies[body].mass() + Vec2::Ones() - free;
+    }
     for (std::size_t i = 0; i < rows_.size(); ++i) {
         const FanLink& link = problem_->links[i];
         Eigen::Matrix2d axes;
         axes << link.normal, link.tangent();
         const Eigen::Matrix2d K = axes * stiff_[i] * axes.transpose();
+        const auto between = [&](std::size_t row, std::size_t column) -> Eigen::Matrix2d {
+            return K.cwiseProduct(is_free(row) * is_free(column).transpose());
+        };
         for (const Index body : {link.after, link.before})
-            if (body >= 0) A.template block<2, 2>(2 * body, 2 * body) += K;
+            if (body >= 0) blocks_[body].own += between(body, body);
         if (link.after < 0 || link.before < 0) continue;
-        A.template block<2, 2>(2 * link.after, 2 * link.before) -= K;
-        A.template block<2, 2>(2 * link.before, 2 * link.after) -= K;
+        const std::size_t from = std::min(link.after, link.before), to = std::max(link.after, link.before);
+        Block& block = blocks_[from];
+        (to == last ? block.to_last : block.to_next) -= between(from, to);
+        (to == last ? block.from_last : block.from_next) -= between(to, from);
     }
-    for (Eigen::Index row = 0; row < n; ++row) {
-        const double inverse_mass = bodies[row / 2].inverse_mass[row % 2];
-        b[row] = inverse_mass > 0 ? force_[row / 2][row % 2] : 0;
-        if (inverse_mass > 0) A(row, row) += 1 / inverse_mass;
-        else A.row(row).setZero(), A.col(row).setZero(), A(row, row) = 1;
+    for (std::size_t body = 0; body < last; ++body) {
+        Block& block = blocks_[body];
+        const Eigen::Matrix2d inverse = block.own.inverse();
+        block.to_next = inverse * block.to_next, block.to_last = inverse * block.to_last;
+        change[body] = inverse * change[body];
+        blocks_[last].own -= block.from_last * block.to_last;
+        change[last] -= block.from_last * change[body];
+        if (body + 1 == last) break;
+        Block& next = blocks_[body + 1];
+        next.own -= block.from_next * block.to_next;
+        next.to_last -= block.from_next * block.to_last;
+        next.from_last -= block.from_last * block.to_next;
+        change[body + 1] -= block.from_next * change[body];
     }
-    const Vector found = Eigen::PartialPivLU<Matrix>(A).solve(b);
-    change_.velocity.resize(bodies.size());
-    for (std::size_t k = 0; k < bodies.size(); ++k) change_.velocity[k] = found.template segment<2>(2 * k);
-    return found.allFinite();
-}
-
-bool CurvedFan::find_change() {
-    const bool is_small = 2 * problem_->bodies.size() <= max_unknowns;
-    return is_small ? solve_change<max_unknowns>() : solve_change<Eigen::Dynamic>();
+    change[last] = blocks_[last].own.inverse() * change[last];
+    bool is_finite = change[last].allFinite();
+    for (std::size_t body = last; body-- > 0;) {
+        change[body] -= blocks_[body].to_last * change[last];
+        if (body + 1 < last) change[body] -= blocks_[body].to_next * change[body + 1];
+        is_finite = is_finite && change[body].allFinite();
+    }
+    return is_finite;
 }
 
 void CurvedFan::add_force(std::size_t i, const Vec2& impulse) {

@@ -37,6 +37,11 @@ private:
         double pressed = 0;           // [N s] the compression that a lagging friction sees
     };
 
+    /// Of a body: of its own rate, and of those of the next body and the last one, in its row and in theirs.
+    struct Block {
+        Eigen::Matrix2d own = Eigen::Matrix2d::Zero(), to_next = own, from_next = own, to_last = own, from_last = own;
+    };
+
     void start();
     NormLaw::Response respond(std::size_t i, double weight) const;
     void find_velocities();
@@ -54,8 +59,6 @@ private:
     void find_lack(double weight);
     void add_force(std::size_t i, const Vec2& impulse);
     bool find_change();
-    template <int max>
-    bool solve_change();
     void join_what_sticks();
     Vec2 rate(std::size_t i) const { return rate(i, motion_); }
     Vec2 rate(std::size_t i, const FanVelocities& motion) const;
@@ -69,6 +72,7 @@ private:
     std::vector<std::uint8_t> known_;
     std::vector<Eigen::Matrix2d> flexible_, stiff_;  // [-], [kg] per link: dP = flexible_ gap - stiff_ dV
     std::vector<Vec2> force_;                        // [N s] per body
+    std::vector<Block> blocks_;                      // [kg] likewise
     FanVelocities motion_, change_;
     FanClusters clusters_;
 };

@@ -111,8 +111,6 @@ void check_locking(Reading& reading) {
                          "mesh.order = 2, or smaller triangles; compare two sizes");
 }
 
-constexpr double most_friction_of_rows = 0.7;  // mesh_toughness.csv
-
 /// The surplus of the program's tables is that of cracks in isotropic bodies, and no specimen has the keys of
 /// not_calibrated.
 void check_calibration(Reading& reading) {
@@ -129,11 +127,13 @@ void check_calibration(Reading& reading) {
                           "is corrected by the surplus of a mesh, which was measured without its " + keys,
                           "compare with a run whose properties are those \"of interfaces\"");
         const bool costs_by_program = by_program(law.measured_G_c, "toughness");
-        if (costs_by_program && (law.law.friction > most_friction_of_rows || law.law.over_pressure != nullptr))
+        if (costs_by_program && (law.law.friction > most_friction_of_toughness || law.law.over_pressure != nullptr))
             table.warning(
                 "calibration", "toughness",
-                "= \"as measured\" has rows with a friction of up to 0.7 (which changes the cost of a crack by "
-                "less than its scatter), and this law has more, or one over the pressure",
+                formatted(
+                    "= \"as measured\" has rows that hold for a friction of up to %.3g, which changes the cost of "
+                    "a crack by less than its scatter, and this law has more, or one over the pressure",
+                    most_friction_of_toughness),
                 "a table of `knap calibrate` with this scenario");
         if (!costs_by_program && !by_program(law.measured_sigma_c, "strength")) continue;
         for (std::size_t m = 0; m < scenario.materials.size(); ++m)

@@ -41,12 +41,14 @@ void apply_strength(const Table& table, const LawWithin& within, const StrengthT
     if (report_keys_without_rows(table, named.name, without_strength)) return;
     const std::optional<Surplus> surplus = strengths.of_measured(law);
     if (!surplus) {
+        std::vector<ToldOfLaw> told = told_of(law.meshed());
+        told.push_back({formatted("friction %.4g", law.friction),
+                        {"friction", "friction_table", "friction_over_pressure", "friction_csv"}});
+        told.push_back(
+            {formatted("%s, size of %.3g process zones and %.3g edges", law.test.c_str(), law.zones, law.edges), {}});
         table.error("no-calibration", "",
-                    formatted("= \"as measured\", but its table has no surplus for `interface.%s`: %s, order %d, "
-                              "softening %s, unloading %s, gamma %.4g, friction %.4g, size of %.3g process zones and "
-                              "%.3g edges",
-                              named.name.c_str(), law.test.c_str(), law.order, law.softening.c_str(),
-                              law.unloading.c_str(), law.gamma, law.friction, law.zones, law.edges),
+                    "= \"as measured\", but its table has no surplus for `interface." + named.name +
+                        "`: " + told_text(*table.reading().values.find("interface." + named.name), told),
                     "`knap calibrate --of strength` with this scenario measures it; " + strengths.nearest_text(law));
         return;
     }

@@ -77,11 +77,11 @@ void read_toughness(Reading& reading) {
             if (report_keys_without_rows(table, named.name, without_toughness)) continue;
             const std::optional<Surplus> surplus = toughness.of_measured(law);
             if (!surplus) {
+                std::vector<ToldOfLaw> told = told_of(law);
+                told.push_back({formatted("%.3g edges in the process zone", law.edges), {}});
                 table.error("no-calibration", "",
-                            formatted("= \"as measured\", but its table has no surplus for `interface.%s`: order %d, "
-                                      "softening %s, unloading %s, gamma %.4g, %.3g edges in the process zone",
-                                      named.name.c_str(), law.order, law.softening.c_str(), law.unloading.c_str(),
-                                      law.gamma, law.edges),
+                            "= \"as measured\", but its table has no surplus for `interface." + named.name +
+                                "`: " + told_text(*reading.values.find("interface." + named.name), told),
                             "`knap calibrate` with this scenario measures it; " + toughness.nearest_text(law));
                 continue;
             }

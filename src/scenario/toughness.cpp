@@ -49,6 +49,25 @@ std::string given_keys(const Node& law, std::span<const char* const> keys) {
     return joined(given, " and ");
 }
 
+std::vector<ToldOfLaw> told_of(const MeshedLaw& law) {
+    return {{formatted("order %d", law.order), {}},
+            {"softening " + law.softening, {"softening", "coupling"}},
+            {"unloading " + law.unloading, {"unloading"}},
+            {formatted("gamma %.4g", law.gamma), {"gamma", "friction_over_pressure", "friction_csv"}}};
+}
+
+std::string told_text(const Node& law, const std::vector<ToldOfLaw>& told) {
+    std::vector<std::string> given, by_default;
+    for (const ToldOfLaw& part : told) {
+        const bool is_given = part.keys.empty() || std::ranges::any_of(part.keys, [&](const char* key) {
+                                  const Node* node = law.find(key);
+                                  return node && node->is_given();
+                              });
+        (is_given ? given : by_default).push_back(part.words);
+    }
+    return joined(given, ", ") + (by_default.empty() ? "" : "; by default " + joined(by_default, ", "));
+}
+
 MeshedLaw MeshedLaw::with(Coupling coupling) const {
     MeshedLaw law = *this;
     if (law.softening.ends_with(of_norm)) law.softening.resize(law.softening.size() - of_norm.size());

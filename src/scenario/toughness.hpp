@@ -61,6 +61,19 @@ inline constexpr std::array without_toughness{"G_II", "relaxation_time", "incuba
 /// "G_II and relaxation_time": those of them that a law is given, and are not 0.
 std::string given_keys(const Node& law, std::span<const char* const> keys);
 
+/// What a message says of a law, and the keys of [interface.NAME] that it follows from; none: it is always said.
+struct ToldOfLaw {
+    std::string words;
+    std::vector<const char*> keys;
+};
+std::vector<ToldOfLaw> told_of(const MeshedLaw& law);
+/// "order 1, gamma 2; by default softening linear".
+std::string told_text(const Node& law, const std::vector<ToldOfLaw>& told);
+
+/// Friction up to which the cost of a crack was measured: 0.7 changes it by 0.01 (BENCHMARKS.md, Toughness of the
+/// mesh), so that the rows have none.
+constexpr double most_friction_of_toughness = 0.7;
+
 /// Strips of one law on one mesh under one load, with several seeds.
 struct ToughnessRow {
     MeshedLaw law;
@@ -112,6 +125,7 @@ public:
     std::optional<Surplus> find(const MeshedLaw& law) const;
     /// The row whose law has most in common with one of the same coupling, or null.
     const ToughnessRow* nearest(const MeshedLaw& law) const { return nearest_row(rows_, law); }
+    std::span<const ToughnessRow> rows() const { return rows_; }
     /// The surplus S of interfaces for which G_c S is the measured fracture energy. `law.edges` are those of the
     /// measured energy, and S is that of edges/S.
     std::optional<Surplus> of_measured(MeshedLaw law) const;

@@ -62,10 +62,14 @@ TEST_CASE("check says what would happen") {
     CHECK_FALSE(command("check mesh_toughness").has("without a row"));
     const Answer between = command("check edge_cracked_block -s interface.default.gamma=1.5 -s mesh.size=0.5mm");
     CHECK_MESSAGE(
-        between.has("sum: between rows; gamma 2 and 12 edges: 1.19; norm: no row; that of gamma 2 and 6 edges"),
+        between.has("sum: measured with 3 to 12 edges; between rows; gamma 2: 1.19; norm: no row; that of gamma 2 and "
+                    "6 edges"),
         between.text);
     const Answer edges = command("check mesh_toughness -s 'mesh.size=1.4 mm' -s 'mesh.refine[0].size=0.35 mm'");
     CHECK_MESSAGE(edges.has("(sum: between rows; 6 edges: 1.1"), edges.text);
+    const Answer finer = command("check uniaxial_compression");
+    CHECK_MESSAGE(finer.has("  (sum: measured with 12.5 edges alone; norm: measured with 6.25 to 25 edges)"),
+                  finer.text);
     const Answer sliding = command("check mesh_toughness -s interface.free-free.G_II='6 J/m2'");
     CHECK_MESSAGE(sliding.has("(no row; that without G_II)"), sliding.text);
     const Answer plate = command("check uniaxial_compression -s interface.default.coupling=norm -s 'mesh.size=2 mm'");

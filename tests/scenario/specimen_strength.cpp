@@ -158,7 +158,10 @@ TEST_CASE("strength: what has no calibration is an error with its place and cure
     CHECK(coarse.line == 2);
     CHECK(coarse.note.find("knap calibrate --of strength") != std::string::npos);
     CHECK(mistake_in(disc, {"strength.test=compression"}).code == "no-calibration");
-    CHECK(mistake_in(disc, {"interface.default.friction=0.7"}).code == "no-calibration");
+    const Diagnostic rubs = mistake_in(disc, {"interface.default.friction=0.7"});
+    CHECK(rubs.code == "no-calibration");
+    CHECK_MESSAGE(rubs.message.find("order 2, friction 0.7, brazilian") != std::string::npos, rubs.message);
+    CHECK(rubs.message.ends_with("; by default softening linear, unloading constant, gamma 1"));
     const Diagnostic random = mistake_in(disc, {"interface.default.scatter={ kind = \"weibull\", modulus = 6 }"});
     CHECK(random.message.find("its strength is random") != std::string::npos);
     const Diagnostic sizeless = mistake_in(tested_plate(""));

@@ -38,15 +38,36 @@ struct Found {
     }
 };
 
+/// "measured with 12.5 edges alone": where all rows that differ from this one in their edges alone have more of them
+/// than the law, or fewer, and the number is that of the last one.
+template <class Row, class Law>
+std::string measured_edges(std::span<const Row> rows, const Row& row, const Law& law) {
+    double least = row.law.edges, most = least;
+    for (const Row& other : rows) {
+        Law same = other.law;
+        same.edges = row.law.edges;
+        if (!distance(same, row.law) || !differences(same, row.law, 1).empty()) continue;
+        least = std::min(least, other.law.edges), most = std::max(most, other.law.edges);
+    }
+    if (law.edges >= least / same_size && law.edges <= most * same_size) return {};
+    return least == most ? formatted("measured with %.3g edges alone", least)
+                         : formatted("measured with %.3g to %.3g edges", least, most);
+}
+
 template <class Table, class Law>
 std::optional<Found> look_up(const Table& table, const Law& law) {
     const auto* row = table.nearest(law);
     if (row == nullptr) return {};
     const std::optional<Surplus> surplus = table.find(law);
     Found found{surplus.value_or(Surplus{row->surplus, row->deviation}), surplus.has_value(), {}};
-    const std::string other = joined(differences(row->law, law), " and ");
+    Law near = row->law;
+    if (surplus) found.remark = measured_edges(table.rows(), *row, law);
+    if (!found.remark.empty()) near.edges = law.edges;
+    const std::string other = joined(differences(near, law), " and ");
     if (!surplus) found.remark = "no row; that of " + (other.empty() ? "the nearest" : other);
-    else if (!other.empty()) found.remark = "between rows; " + other + formatted(": %.2f", row->surplus);
+    else if (!other.empty())
+        found.remark +=
+            formatted("%sbetween rows; %s: %.2f", found.remark.empty() ? "" : "; ", other.c_str(), row->surplus);
     return found;
 }
 
