@@ -103,7 +103,9 @@ double CurvedFan::find_gaps(double weight) {
 /// eliminated, each coupled to the next one and to the last, which closes the chain.
 bool CurvedFan::find_change() {
     const std::vector<FanBody>& bodies = problem_->bodies;
-    const std::size_t n = bodies.size(), last = n - 1;
+    const std::size_t n = bodies.size();
+    std::size_t last = n - 1;  // of the chain: obstacles behind it, whose motion is given, couple to nothing
+    while (last > 0 && bodies[last].inverse_mass.isZero(0)) --last;
     std::vector<Vec2>& change = change_.velocity;
     blocks_.assign(n, {}), change.resize(n);
     const auto is_free = [&](std::size_t body) -> Vec2 {
