@@ -1,6 +1,7 @@
 #include "stepper/islands.hpp"
 
 #include "base/parallel.hpp"
+#include "stepper/common/changing_friction.hpp"
 #include "stepper/common/elastic_energy.hpp"
 #include "stepper/common/mean_motions.hpp"
 #include "stepper/common/pieces_of_body.hpp"
@@ -214,6 +215,7 @@ StepReport Islands::take_micro_steps(double h) {
         account_exchange(kick, works);
         for (std::size_t o = 0; o < mean_reaction_.size(); ++o)
             mean_reaction_[o] += kick / h * next_.obstacles[o].reaction;
+        if (follows_slip(part_.model)) follow_slip(part_.model, now_, next_);
         next_.time = now_.time + drift, next_.last_step = drift, next_.n_steps = now_.n_steps + 1;
         given += kick;
         if (works.micro_steps == 0)
@@ -270,7 +272,8 @@ void Islands::advance(double h, State& end, StepReport& report) {
     if (report.rejection != Rejection::none) return;
     for (std::size_t o = 0; o < mean_reaction_.size(); ++o) end.obstacles[o].reaction += mean_reaction_[o];
     write_back(part_, now_, model_, end);
-    rigid_.retire(end);
+    const std::vector<Retirement> marked = end.retired;  // with those of the micro steps
+    rigid_.retire(marked, end);
     take_contacts(h, now_.last_step, end);
     end.free_pieces.clear(), end.viscous_stress.clear();
 }

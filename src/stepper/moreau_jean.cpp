@@ -24,8 +24,7 @@ MoreauJean::MoreauJean(const Model& model, const SchemeOptions& options) : model
     if (!changes()) make_scheme(options.takes_implicit_steps());
     if (options.rigid.active()) rigid_ = std::make_unique<RigidScheme>(model, options);
     if (model.heat) heat_.emplace(model);
-    friction_follows_slip_ =
-        std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.slip_distance > 0; });
+    friction_follows_slip_ = follows_slip(model);
 }
 
 MoreauJean::~MoreauJean() = default;

@@ -15,6 +15,10 @@ namespace knap {
 /// so that S_1 f(p_1/S_1) + S_2 f(p_2/S_2) = (S_1 + S_2) f((p_1 + p_2)/(S_1 + S_2)), however they share it.
 double pressed_area(const Model& model, const State& begin, const Fan& fan, const FanPoint& point);
 
+/// Friction of a law changes with the way of the slip.
+inline bool follows_slip(const Model& model) {
+    return std::ranges::any_of(model.laws, [](const CohesiveLaw& law) { return law.slip_distance > 0; });
+}
 /// The ways of all slips over a step, PointState::slid of `end`, where friction follows them: of points and of sides
 /// that were one point before it retired.
 void follow_slip(const Model& model, const State& begin, State& end);

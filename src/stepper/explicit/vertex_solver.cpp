@@ -371,6 +371,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             const CohesiveLaw& law = law_of(model_, step.begin, point);
             const double area = point.area * end.strength_factor(f);
             PointState& state = end.points[end.first_point[rank] + i];
+            state.largest_opening = largest_opening(f, i, step.begin), state.slid = slid(f, i, step.begin);
             state.traction =
                 Vec2(found.contact - found.cohesive_impulse, found.tangential) / (step.kick_time * point.area);
             if (link.unbreakable) {
@@ -392,7 +393,7 @@ void VertexSolver::advance(Index rank, const ExplicitStep& step, Workspace& work
             const double middle = law.equivalent_opening(u_N - 0.5 * step.drift_time * n.dot(after),
                                                          u_T - 0.5 * step.drift_time * t.dot(after));
             state.largest_opening =
-                law.largest_opening(largest_opening(f, i, step.begin),
+                law.largest_opening(state.largest_opening,
                                     law.unloading == Unloading::vertical ? law.equivalent_opening(u_N, u_T) : middle);
             account_cohesion(point, law,
                              {.area = area,

@@ -43,7 +43,6 @@ void RigidContacts::renew(const State& begin) {
             if (piece(point.before) != piece(point.after)) points_.push_back({f, static_cast<Index>(j)});
         }
     }
-    had_points_ = !points_.empty();
 }
 
 /// When all its terms are there.
@@ -473,7 +472,8 @@ void RigidContacts::finish(const RigidStep& step, const std::vector<MovingBody>&
                            StepReport& report) const {
     // impulses are kept as forces times the step; before a step of the deformable body as forces
     const double lasting = (step.closing ? 1 : step.drift_time) / step.kick_time;
-    if (meets_faces()) end.face_contacts.clear();
+    // a piece alone keeps what it knows of its own faces, unless they meet in an island
+    if (meets_faces() || std::ranges::any_of(bodies, &MovingBody::deformable)) end.face_contacts.clear();
     end.obstacle_contacts.clear(), end.impacts.clear();
     for (const Row& row : rows_) {
         const Sides sides = sides_of(row, bodies);

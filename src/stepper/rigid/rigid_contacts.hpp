@@ -80,8 +80,8 @@ public:
     void add_wrenches(const std::vector<MovingBody>& bodies, std::vector<Vec3>& wrench) const;
     /// Points that retired bear nothing any more.
     void release_retired(State& end) const;
-    /// When the pieces became rigid, broken points lay between them that might retire since.
-    bool had_points() const { return had_points_; }
+    /// Broken points lie between the pieces that may retire in this step.
+    bool has_points() const { return !points_.empty(); }
 
 private:
     using Row = RigidRow;
@@ -135,7 +135,6 @@ private:
     const State* begin_ = nullptr;
     Index n_pieces_ = 0;
     std::vector<Point> points_;
-    bool had_points_ = false;
     double weakest_ = 0;       // [m/s] smallest sigma_c/(rho c) of all pieces
     std::vector<Vec3> kicks_;  // [m/s, m/s, rad/s] per piece: what loads add to its velocity in the step
     std::vector<Row> rows_;

@@ -204,14 +204,16 @@ StepReport RigidScheme::end_step(StepReport report, State& end) {
     const bool moves_alone = std::ranges::any_of(deformable_, [](auto piece) { return piece != 0; });
     if (moves_alone || end.frozen != step.begin.frozen || end.displacement.size() != step.begin.displacement.size())
         end = step.begin;
+    else
+        end.points = step.begin.points, end.retired = step.begin.retired;  // islands of a rejected step changed them
     move_pieces(step, end, report);
-    if (!moves_alone) retire(end);
+    if (!moves_alone) retire(step.begin.retired, end);
     return report;
 }
 
-void RigidScheme::retire(State& end) const {
-    if (!contacts_.had_points()) return;
-    retire_points(model_, trial_->begin.retired, end);
+void RigidScheme::retire(const std::vector<Retirement>& before, State& end) const {
+    if (!contacts_.has_points()) return;
+    retire_points(model_, before, end);
     contacts_.release_retired(end);
 }
 
@@ -251,7 +253,6 @@ void RigidScheme::move_pieces(const RigidStep& step, State& end, StepReport& rep
     const State& begin = step.begin;
     const FrozenBody& body = *begin.frozen;
     const std::size_t n_pieces = body.pieces.size();
-    if (contacts_.had_points()) end.points = begin.points;
     wrench_.assign(bodies_.size(), Vec3::Zero());
     contacts_.add_wrenches(bodies_, wrench_);
     of_obstacles_.assign(wrench_.begin() + static_cast<std::ptrdiff_t>(n_pieces), wrench_.end());

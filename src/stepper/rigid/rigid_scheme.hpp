@@ -52,8 +52,8 @@ public:
     const RigidContacts& contacts() const { return contacts_; }
     const std::vector<MovingBody>& bodies() const { return bodies_; }
     const Vec3& load_on(Index piece) const { return load_[piece]; }  // [N, N, N m]
-    /// Faces that came apart between pieces, after all of them have moved.
-    void retire(State& end) const;
+    /// Faces that came apart between pieces, after all of them have moved; `before`: the marks until then.
+    void retire(const std::vector<Retirement>& before, State& end) const;
 
     /// From rigid pieces to a deformable state with velocities of its time: a step of nearly no length, with the kick
     /// of half of the step before; `h` [s], as MoreauJean::close_leapfrog.

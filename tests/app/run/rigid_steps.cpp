@@ -21,4 +21,18 @@ TEST_CASE("rigid pieces: a step is divided where faces that meet move by more th
     }
 }
 
+TEST_CASE("rigid pieces: friction that follows the slip does so in each step of an island") {
+    const Folder folder("rigid weakening");
+    const auto way = [&](const std::string& thaw) {
+        const std::string text = scene(
+            block("b", "0, 1e-4", "0.4, 0.4", "crack = [{ points = [[0, 0.2], [0.4, 0.2]] }]\n") +
+                ground("friction = 2\n") + "[[load]]\nacceleration = [5.5, -8]\n",
+            "hold = 1e6\nthaw = " + thaw + "\n", "0.05", weak + "kinetic_friction = 0.1\nslip_distance = 0.003\n");
+        REQUIRE(run_to_end(folder, text).code == 0);
+        const knap::History pieces = table(folder, "fragments.csv");
+        return pieces.column("centre_x")[0] - pieces.column("centre_x")[1];
+    };
+    CHECK(way("0.01") == doctest::Approx(way("0")).epsilon(1e-4));
+}
+
 }  // namespace rigid_steps_test
