@@ -360,6 +360,9 @@ void print_run(const Scenario& scenario, const Model& model, const StepPlan& pla
                     range(cost.least(), cost.total(), 3).c_str(), time(cost.model).c_str(),
                     range(cost.least_steps, cost.steps, 2).c_str(), time(cost.frames).c_str(),
                     time(cost.figures).c_str(), time(cost.lines).c_str());
+        if (cost.search > 0)
+            std::printf("  of it the search for the equilibrium at the start %s%s\n", time(cost.least_search).c_str(),
+                        cost.search > cost.least_search ? (" to " + time(cost.search)).c_str() : "");
         if (is_range)
             std::printf(
                 "  a step takes %s now (measured%s) while nothing breaks and no contact changes, the first number; "

@@ -3,7 +3,7 @@
 namespace knap {
 
 HeatStep::HeatStep(const Model& model)
-    : model_(model), is_constant_(!model.heat->conduction && model.heat->field.is_constant()) {
+    : model_(model), is_constant_(!model.heat->changes()) {
     if (model.heat->conduction) conduction_.emplace(model);
 }
 

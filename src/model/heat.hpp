@@ -57,6 +57,8 @@ struct Heat {
     double time_factor = 1;           // [-] heat runs so many times faster than the motion
     int every = 10;                   // mechanical steps of the explicit bulk for one of the heat
 
+    /// Whether temperatures may be others after the start.
+    bool changes() const { return conduction || !field.is_constant(); }
     /// [K] A prescribed temperature of value `value`, with a factor of its history.
     double follow(double value, double factor) const { return reference + factor * (value - reference); }
     double field_at(const Vec2& place, double t, double factor) const {

@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* magic = "knap-checkpoint";
-constexpr int format_number = 37;
+constexpr int format_number = 38;
 constexpr std::size_t longest_line = 300;
 
 std::string program() { return version() + "-" + git_hash() + (git_dirty() ? "-changed" : ""); }

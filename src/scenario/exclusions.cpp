@@ -65,7 +65,8 @@ std::span<const Exclusion> exclusions() {
          "traces cut the shape before it is meshed, and the mesh of a file is given; [[mesh.joint]] makes its curves "
          "joints"},
         {"[[inclusions]]", "mesh.file", "they cut the shape before it is meshed, and the mesh of a file is given"},
-        {"[rigid]", "[heat]", "temperatures go on straining a piece, and a rigid one has no strains of its own"},
+        {"[rigid]", "[heat] that changes",
+         "such temperatures go on straining a piece, and a rigid one has no strains of its own"},
         {"[rigid]", "[[pressure]]", "a fluid opens cracks without any contact, and a rigid piece has no stresses"},
         {"[[pressure]] rate", "[contact]",
          "faces that part from each other would let a volume of the fluid escape that nobody "

@@ -456,8 +456,8 @@ void add_keys_of_loads(KeyTable& t) {
     t.table("rigid", "pieces of the body move as rigid ones, in steps of milliseconds, while nothing can break them: "
         "free flight, sliding, rolling, rest. A harder blow makes a piece deformable until it has not broken for a "
         "while (with supports and free obstacles all pieces). The energy of a vibration that ends so is "
-        "`vibration_booked`. It needs [contact], and loads that are accelerations; without this table all is "
-        "deformable always");
+        "`vibration_booked`. It needs [contact], loads that are accelerations, and temperatures that stay; what "
+        "else a rigid piece does not know is in the table at the end; without this table all is deformable always");
     t.number("step", "s", "largest step of rigid pieces; it is divided where faces that meet move by more than a "
         "fifth of an edge, and what passes others by more than an edge, down to half the stable step of the mesh. "
         "Velocities and kinetic energies of tables are those of the middle of the last step (leapfrog): of what "

@@ -34,7 +34,8 @@ void add_keys_of_run(KeyTable& t) {
     t.number("quiet_below", "", "kinetic energy over strain energy and energy of broken interfaces, below which the "
         "body counts as quiet, so that implicit steps go on, unless it exceeds this part of the strain energy alone "
         "and still halves within quiet_for; both energies count as at least the fracture energy of the weakest "
-        "point; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
+        "point. Motion whose kinetic energy would change by no more in the largest step (a slide at one speed) counts "
+        "as quiet, too; with bulk = \"auto\"").above(0).below(1).otherwise("1e-4")
         .to(&SchemeChangeOptions::quiet_below);
     t.number("quiet_for", "s", "time for which it must be quiet; with bulk = \"auto\"").above(0)
         .computed("two passages of a shear wave through all of the body").to(&SchemeChangeOptions::quiet_for);
@@ -77,9 +78,11 @@ void add_keys_of_run(KeyTable& t) {
     t.word("start", {"rest", "equilibrium", "run:*"}, "initial state: undeformed; in static equilibrium with the loads "
         "at t = 0, held by supports, contact, friction and cohesion; or \"run:DIR@40us\": the state of the run in DIR, "
         "relative to the scenario file, at that time (of output.states, or of a checkpoint), with its damage and its "
-        "energy balance. Rotations may be large instead of small, [contact] may be added, [heat] left out or frozen; "
-        "else the body must be the same. Loads, time, outputs and driven motions may be others; the time "
-        "counts from 0 again")
+        "energy balance. Rotations may be large instead of small; [contact], [rigid], and obstacles behind those that "
+        "were there may be added; [heat] may be left out where no law follows the temperature, or frozen; an "
+        "[[excavation]] that comes after the end of the other run may have another time; else the body must be the "
+        "same. Loads, [time] but its mass, outputs, probes, limits and motions of obstacles may be others; the time "
+        "counts from 0 again, and with it times of results: what happened before the start has a negative one")
         .otherwise("rest").to(&TimeOptions::start_in_equilibrium, {false, true, false});
     t.word("assumption_1", {"respect", "ignore"}, "steps of the implicit cohesion that may have several solutions "
         "(softening faster than the step resolves): repeat with a smaller step, or accept one of the solutions")

@@ -72,7 +72,8 @@ void read_rigid(Reading& reading) {
         if (is_there) table.exclude("", "[rigid]", other, cure + ", or no [rigid]");
     };
     share_restitution(reading.table("contact"), scenario.obstacles);
-    exclude(reading.table("heat").given(), "[heat]", "no [heat]");
+    exclude(scenario.heat && scenario.heat->changes(), "[heat] that changes",
+            "temperatures that stay (those of another run: time.start and temperature = \"frozen\")");
     exclude(!scenario.crack_pressures.empty(), "[[pressure]]", "no [[pressure]]");
     exclude(!scenario.initial_stresses.empty(), "[[initial]] stress", "no stress in [[initial]]");
     exclude(!scenario.excavations.empty(), "[[excavation]]", "no [[excavation]]");

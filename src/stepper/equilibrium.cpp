@@ -27,13 +27,17 @@ namespace {
 // The step size, in passages of a wave through the body, grows until it is the largest or the solver rejects it:
 // a slender body on few supports needs a large one, but what moves far in a step, and a free body moves with its
 // square, takes the digits that the solver needs. Nearer to equilibrium less moves, so it is tried again after some
-// steps.
+// steps. A piece that moves as a rigid body, and in the next size would move too far for its contacts, gets another
+// step of this size: on a slope that does not hold it the same force stays, and the search ends before large steps are
+// tried, which slide and cost a hundred times as much.
 constexpr double first_step = 1, last_step = 1e4, growth = 10;
 constexpr int max_steps = 200, max_rounds = 100;
 constexpr double accepted_residual = 1e-9;  // where rounding prevents less
 constexpr double jammed = 3;  // a large step that increases this force by more has jammed the body, with friction
 constexpr double follows_body = 10, closes_gap = 0.05;  // [-] of displacements; of the half width of an obstacle
 constexpr double stays = 0.95;                          // a step that leaves more of it changes nothing
+constexpr double too_far = 0.05;  // [-] of the longest edge: more than contacts may move in a step
+constexpr double slides = 0.999;  // as `stays`, of a rigid piece: a spring that holds it within half an edge leaves less
 
 /// The model at one moment for ever, without restitution, which would delay a contact by a step.
 Model frozen(const Model& model, double time) {
@@ -65,6 +69,13 @@ double passage_time(const Model& model) {
     double speed = 0;
     for (const Elastic& material : model.materials) speed = std::max(speed, material.dilatational_speed(model.plane));
     return speed > 0 ? bounding_box(model.mesh.vertices).extent().norm() / speed : 1;
+}
+
+double longest_edge(const Mesh& mesh) {  // [m]
+    double longest = 0;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (Index k = 0; k < 3; ++k) longest = std::max(longest, mesh.side_vector(t, k).norm());
+    return longest;
 }
 
 void stop(State& state) {
@@ -372,13 +383,13 @@ std::string EquilibriumSearch::overloaded(const State& now, double h) const {
 /// With small rotations, from `now` on.
 bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
     const Model& model = still_->model;
-    const double passage = passage_time(model);
+    const double passage = passage_time(model), farthest = too_far * longest_edge(model.mesh);
     State next;
     // what is in equilibrium but for its damage needs the largest step, whose solution depends on no way
     double h = (interfaces == Interfaces::softening ? last_step : first_step) * passage;
     double part = 1;             // of the loads, carried by inertia
     int patience = 2, wait = 0;  // steps without growth after a rejection
-    bool once_more = false;
+    bool once_more = false, again = false;  // again: a step of the same size tells whether a piece goes on moving
     for (int step = 0; part > relative_tolerance; ++step) {
         next.temperature = now.temperature;
         const StepReport report = still_->scheme.step(now, h, next);
@@ -392,11 +403,12 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
             // no size was solved: which ones are depends on where friction cycles, so others are tried from above
             if (rejected && smallest) once_more = true, h = last_step * passage;
             else h /= once_more ? std::sqrt(growth) : growth;
-            wait = patience *= 2;
+            wait = patience *= 2, again = false;
             continue;
         }
         if (report.softened > 0 && interfaces == Interfaces::intact) return false;
-        const bool stalled = after > stays * part;
+        const double leaves = after / part;
+        const bool stalled = leaves > stays;
         part = after;
         std::swap(now, next);
         const ObstacleState* const obstacle = inertia.obstacle ? &now.obstacles[*inertia.obstacle] : nullptr;
@@ -406,7 +418,7 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
         stop(now);
         if (stalled && part <= accepted_residual) break;
         const double largest = wait > 0 ? h : last_step * passage;
-        const bool ends = (stalled && h >= largest) || step == max_steps;
+        const bool ends = (stalled && h >= largest) || (again && leaves > slides) || step == max_steps;
         if (ends && obstacle)
             no_equilibrium(formatted("nothing holds the free obstacle `%s`, it would move away with %.3g m/s2",
                                      model.obstacles[*inertia.obstacle].name.c_str(), acceleration),
@@ -415,7 +427,9 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
             no_equilibrium(interfaces == Interfaces::softening ? overloaded(now, h)
                                                                : unheld(next, now, acceleration, inertia.fastest),
                            model.mesh.corner(inertia.fastest));
-        h = std::min(growth * h, largest);
+        const Motion motion = obstacle ? Motion{.bends = true} : motion_of(model, next, now, inertia.fastest);
+        again = !motion.bends && growth * growth * motion.largest > farthest && model.faces_meet();
+        if (!again) h = std::min(growth * h, largest);
         wait = std::max(0, wait - 1);
     }
     return true;

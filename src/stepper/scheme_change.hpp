@@ -19,6 +19,10 @@
 //                            point) and halves within every quiet_for, damping and contacts still bring them to
 //                            rest, and explicit steps go on. An implicit stage that lasts no longer than this
 //                            waiting time doubles the next one, up to 16 times.
+//                            Motion that is steady is as good as rest: what slides or drifts with the same speed,
+//                            whose kinetic energy would change by quiet_below U in the largest step at the rate of the
+//                            last quiet_for. From then on until it is quiet, implicit steps judge the change of the
+//                            kinetic energy in a step in the place of the energy.
 //
 // Between steps the explicit scheme has velocities of the middle of the last step, the implicit one those of its end:
 //
@@ -39,6 +43,7 @@ namespace knap {
 
 struct SchemeChangeOptions {
     double explicit_step = 0;   // [s] 0: the run has one scheme
+    double largest_step = 0;    // [s] implicit
     double quiet_below = 1e-4;  // [-] kinetic energy over U of a body at which large steps go on
     double quiet_for = 0;       // [s] for which it must be quiet
     double weakest_point = 0;   // [J] fracture energy of a point: motion that is small against it breaks nothing
@@ -87,7 +92,7 @@ public:
     template <class Archive>
     void serialize(Archive& archive) {
         archive(surface_, strain_, quiet_since_, busy_until_, changed_, patience_);
-        archive(at_rest_, calms_down_, kinetic_, look_again_);
+        archive(at_rest_, calms_down_, steady_, kinetic_, least_, most_, look_again_);
     }
 
 private:
@@ -103,7 +108,9 @@ private:
     double patience_ = 1;              // [-]
     bool at_rest_ = false;             // the kinetic energy is below a part of the strain energy alone
     bool calms_down_ = true;           // it has halved within quiet_for
-    double kinetic_ = infinity;        // [J] when that was looked at
+    bool steady_ = false;              // it hardly changed within quiet_for, and has not been quiet since
+    double kinetic_ = infinity;        // [J] when that was looked at; of implicit steps after the last one
+    double least_ = infinity, most_ = 0;  // [J] since then
     double look_again_ = 0;            // [s]
 };
 

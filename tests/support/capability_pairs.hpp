@@ -103,6 +103,7 @@ inline std::vector<CapabilityPair> capability_pairs() {
 inline bool is_excluded(const CapabilityPair& pair) {
     const auto is = [](std::size_t i, std::string_view name) {
         const auto& [own, needs] = capabilities[i];
+        if (name == "[heat] that changes") name = "[heat]";
         return own == name || needs == name || (own == "[rigid]" && name == "rotation = \"large\"") ||
                own.starts_with(std::string(name) + " =");
     };

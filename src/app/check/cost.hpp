@@ -20,6 +20,7 @@ struct Cost {
     double first_step = 0;      // [s] processor time of a step at the start; NaN: given up, and so are steps and total
     double given_up_after = 0;  // [s] processor time
     double least_steps = 0;     // [s] of `steps`; equal where there is no range
+    double search = 0, least_search = 0;  // [s] of the equilibrium at the start
     double stage = 0;           // [s] with bulk = "auto": the shortest stage of explicit steps
     double mean_over_first = 1;
     double rigid_steps = 0;       // [s] with [rigid]: of steps if all is rigid
@@ -28,8 +29,8 @@ struct Cost {
     double n_frames = 0;
     double memory = 0, disk = 0;  // [MB] at most
     double least_memory = 0;      // [MB] with [adapt], where no crack branches
-    double total() const { return model + steps + frames + figures + lines; }
-    double least() const { return total() - steps + least_steps; }
+    double total() const { return model + search + steps + frames + figures + lines; }
+    double least() const { return total() - steps + least_steps - search + least_search; }
 };
 
 /// `model_seconds`: processor time of mesh and model; `measure_for` [s]: minimum processor time of the measured steps.

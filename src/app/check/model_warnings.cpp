@@ -167,7 +167,7 @@ public:
 
     void on_heat(double step) {
         const bool is_explicit = !scenario_.time.scheme.takes_implicit_steps();
-        const bool changes = scenario_.heat && (scenario_.heat->conduction || !scenario_.heat->field.is_constant());
+        const bool changes = scenario_.heat && scenario_.heat->changes();
         if (is_explicit && changes && 20 * scenario_.heat->every * step > scenario_.time.end)
             add("heat.every", "heat", "temperatures change fewer than 20 times until `time.end`",
                 formatted("at most %.2g", std::max(1.0, scenario_.time.end / (20 * step))));

@@ -476,6 +476,8 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
             other.emplace(file->bytes, origin, scenario, model, excavations, adaptation);
             renew(stepper, model, scenario.time.scheme, plan.limits);
         }
+        if (scenario.time.start_in_equilibrium && !place.resumes() && !options.quiet)
+            std::fputs("searching for the equilibrium at the start\n", stderr);
         Run run({scenario, model, plan, options, directory, origin}, stepper, std::move(excavations),
                 std::move(adaptation), place, record, clock, other ? &*other : nullptr);
         if (other) run.start_from(*other, jumps_text(read, model, *other, plan.limits.largest));

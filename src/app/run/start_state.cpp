@@ -220,7 +220,8 @@ RunOrigin origin_of(const ReadResult& read) {
             read, text,
             "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, "
             "probes, limits and expectations may be others. Large rotations, [contact], [rigid], and obstacles "
-            "behind those that were there may be added, [heat] left out; not the reverse: what has turned "
+            "behind those that were there may be added, [heat] left out where no law follows the temperature, or "
+            "frozen (temperature = \"frozen\", which keeps the strengths, too); not the reverse: what has turned "
             "would be strained, what rests on free faces or obstacles would fall through them, and what is "
             "rigid has no strains. An [[excavation]] must be in both, since the mesh follows its outline: "
             "with an `at` after the end of the first run");

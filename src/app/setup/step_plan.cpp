@@ -128,7 +128,7 @@ StepPlan plan_steps(const TimeOptions& time, double stable_step, double until) {
     count("time.step_cracking", time.end, cracking, "use a larger time.step_cracking, or a smaller time.end");
     const double end = std::min(time.end, until);
     SchemeChangeOptions change = time.change;
-    change.explicit_step = changes ? time.safety * stable_step : 0;
+    change.explicit_step = changes ? time.safety * stable_step : 0, change.largest_step = std::min(step, end);
     return {.limits = {.largest = step,
                        .cracking = std::min(cracking, step),
                        .smallest = std::min(smallest, step),

@@ -1,6 +1,7 @@
 #include "stepper/rigid/freeze.hpp"
 
 #include "element/elastic_forces.hpp"
+#include "element/thermal_stress.hpp"
 #include "stepper/common/mean_motions.hpp"
 #include "stepper/common/pieces_of_body.hpp"
 #include "stepper/common/surface_energy.hpp"
@@ -120,9 +121,15 @@ FrozenPieces freeze(const Model& model, State& state) {
     const ElasticForces elastic(mesh, model.materials, model.plane, model.thickness, model.large_rotation);
     std::array<Vec2, 3> force;  // of first order, since rotations are large
     std::vector<std::uint8_t> unused;
+    const auto strain_of = [&](Index t) -> double& { return body->pieces[body->piece_of_triangle[t]].strain; };
     for (Index t = 0; t < mesh.n_triangles(); ++t)
-        body->pieces[body->piece_of_triangle[t]].strain +=
-            elastic.evaluate(t, t + 1, state.displacement, state.node_of_corner, force.data(), unused);
+        strain_of(t) += elastic.evaluate(t, t + 1, state.displacement, state.node_of_corner, force.data(), unused);
+    if (state.temperature) {
+        const ThermalStress thermal(mesh, model.materials, model.plane, model.thickness, model.large_rotation);
+        for (Index t = 0; t < mesh.n_triangles(); ++t)
+            strain_of(t) +=
+                thermal.energy(t, t + 1, state.displacement, state.node_of_corner, state.temperature->strain);
+    }
     for (const FrozenBody::Piece& piece : body->pieces) frozen.strain += piece.strain;
     const StepReport surface = surface_energy(model, state);
     body->dissipated = surface.dissipated, body->recoverable = surface.recoverable;

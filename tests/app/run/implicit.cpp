@@ -366,4 +366,21 @@ fields = false
     CHECK(text_of(folder.path / "run/log.txt").find("cutback") == std::string::npos);
 }
 
+// Friction 0.3 of 10 kN on 10 mm/s: 30 W. An explicit step is 0.13 ms long.
+TEST_CASE("a block that is pushed at a steady speed takes implicit steps of auto and friction takes mu N v") {
+    const Folder folder("steady slide");
+    std::ofstream(folder.path / "s.toml")
+        << "knap = 1\n[domain]\nrotation = \"large\"\n[mesh]\nsize = 0.25\n[material.rock]\ndensity = 2000\nE = 1e9\n"
+           "nu = 0.2\n[interface.default]\nbreakable = false\n[contact]\nfriction = 0.3\n[[body]]\nname = \"block\"\n"
+           "shape = \"rectangle\"\nsize = [1, 0.5]\norigin = [0, 0]\nvelocity = [0.01, 0]\n[[obstacle]]\nshape = "
+           "\"half plane\"\nat = [0, 0]\nnormal = [0, 1]\nfriction = 0.3\n[[load]]\non = \"block.left\"\nvelocity = "
+           "[0.01, \"free\"]\n[[load]]\nacceleration = [0, -10]\n[time]\nend = 10\nbulk = \"auto\"\nstep = 0.1\n"
+           "start = \"equilibrium\"\n[output]\nreport = false\nfields = false\nhistory_every = 1\n[expect]\n"
+           "energy_residual = { below = 1e-10 }\nfriction_work = { value = -300, within = \"0.01 %\" }\n";
+    const Answer answer = command("run " + folder.in_shell("s.toml") + " -q -j 1 -o " + folder.in_shell("run"));
+    CAPTURE(answer.text);
+    REQUIRE(answer.code == 0);
+    CHECK(std::stoi(answer.text.substr(answer.text.find(" after ") + 7)) < 5000);  // 79 418 explicit ones
+}
+
 }  // namespace run_implicit_test

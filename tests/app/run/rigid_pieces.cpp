@@ -559,7 +559,7 @@ TEST_CASE("rigid pieces: what they do not know is refused with the reason") {
                   "exclusive-keys", "would never break");
     check_refused(folder, scene(bodies + "[[load]]\non = \"b.top\"\nvelocity = [0, -1]\n", "", "0.1"), "exclusive-keys",
                   "a driven boundary deforms its piece");
-    check_refused(folder, scene(bodies + "[heat]\ntemperature = \"30\"\n", "", "0.1"), "exclusive-keys",
+    check_refused(folder, scene(bodies + "[heat]\ntemperature = \"30*t\"\n", "", "0.1"), "exclusive-keys",
                   "a rigid one has no strains of its own");
     std::string alone = scene(bodies, "", "0.1");
     alone.replace(alone.find("[contact]\n"), 10, "");

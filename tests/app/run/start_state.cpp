@@ -241,6 +241,7 @@ TEST_CASE("a fall starts from a slow run with heat: large rotations and contact 
     const Answer lawless = run("lawless", large + from("thaws@50s"));
     CHECK(lawless.code == 2);
     CHECK(lawless.has("`interface.default.strength_table` is [[-50, 1], [0, 0.9]] there, nothing here"));
+    CHECK(lawless.has("or frozen (temperature = \"frozen\", which keeps the strengths, too)"));
     REQUIRE(run("lawful", thawed + frozen + from("thaws@50s")).code == 0);
     CHECK(std::abs(energies("lawful").column("residual").back()) < 1e-13 * energies("thaws").column("strain").back());
 }

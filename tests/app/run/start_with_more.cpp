@@ -80,6 +80,41 @@ TEST_CASE("start with more: what falls becomes rigid and meets a floor that the 
     }
 }
 
+// The ice loses nine tenths of its strength of 1 MPa from -20 to -1 C. It meets the floor with 0.17 m/s, and a blow
+// 0.3 sigma_c/(rho c) is 0.21 m/s for the cold ice, 0.021 m/s for the warm one.
+TEST_CASE("start with more: what thawed falls as rigid pieces with the strength that its frozen temperatures left") {
+    const Folder folder("start thawed");
+    const auto ice = [](const std::string& domain, const std::string& heat, const std::string& more) {
+        return rectangle("0.1, 0.1", "0.05", domain) +
+               "[material.ice]\ndensity = 2000\nE = 1e9\nnu = 0.2\nexpansion = 1e-5\n[interface.default]\nsigma_c = "
+               "1e6\nG_c = 1000\nstrength_table = [[-20, 1], [-1, 0.1]]\n[heat]\nreference = -20\ntemperature = \"" +
+               heat + "\"\n[[load]]\nacceleration = [0, -10]\n" + more;
+    };
+    const auto falls = [&](const std::string& heat) {
+        return run(folder, "falls",
+                   ice("rotation = \"large\"\n", heat,
+                       "[contact]\n[rigid]\nstep = 1e-4\n[[obstacle]]\nshape = \"half plane\"\nat = [0, -1.5e-3]\n"
+                       "normal = [0, 1]\n[time]\nend = 0.012\n" +
+                           from(folder, "0.01")));
+    };
+    for (const bool thaws : {false, true}) {
+        CAPTURE(thaws);
+        REQUIRE(run(folder, "first", ice("", thaws ? "-20 + 1900*t" : "-20", "[time]\nend = 0.01\n")).code == 0);
+        REQUIRE(falls("frozen").code == 0);
+        const knap::History energy = knap::read_csv(folder.path / "falls/energy.csv");
+        CHECK(energy.column("kinetic").front() == doctest::Approx(0.5 * 20 * 0.01).epsilon(0.05));  // and waves
+        CHECK(largest_residual(energy) < 1e-12 * energy.column("kinetic").front());
+        const std::string results = text_of(folder.path / "falls/run.json");
+        CHECK((results.find("\"thaws\": 0,") == std::string::npos) == thaws);
+        fs::remove_all(folder.path / "falls");
+        const Answer refused = falls("-20 + 1900*t");
+        CAPTURE(refused.text);
+        CHECK(refused.code == 2);
+        CHECK(refused.has("temperatures that stay (those of another run: time.start and temperature = \"frozen\")"));
+        fs::remove_all(folder.path / "first");
+    }
+}
+
 // Turned by a = 0.03 rad, small rotations have the strain 0, large ones a^2/2 = 4.5e-4: 563 kPa with
 // E/(1 - nu) = 1.25 GPa.
 TEST_CASE("start with more: what has turned with small rotations would be strained by large ones") {
