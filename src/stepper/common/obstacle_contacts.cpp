@@ -127,11 +127,11 @@ void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3
         const MovingCorner at = moving(candidate, begin, h, corner_force);
         const std::size_t first = contacts_.size();
         for (Index o = 0; o < static_cast<Index>(surfaces_.size()); ++o) find_at_corner(at, o, begin, h, end_velocity);
-        for (std::size_t i = first; i < contacts_.size(); ++i) found_.push_back({candidate.order(), contacts_[i]});
+        for (std::size_t i = first; i < contacts_.size(); ++i) found_.push_back({{candidate.order(), i}, contacts_[i]});
     };
     for (const Candidate& candidate : boundary_) look_from(candidate);
     for (const Index f : begin.split_fans) visit_pieces(f, begin, look_from);
-    std::ranges::stable_sort(found_, {}, &Found::order);  // few of the candidates
+    std::ranges::sort(found_, {}, &Found::order);  // few of the candidates
     std::ranges::transform(found_, contacts_.begin(), &Found::contact);
     n_at_corners_ = contacts_.size();
     open_faces_.clear();

@@ -117,7 +117,7 @@ private:
         std::int64_t order() const { return (std::int64_t(fan) << 32) + place; }
     };
     struct Found {
-        std::int64_t order;  // of its candidate
+        std::pair<std::int64_t, std::size_t> order;  // of its candidate, and among the contacts of that
         ObstacleContact contact;
     };
     /// The edge of the body to the left of a to b; of second order half of it.
