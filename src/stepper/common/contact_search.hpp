@@ -4,6 +4,8 @@
 #include "base/vec.hpp"
 
 #include <cmath>
+#include <span>
+#include <vector>
 
 namespace knap {
 
@@ -26,6 +28,9 @@ struct LargestMotion {
         if (other.value > value) *this = other;
     }
 };
+
+/// [m/s, m/s, rad/s] What is added to the velocities of rigid pieces in a step: sets by their causes, per piece each.
+using AddedRates = std::span<const std::vector<Vec3>>;
 
 /// [m/s] Of any place in a body with these rates [m/s, m/s, rad/s], at most; `radius` [m] about its centre.
 inline double largest_speed(const Vec3& rates, double radius) {

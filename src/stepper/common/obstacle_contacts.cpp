@@ -101,9 +101,11 @@ void ObstacleContacts::visit_pieces(Index f, const State& begin, const Visit& vi
 }
 
 void ObstacleContacts::find(const State& begin, double h, const std::vector<Vec3>& end_velocity,
-                            const std::vector<Vec2>& corner_force, std::span<const Vec3> kicks) {
+                            const std::vector<Vec2>& corner_force, AddedRates added) {
     contacts_.clear(), kicks_.clear(), passing_ = {};
-    for (std::size_t p = 0; p < kicks.size(); ++p) kicks_.push_back(largest_speed(kicks[p], body_->pieces[p].radius));
+    if (!added.empty()) kicks_.assign(body_->pieces.size(), 0);
+    for (const std::vector<Vec3>& rates : added)
+        for (std::size_t p = 0; p < rates.size(); ++p) kicks_[p] += largest_speed(rates[p], body_->pieces[p].radius);
     n_at_corners_ = 0;
     if (model_.obstacles.empty()) return;
     assert(end_velocity.size() == model_.obstacles.size());

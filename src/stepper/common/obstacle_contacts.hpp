@@ -81,9 +81,9 @@ public:
 
     /// All contacts that may close in a step of h [s]: first those at corners in the order of the fans, then those on
     /// edges. `end_velocity`: of the obstacles, without the contacts; `corner_force` [N]: that accelerates the corners,
-    /// may be empty; `kicks` [m/s, m/s, rad/s]: what loads add to the velocities of rigid pieces in the step.
+    /// may be empty; `added`: to the velocities of rigid pieces in the step.
     void find(const State& begin, double h, const std::vector<Vec3>& end_velocity,
-              const std::vector<Vec2>& corner_force, std::span<const Vec3> kicks = {});
+              const std::vector<Vec2>& corner_force, AddedRates added = {});
 
     /// Of a rigid piece beside an obstacle with ends or corners that it may reach in the step.
     const LargestMotion& passing() const { return passing_; }

@@ -119,7 +119,7 @@ void FaceContacts::read_boundary() {
 
 void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* corner_velocity) {
     assert(!corner_velocity || std::ssize(*corner_velocity) >= model_.mesh.n_corners());
-    contacts_.clear(), found_.clear(), refusal_.reset();
+    contacts_.clear(), found_.clear(), out_of_reach_.clear(), refusal_.reset();
     const bool boundary_changed = boundary_.update(begin.retired);
     if (boundary_changed && boundary_.changed().empty()) complete_ = false;
     if (boundary_.edges().empty()) return;
@@ -129,23 +129,25 @@ void FaceContacts::find(const State& begin, double h, const std::vector<Vec2>* c
     prune();
 }
 
-void FaceContacts::find_of_pieces(const State& begin, double h, std::span<const Vec3> kicks) {
-    kicks_ = kicks;
+void FaceContacts::find_of_pieces(const State& begin, double h, AddedRates added) {
+    added_ = added;
     find(begin, h);
-    kicks_ = {};
+    added_ = {};
 }
 
-/// [m/s] By which loads change the velocity between two corners in the step, at most.
-double FaceContacts::kick_between(Index one, Index other) const {
-    if (kicks_.empty()) return 0;
-    Vec3 between = Vec3::Zero();
-    double turning = 0;
-    for (const auto& [corner, sign] : {std::pair(one, 1), std::pair(other, -1)}) {
-        if (model_.ground_at(corner)) continue;
-        const Index p = pieces_->piece_of_triangle[model_.mesh.triangle_of(corner)];
-        between += sign * kicks_[p], turning += std::abs(kicks_[p].z()) * pieces_->pieces[p].radius;
+/// [m/s] By which the velocity between two corners changes in the step, at most.
+double FaceContacts::added_between(Index one, Index other) const {
+    double sum = 0;
+    for (const std::vector<Vec3>& rates : added_) {
+        Vec2 between = Vec2::Zero();
+        for (const auto& [corner, sign] : {std::pair(one, 1), std::pair(other, -1)}) {
+            if (model_.ground_at(corner)) continue;
+            const Index p = pieces_->piece_of_triangle[model_.mesh.triangle_of(corner)];
+            between += sign * rates[p].head<2>(), sum += std::abs(rates[p].z()) * pieces_->pieces[p].radius;
+        }
+        sum += between.norm();
     }
-    return between.head<2>().norm() + turning;
+    return sum;
 }
 
 void FaceContacts::find_deformable(const State& begin, double h) {
@@ -193,7 +195,7 @@ void FaceContacts::find_rigid(const State& begin, double h, bool boundary_change
     for (Index e = 0; e < std::ssize(edges); ++e) place_edge(e);
     if (reads) nearby_pieces_.read(edges, reference_, *pieces_);
     complete_ = true;
-    nearby_pieces_.find(edges, corners_, begin.rigid_pieces, kicks_, h);
+    nearby_pieces_.find(edges, corners_, begin.rigid_pieces, added_, h);
     near_.clear();
     nearby_pieces_.for_near([&](Index i, Index e, double reach) {
         if (may_touch(place_of_vertex(i), e, reach)) near_.push_back({i, e});
@@ -201,13 +203,13 @@ void FaceContacts::find_rigid(const State& begin, double h, bool boundary_change
     std::ranges::sort(near_, {}, [](const NearbyEdge& at) { return std::pair(at.vertex, at.edge); });
     blocks_.resize(std::max<std::size_t>(blocks_.size(), 1));
     Block& block = blocks_[0];
-    block.found.clear(), block.refusal.reset();
+    block.found.clear(), block.out_of_reach.clear(), block.refusal.reset();
     for (std::size_t k = 0; k < near_.size();) {
         const Vertex at = vertex(near_[k].vertex, begin);
         for (const Index i = near_[k].vertex; k < near_.size() && near_[k].vertex == i; ++k)
             if (!at.reflex) examine(near_[k], at, begin, h, block);
     }
-    found_.swap(block.found), refusal_ = block.refusal;
+    found_.swap(block.found), out_of_reach_.swap(block.out_of_reach), refusal_ = block.refusal;
 }
 
 /// Positions and velocities of the ends of all free edges, and the search for nearby ones where they have moved too
@@ -315,8 +317,9 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
     const double travel = h * v.norm(),
                  reach = touching_part * length +
-                         contact_reach_in_steps * (travel + h * kick_between(leaving.start, edge.start));
+                         contact_reach_in_steps * (travel + h * added_between(leaving.start, edge.start));
     const double beyond = largest_overrun(gap, reach, most, length, edge.depth) / length;
+    if (pieces_ && gap > reach) block.out_of_reach.push_back(pair);
     if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
     if (!at.cone.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;

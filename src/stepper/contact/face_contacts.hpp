@@ -69,8 +69,22 @@ public:
     /// Reads positions and velocities, State::retired and State::face_contacts. `corner_velocity` [m/s, per corner]: in
     /// place of those of the state.
     void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr);
-    /// Likewise of rigid pieces; `kicks` [m/s, m/s, rad/s, per piece]: what loads add to their velocities in the step.
-    void find_of_pieces(const State& begin, double h, std::span<const Vec3> kicks);
+    /// Likewise of rigid pieces; `added`: to their velocities in the step.
+    void find_of_pieces(const State& begin, double h, AddedRates added);
+    /// Of the last search: a pair of rigid pieces that was out of reach overlaps once corners have moved by
+    /// moved(corner) [m].
+    template <class Moved>
+    bool misses(const State& begin, const Moved& moved) const {
+        return std::ranges::any_of(out_of_reach_, [&](const NearbyEdge& pair) {
+            const FreeEdge &edge = boundary_.edges()[pair.edge], &leaving = boundary_.edges()[pair.vertex];
+            const PlacedEdge then =
+                placed_edge(start_of(pair.edge).x + moved(edge.start), end_of(pair.edge).x + moved(edge.end));
+            const Vec2 x = place_of_vertex(pair.vertex) + moved(leaving.start);
+            const double share = then.share(x);
+            return then.gap(x) < -touching_part * then.length && share >= 0 && share <= 1 &&
+                   vertex(pair.vertex, begin).cone.accepts(placed_[pair.edge].outward);
+        });
+    }
     /// In the order of (vertex, edge).
     std::span<const FaceContact> all() const { return contacts_; }
     /// Where the step moves a contact by more than 0.05 L (0.2 L of rigid pieces), or else where one is deeper than
@@ -92,6 +106,7 @@ private:
     };
     struct Block {
         std::vector<Found> found;
+        std::vector<NearbyEdge> out_of_reach;
         std::optional<ContactRefusal> refusal;
     };
     /// What all pairs of a vertex share.
@@ -130,7 +145,7 @@ private:
     bool place_corners(const State& begin, double h, const std::vector<Vec2>* corner_velocity, bool boundary_changed);
     void find_deformable(const State& begin, double h);
     void find_rigid(const State& begin, double h, bool boundary_changed);
-    double kick_between(Index one, Index other) const;
+    double added_between(Index one, Index other) const;
     void use_edges_of(std::size_t block);
     const CornerMotion& start_of(Index edge) const { return corners_[boundary_.edges()[edge].start_place]; }
     const CornerMotion& end_of(Index edge) const { return corners_[boundary_.edges()[edge].end_place]; }
@@ -162,20 +177,21 @@ private:
 
     const Model& model_;
     FreeBoundary boundary_;
-    std::vector<Vec2> reference_;        // [m] undeformed, of FreeBoundary::corners()
-    double longest_ = 0, total_ = 0;     // [m] lengths of free edges, undeformed
-    std::size_t n_read_ = 0;             // edges in them
-    std::vector<CornerMotion> corners_;  // as they are now
-    double reach_ = 0;                   // [m] no contact has a larger gap
-    NearbyEdges nearby_;                 // of a deformable body
-    SharedFrozenBody pieces_;            // null: it is deformable
-    std::span<const Vec3> kicks_;        // of them, in this step
-    NearbyPieces nearby_pieces_;         // of rigid ones
-    std::vector<NearbyEdge> near_;       // likewise, in this step
-    bool complete_ = false;              // what is nearby knows all edges
-    std::vector<std::uint8_t> is_used_;  // per edge: in used_
-    std::vector<Index> used_;            // edges near others
-    std::vector<PlacedEdge> placed_;     // per edge; those in used_
+    std::vector<Vec2> reference_;           // [m] undeformed, of FreeBoundary::corners()
+    double longest_ = 0, total_ = 0;        // [m] lengths of free edges, undeformed
+    std::size_t n_read_ = 0;                // edges in them
+    std::vector<CornerMotion> corners_;     // as they are now
+    double reach_ = 0;                      // [m] no contact has a larger gap
+    NearbyEdges nearby_;                    // of a deformable body
+    SharedFrozenBody pieces_;               // null: it is deformable
+    AddedRates added_;                      // to their velocities, in this step
+    NearbyPieces nearby_pieces_;            // of rigid ones
+    std::vector<NearbyEdge> near_;          // likewise, in this step
+    std::vector<NearbyEdge> out_of_reach_;  // of them
+    bool complete_ = false;                 // what is nearby knows all edges
+    std::vector<std::uint8_t> is_used_;     // per edge: in used_
+    std::vector<Index> used_;               // edges near others
+    std::vector<PlacedEdge> placed_;        // per edge; those in used_
     std::vector<Motion> partial_;
     std::vector<Block> blocks_;
     std::vector<Found> found_;

@@ -54,14 +54,14 @@ void NearbyPieces::read(std::span<const FreeEdge> edges, std::span<const Vec2> u
 }
 
 void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-                              std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h) {
+                              std::span<const RigidPiece> pieces, AddedRates added, double h) {
     Vec2 mean = Vec2::Zero();  // velocity: what the pieces have in common brings none nearer to another one
     for (const RigidPiece& piece : pieces) mean += piece.velocity / static_cast<double>(pieces.size());
     boxes_.resize(outlines_.size());
     for (const Index p : order_) {
         const Outline& outline = outlines_[p];
         Box& box = boxes_[p] = {Vec2::Constant(infinity), Vec2::Constant(-infinity),
-                                (touching_part + largest_motion) * outline.longest};
+                                (touching_part + largest_rigid_motion) * outline.longest};
         double fastest = 0;  // [m/s] of the corners
         for (Index k = outline.first_edge; k < outline.last_edge; ++k)
             for (const Index end : {edges[edges_[k]].start_place, edges[edges_[k]].end_place}) {
@@ -72,7 +72,8 @@ void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const C
         box.room +=
             h * (is_rigid ? (pieces[p].velocity - mean).norm() + prolonged * std::abs(pieces[p].spin) * outline.radius
                           : std::sqrt(fastest));
-        if (p < std::ssize(kicks)) box.room += h * largest_speed(kicks[p], prolonged * outline.radius);
+        for (const std::vector<Vec3>& rates : added)
+            if (p < std::ssize(rates)) box.room += h * largest_speed(rates[p], prolonged * outline.radius);
     }
 }
 
@@ -111,12 +112,11 @@ void NearbyPieces::find_pairs() {
 }
 
 void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-                        std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h) {
-    find_boxes(edges, corners, pieces, kicks, h);
+                        std::span<const RigidPiece> pieces, AddedRates added, double h) {
+    find_boxes(edges, corners, pieces, added, h);
     find_pairs();
     passing_ = {};
     const RigidPiece still;
-    const auto kick = [&](Index p) -> Vec3 { return p < std::ssize(kicks) ? kicks[p] : Vec3::Zero(); };
     const auto piece = [&](Index p) -> const RigidPiece& { return p < std::ssize(pieces) ? pieces[p] : still; };
     for (Pair& pair : pairs_) {
         const RigidPiece &one = piece(pair.of[0]), &two = piece(pair.of[1]);
@@ -124,12 +124,16 @@ void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerM
                      longest = std::max(outlines_[pair.of[0]].longest, outlines_[pair.of[1]].longest);
         const Vec2 between = two.centre - one.centre, offset = Rotation::by(one.angle).turned_back(between);
         const double turn = two.angle - one.angle;
-        const Vec3 rates = two.rates() - one.rates(), kicked = kick(pair.of[1]) - kick(pair.of[0]);
-        const auto speed_of = [&](const Vec3& relative, double spin) {
-            return (relative.head<2>() - spin * turned_left(between)).norm() + std::abs(relative.z()) * radius;
+        const auto relative_speed = [&](const Vec3& of_one, const Vec3& of_two) {
+            const Vec3 relative = of_two - of_one;
+            return (relative.head<2>() - of_one.z() * turned_left(between)).norm() + std::abs(relative.z()) * radius;
         };
-        const double speed = speed_of(rates, one.spin) + speed_of(kicked, kick(pair.of[0]).z());
-        pair.reach = std::min((touching_part + largest_motion) * longest + h * speed,
+        double speed = relative_speed(one.rates(), two.rates());
+        for (const std::vector<Vec3>& rates : added) {
+            const auto of = [&](Index p) -> Vec3 { return p < std::ssize(rates) ? rates[p] : Vec3::Zero(); };
+            speed += relative_speed(of(pair.of[0]), of(pair.of[1]));
+        }
+        pair.reach = std::min((touching_part + largest_rigid_motion) * longest + h * speed,
                               boxes_[pair.of[0]].room + boxes_[pair.of[1]].room);
         const bool deforms = one.state == PieceState::deformable || two.state == PieceState::deformable;
         if (deforms) pair.reach = boxes_[pair.of[0]].room + boxes_[pair.of[1]].room;

@@ -17,10 +17,9 @@ class NearbyPieces {
 public:
     /// Reads the outlines. `undeformed` [m]: their corners, so that lengths do not depend on when they are read.
     void read(std::span<const FreeEdge> edges, std::span<const Vec2> undeformed, const FrozenBody& body);
-    /// Finds the pairs for a step of h [s]; `kicks` [m/s, m/s, rad/s, per piece]: what loads add to the velocities in
-    /// it, or empty.
+    /// Finds the pairs for a step of h [s]; `added`: to the velocities in it.
     void find(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-              std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h);
+              std::span<const RigidPiece> pieces, AddedRates added, double h);
     /// Of a piece relative to another one that it may reach in this step.
     const LargestMotion& passing() const { return passing_; }
     /// Calls visit(vertex, edge, reach) for all that may be near (NearbyEdges) with a reach [m] of this step, and more.
@@ -50,7 +49,7 @@ private:
         std::vector<NearbyEdge> near;
     };
     void find_boxes(std::span<const FreeEdge> edges, std::span<const CornerMotion> corners,
-                    std::span<const RigidPiece> pieces, std::span<const Vec3> kicks, double h);
+                    std::span<const RigidPiece> pieces, AddedRates added, double h);
     void find_pairs();
     /// A vertex where the outline does not protrude touches nothing that its neighbours do not touch.
     void search(Pair& pair, std::span<const FreeEdge> edges, std::span<const CornerMotion> corners) const;

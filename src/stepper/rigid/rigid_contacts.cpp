@@ -63,10 +63,10 @@ bool RigidContacts::can_break(Index body) const {
     return body < n_pieces_ && knap::can_break(begin_->frozen->pieces[body], options_);
 }
 
-void RigidContacts::add_faces(const RigidStep& step, const std::vector<MovingBody>& bodies) {
+void RigidContacts::add_faces(const RigidStep& step, AddedRates added, const std::vector<MovingBody>& bodies) {
     row_of_face_.clear();
     if (!meets_faces()) return;
-    faces_.find_of_pieces(step.begin, step.drift_time, kicks_);
+    faces_.find_of_pieces(step.begin, step.drift_time, added);
     const double scale = step.kick_time / (step.begin.last_step > 0 ? step.begin.last_step : 1);  // else a force
     row_of_face_.assign(faces_.all().size(), -1);
     for (Index i = 0; i < static_cast<Index>(faces_.all().size()); ++i) {
@@ -241,12 +241,12 @@ void RigidContacts::wake(std::vector<MovingBody>& bodies) const {
         if (woken[b]) bodies[b].asleep = false;
 }
 
-void RigidContacts::find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies) {
+void RigidContacts::find(const RigidStep& step, const ObstacleMotion& obstacles, AddedRates added,
+                         std::vector<MovingBody>& bodies) {
     begin_ = &step.begin;
-    rows_.clear(), kicks_.clear();
-    for (Index p = 0; p < n_pieces_; ++p) kicks_.push_back(bodies[p].free - bodies[p].before);
-    add_faces(step, bodies);
-    obstacle_contacts_.find(step.begin, step.drift_time, obstacles.rate(), {}, kicks_);
+    rows_.clear();
+    add_faces(step, added, bodies);
+    obstacle_contacts_.find(step.begin, step.drift_time, obstacles.rate(), {}, added);
     pairs_.find(step.begin, step.drift_time, obstacles.rate());
     add_obstacles(step, bodies);
     add_pairs(step, bodies);

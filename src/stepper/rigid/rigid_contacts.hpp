@@ -28,7 +28,20 @@ public:
     /// Reads what changed with the pieces.
     void renew(const State& begin);
     /// Finds the contacts; wakes bodies that are hit, and those that lie on them. `bodies`: pieces, then obstacles.
-    void find(const RigidStep& step, const ObstacleMotion& obstacles, std::vector<MovingBody>& bodies);
+    /// `added` [m/s, m/s, rad/s]: sets of what is added to the velocities of the pieces.
+    void find(const RigidStep& step, const ObstacleMotion& obstacles, AddedRates added,
+              std::vector<MovingBody>& bodies);
+    /// The end velocities bring faces together that were out of reach when the contacts were found; those of deformable
+    /// pieces are guesses, which count for nothing.
+    bool misses(const RigidStep& step, const std::vector<MovingBody>& bodies) const {
+        return meets_faces() && faces_.misses(step.begin, [&](Index corner) -> Vec2 {
+            if (model_.ground_at(corner) != nullptr) return Vec2::Zero();
+            const MovingBody& body = bodies[piece_of(corner)];
+            const Vec3 way =
+                body.deformable ? Vec3(step.drift_time * body.free) : Vec3(step.drift_time * body.end + body.strike);
+            return velocity_at(way, place_of(corner) - body.centre);
+        });
+    }
     /// Finds the impulses, end velocities and shifts. Returns the largest motion of faces that meet over the allowed
     /// one: a gap is linear in the turn of a piece, so what turns far counts, too, and what passes others.
     LargestMotion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
@@ -99,7 +112,7 @@ private:
         std::vector<Index> body;  // per movable body of the cluster
     };
 
-    void add_faces(const RigidStep& step, const std::vector<MovingBody>& bodies);
+    void add_faces(const RigidStep& step, AddedRates added, const std::vector<MovingBody>& bodies);
     void add_obstacles(const RigidStep& step, const std::vector<MovingBody>& bodies);
     void add_pairs(const RigidStep& step, const std::vector<MovingBody>& bodies);
     void add_points(const RigidStep& step, const std::vector<MovingBody>& bodies);
@@ -135,8 +148,7 @@ private:
     const State* begin_ = nullptr;
     Index n_pieces_ = 0;
     std::vector<Point> points_;
-    double weakest_ = 0;       // [m/s] smallest sigma_c/(rho c) of all pieces
-    std::vector<Vec3> kicks_;  // [m/s, m/s, rad/s] per piece: what loads add to its velocity in the step
+    double weakest_ = 0;  // [m/s] smallest sigma_c/(rho c) of all pieces
     std::vector<Row> rows_;
     std::vector<Index> row_of_face_;             // per contact of faces_: its row, or -1
     std::vector<std::size_t> hull_, by_bodies_;  // rows

@@ -13,6 +13,7 @@ namespace knap {
 namespace {
 
 constexpr double slow_for = 0.2;          // [s] until a piece falls asleep
+constexpr int max_searches = 3;           // of contacts in a step
 constexpr std::size_t few_pieces = 1000;  // one thread is as fast as two
 constexpr double largest_turn = 0.7;      // [rad] of a piece in a step: 40 degrees
 // [-] What contacts bear does not move from rest by more than so much of their errors, within these parts of what
@@ -182,15 +183,34 @@ void RigidScheme::find_free_motion(const RigidStep& step) {
     }
 }
 
+/// By loads, and by what the contacts found so far do to rigid pieces.
+void RigidScheme::add_rates(Vec3 MovingBody::*end) {
+    std::vector<Vec3>& rates = added_.emplace_back();
+    for (std::size_t p = 0; p < trial_->begin.rigid_pieces.size(); ++p) {
+        const MovingBody& at = bodies_[p];
+        rates.push_back((at.deformable ? at.free : at.*end) - at.before);
+    }
+}
+
+/// What contacts hand on may bring others together, which are found with these velocities.
 void RigidScheme::find_contacts(StepReport& report) {
     const RigidStep& step = *trial_;
     const OneThread alone(step.begin.rigid_pieces.size() < few_pieces);
     renew(step.begin);
-    find_free_motion(step);
-    stays_ = lies_still(step);
-    if (stays_) return;
-    contacts_.find(step, obstacles_, bodies_);
-    LargestMotion motion = contacts_.solve(step, bodies_, report);
+    LargestMotion motion;
+    added_.clear();
+    for (int search = 1;; ++search) {
+        find_free_motion(step);
+        stays_ = lies_still(step);
+        if (stays_) return;
+        if (search == 1) add_rates(&MovingBody::free);
+        contacts_.find(step, obstacles_, added_, bodies_);
+        motion = contacts_.solve(step, bodies_, report);
+        if (report.rejection != Rejection::none || motion.value > 1 || step.closing || search == max_searches ||
+            !contacts_.misses(step, bodies_))
+            break;
+        add_rates(&MovingBody::end);
+    }
     for (const MovingBody& body : bodies_)
         if (body.kick > 0) motion.at_least({step.drift_time * std::abs(body.end.z()) / largest_turn, body.centre});
     report.contact_motion = motion.value;
@@ -204,8 +224,7 @@ StepReport RigidScheme::end_step(StepReport report, State& end) {
     const bool moves_alone = std::ranges::any_of(deformable_, [](auto piece) { return piece != 0; });
     if (moves_alone || end.frozen != step.begin.frozen || end.displacement.size() != step.begin.displacement.size())
         end = step.begin;
-    else
-        end.points = step.begin.points, end.retired = step.begin.retired;  // islands of a rejected step changed them
+    else end.points = step.begin.points, end.retired = step.begin.retired;  // islands of a rejected step changed them
     move_pieces(step, end, report);
     if (!moves_alone) retire(step.begin.retired, end);
     return report;

@@ -75,6 +75,7 @@ private:
     bool lies_still(const RigidStep& step);
     StepReport stay(const RigidStep& step, StepReport report, State& end);
     void find_free_motion(const RigidStep& step);
+    void add_rates(Vec3 MovingBody::*end);
     std::vector<MovingBody> at_rest() const;
     void fall_asleep(const RigidStep& step, State& end, StepReport& report);
     void move_pieces(const RigidStep& step, State& end, StepReport& report);
@@ -94,7 +95,8 @@ private:
     std::vector<double> amplitude_;
     std::vector<Vec3> load_;  // [N, N, N m] per piece
     std::vector<MovingBody> bodies_;
-    std::vector<Vec3> wrench_;  // [N s, N s, N m s] per body
+    std::vector<std::vector<Vec3>> added_;  // to the velocities of pieces: by loads, then by contacts
+    std::vector<Vec3> wrench_;              // [N s, N s, N m s] per body
     std::vector<Vec3> of_obstacles_;
     UnionFind pressed_;
 };

@@ -1,6 +1,11 @@
 // Steps of rigid pieces ([rigid]): how far what meets may move in one.
 #include "app/rigid_scene.hpp"
 
+#include <algorithm>
+#include <fstream>
+#include <iomanip>
+#include <sstream>
+
 namespace rigid_steps_test {
 
 using namespace program;
@@ -18,6 +23,55 @@ TEST_CASE("rigid pieces: a step is divided where faces that meet move by more th
         const std::vector<double> y = pieces.column("centre_y"), v = pieces.column("velocity_y");
         CHECK(std::abs(y[1] - y[0]) == doctest::Approx(1).epsilon(1e-12));  // they touch, however far they moved
         for (const double each : v) CHECK(each == doctest::Approx(-500 * path).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("rigid pieces: what a blow hands on meets the next one in the same step") {
+    const Folder folder("rigid handed on");
+    // in 1 ms the first block covers 0.1 m; the second one, 0.01 m from the third, has no speed before
+    REQUIRE(run_to_end(folder, scene(block("a", "0, 0", "1, 1", "velocity = [100, 0]\n") +
+                                         block("b", "1.001, 0", "1, 1") + block("c", "2.011, 0", "1, 1"),
+                                     "step = \"1 ms\"\nrestitution = 0\n", "0.001", whole, "1"))
+                .code == 0);
+    const std::vector<double> x = table(folder, "fragments.csv").column("centre_x");
+    CHECK(x[1] - x[0] == doctest::Approx(1).epsilon(1e-12));
+    CHECK(x[2] - x[1] == doctest::Approx(1).epsilon(1e-12));
+    CHECK(balance(table(folder, "energy.csv")) < 1e-12);
+}
+
+TEST_CASE("rigid pieces: 230 of a broken boulder overlap by less than a hundredth of an edge") {
+    const Folder folder("rigid heap of 230");
+    std::ifstream file(fs::path(KNAP_SOURCE_DIR) / "tools/bench/box2d/pieces.txt");
+    std::string bodies, line;
+    while (std::getline(file, line)) {
+        std::istringstream values(line);
+        double vx = 0, vy = 0, spin = 0;
+        int n = 0;
+        values >> vx >> vy >> spin >> n;
+        std::ostringstream points;
+        double low_x = 1e9, low_y = 1e9, high_x = -1e9, high_y = -1e9;
+        for (double x = 0, y = 0; n > 0 && values >> x >> y; --n) {
+            points << std::setprecision(9) << "[" << x << ", " << y << "], ";
+            low_x = std::min(low_x, x), low_y = std::min(low_y, y);
+            high_x = std::max(high_x, x), high_y = std::max(high_y, y);
+        }
+        std::ostringstream body;  // an edge nearly as long as the piece keeps its corners alone
+        body << "[[body]]\nshape = \"polygon\"\nvelocity = [" << vx << ", " << vy << "]\nspin = \"" << spin
+             << " rad/s\"\nmesh_size = " << 0.95 * std::min(high_x - low_x, high_y - low_y) << "\npoints = ["
+             << points.str();
+        bodies += body.str() + "]\n";
+    }
+    bodies +=
+        "[[obstacle]]\nname = \"slope\"\nshape = \"polyline\"\nfriction = 0.6\npoints = [[75, 50], [60, 55], "
+        "[20, 88], [-5, 103]]\n";
+    for (const char* step : {"0.98e-3", "1e-3"}) {
+        REQUIRE(
+            run_to_end(folder, scene(bodies + weight, std::string("step = ") + step + "\nrestitution = 0\n", "0.15"))
+                .code == 0);
+        const Json json = record(folder);
+        CHECK(json["pieces"]["rigid"] == 230);
+        for (const Json& gate : json["gates"])
+            if (gate["name"] == "contact_depth") CHECK(gate["value"] < 0.01);
     }
 }
 
