@@ -176,8 +176,7 @@ Cost estimate_cost(const Scenario& scenario, const Model& model, const StepPlan&
                 (is_rigid ? cost.first_step : measured_step(model, stepper, rigid, measure_for, Motion::rigid));
         if (scenario.time.start_in_equilibrium) {
             MoreauJean search(model, {.bulk = BulkScheme::implicit_theta, .theta = 1});
-            const double step =
-                measured_step(model, search, stable_steps_of_search * plan.stable_step, measure_for);
+            const double step = measured_step(model, search, stable_steps_of_search * plan.stable_step, measure_for);
             cost.least_search = steps_of_search * step;
             cost.search = model.faces_meet() ? most_steps_of_search * of_changing_contacts * step : cost.least_search;
         }
