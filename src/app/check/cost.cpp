@@ -34,8 +34,8 @@ constexpr double most_stages = 30, mean_over_shortest_stage = 500;
 // [-] Of steps whose contacts change over those at rest, in solves: 50 over 4 (walls of blocks that begin to slide)
 constexpr double of_changing_contacts = 12;
 
-// A search for an equilibrium takes some steps of hundreds of stable ones. Walls of 22 and 55 blocks that stand or slide
-// are within these numbers, one of 210 blocks that slides takes longer.
+// A search for an equilibrium takes some steps of hundreds of stable ones. Walls of 22 and 55 blocks that stand or
+// slide are within these numbers, one of 210 blocks that slides takes longer.
 constexpr double steps_of_search = 5, most_steps_of_search = 20, stable_steps_of_search = 200;
 
 constexpr double longest_measurement = 200;  // [-] in units of measure_for
