@@ -2,8 +2,7 @@
 
 namespace knap {
 
-HeatStep::HeatStep(const Model& model)
-    : model_(model), is_constant_(!model.heat->changes()) {
+HeatStep::HeatStep(const Model& model) : model_(model), is_constant_(!model.heat->changes()) {
     if (model.heat->conduction) conduction_.emplace(model);
 }
 

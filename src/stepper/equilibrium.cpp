@@ -36,8 +36,9 @@ constexpr double accepted_residual = 1e-9;  // where rounding prevents less
 constexpr double jammed = 3;  // a large step that increases this force by more has jammed the body, with friction
 constexpr double follows_body = 10, closes_gap = 0.05;  // [-] of displacements; of the half width of an obstacle
 constexpr double stays = 0.95;                          // a step that leaves more of it changes nothing
-constexpr double too_far = 0.05;  // [-] of the longest edge: more than contacts may move in a step
-constexpr double slides = 0.999;  // as `stays`, of a rigid piece: a spring that holds it within half an edge leaves less
+constexpr double too_far = 0.05;                      // [-] of the longest edge: more than contacts may move in a step
+constexpr double slides = 1 - 1 / (growth * growth);  // as `stays`, of such a piece: a spring that holds it in this way
+                                                      // leaves less
 
 /// The model at one moment for ever, without restitution, which would delay a contact by a step.
 Model frozen(const Model& model, double time) {
@@ -387,8 +388,8 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
     State next;
     // what is in equilibrium but for its damage needs the largest step, whose solution depends on no way
     double h = (interfaces == Interfaces::softening ? last_step : first_step) * passage;
-    double part = 1;             // of the loads, carried by inertia
-    int patience = 2, wait = 0;  // steps without growth after a rejection
+    double part = 1;                        // of the loads, carried by inertia
+    int patience = 2, wait = 0;             // steps without growth after a rejection
     bool once_more = false, again = false;  // again: a step of the same size tells whether a piece goes on moving
     for (int step = 0; part > relative_tolerance; ++step) {
         next.temperature = now.temperature;

@@ -101,17 +101,17 @@ private:
     double quiet_part(double energy) const { return options_.quiet_below * std::max(energy, options_.weakest_point); }
 
     SchemeChangeOptions options_;
-    double surface_ = 0, strain_ = 0;  // [J] Psi and strain energy after the last step
-    double quiet_since_ = 0;           // [s]
-    double busy_until_ = 0;            // [s] the end of the last implicit step that did not count
-    double changed_ = -infinity;       // [s] the last change
-    double patience_ = 1;              // [-]
-    bool at_rest_ = false;             // the kinetic energy is below a part of the strain energy alone
-    bool calms_down_ = true;           // it has halved within quiet_for
-    bool steady_ = false;              // it hardly changed within quiet_for, and has not been quiet since
-    double kinetic_ = infinity;        // [J] when that was looked at; of implicit steps after the last one
+    double surface_ = 0, strain_ = 0;     // [J] Psi and strain energy after the last step
+    double quiet_since_ = 0;              // [s]
+    double busy_until_ = 0;               // [s] the end of the last implicit step that did not count
+    double changed_ = -infinity;          // [s] the last change
+    double patience_ = 1;                 // [-]
+    bool at_rest_ = false;                // the kinetic energy is below a part of the strain energy alone
+    bool calms_down_ = true;              // it has halved within quiet_for
+    bool steady_ = false;                 // it hardly changed within quiet_for, and has not been quiet since
+    double kinetic_ = infinity;           // [J] when that was looked at; of implicit steps after the last one
     double least_ = infinity, most_ = 0;  // [J] since then
-    double look_again_ = 0;            // [s]
+    double look_again_ = 0;               // [s]
 };
 
 }  // namespace knap

@@ -21,7 +21,7 @@ struct Cost {
     double given_up_after = 0;  // [s] processor time
     double least_steps = 0;     // [s] of `steps`; equal where there is no range
     double search = 0, least_search = 0;  // [s] of the equilibrium at the start
-    double stage = 0;           // [s] with bulk = "auto": the shortest stage of explicit steps
+    double stage = 0;                     // [s] with bulk = "auto": the shortest stage of explicit steps
     double mean_over_first = 1;
     double rigid_steps = 0;       // [s] with [rigid]: of steps if all is rigid
     double deformable_steps = 0;  // [s] of steps if nothing is rigid that may break

@@ -4,8 +4,10 @@
 #include "app/run/dump_lcp.hpp"
 #include "app/run/run_text.hpp"
 #include "base/error.hpp"
+#include "output/history_csv.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace run_implicit_test {
 
@@ -381,6 +383,35 @@ TEST_CASE("a block that is pushed at a steady speed takes implicit steps of auto
     CAPTURE(answer.text);
     REQUIRE(answer.code == 0);
     CHECK(std::stoi(answer.text.substr(answer.text.find(" after ") + 7)) < 5000);  // 79 418 explicit ones
+}
+
+// A bar of 1 m on its two ends, friction mu, on a rigid slope of angle i. What the strain e of its temperature adds to its
+// length, sqrt(1 + 2 e) - 1 with Green's strain, moves its lower end when it warms and its upper one when it cools, but for
+// the shortening by the friction that this takes.
+TEST_CASE("T6 a stiff bar creeps down with every cycle of its temperature as the closed form says") {
+    constexpr double e = 3e-4, mu = 0.5, E = 1e12, section = 0.1, g = 9.81, i = 10 * 3.14159265358979323846 / 180;
+    const Folder folder("ratchet");
+    std::ofstream(folder.path / "s.toml")
+        << "knap = 1\n[domain]\nrotation = \"large\"\nmodel = \"plane stress\"\n[mesh]\nsize = 0.1\n[material.rock]\n"
+           "density = 2500\nE = 1e12\nnu = 0\nexpansion = 3e-6\n[interface.default]\nbreakable = false\n[contact]\n"
+           "friction = 0.5\n[[body]]\nname = \"bar\"\nshape = \"polygon\"\npoints = [[0, 0], [0.125, 0.001], [0.875, "
+           "0.001], [1, 0], [1, 0.1], [0, 0.1]]\n[heat]\ntemperature = \"100\"\ntable = [[0, 0], [20, 1], [40, 0], "
+           "[60, "
+           "1], [80, 0], [100, 1], [120, 0]]\n[[obstacle]]\nshape = \"half plane\"\nat = [0, 0]\nnormal = [0, 1]\n"
+           "friction = 0.5\n[[load]]\nacceleration = ["
+        << -g * std::sin(i) << ", " << -g * std::cos(i)
+        << "]\n[[probe]]\nname = \"low\"\nat = [0, 0.1]\n[time]\nend = 120\nbulk = \"auto\"\nstep = 0.4\ntheta = 1\n"
+           "start = \"equilibrium\"\n[output]\nreport = false\nfields = false\nhistory_every = 40\n";
+    const Answer answer = command("run " + folder.in_shell("s.toml") + " -q -j 1 -o " + folder.in_shell("run"));
+    CAPTURE(answer.text);
+    REQUIRE(answer.code == 0);
+    const std::vector<double> place = knap::read_csv(folder.path / "run/probes.csv").column("low_u_x");
+    REQUIRE(place.size() == 4);
+    const double weight = 2500 * section * g,
+                 shortening = (mu * weight * std::cos(i) - weight * std::sin(i)) / (E * section),
+                 creep = std::sqrt(1 + 2 * e) - 1 - shortening, last = place[2] - place[3];
+    CHECK(last == doctest::Approx(creep).epsilon(1e-4));
+    CHECK(last == doctest::Approx(place[1] - place[2]).epsilon(1e-7));
 }
 
 }  // namespace run_implicit_test
