@@ -214,6 +214,7 @@ std::string advice(const std::array<WithCoupling, 2>& couplings, const Scenario&
     const bool norm_fits = misses(*norm) < misses(*sum);
     if (norm_fits == (law.coupling == Coupling::norm)) return {};
     if (norm_fits && column == &WithCoupling::disc && crushes_discs(law, Coupling::norm)) return {};
+    if (norm_fits && weakest_facet(law, Coupling::norm) < 1) return {};  // too weak where facets lie badly
     return std::string("this run is slow (large implicit steps): coupling = \"") + (norm_fits ? "norm" : "sum") +
            "\" fits it" +
            (norm_fits && law.friction > 0 ? ", but the shear strength falls from gamma + friction to gamma" : "");
