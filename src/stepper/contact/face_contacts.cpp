@@ -312,15 +312,18 @@ void FaceContacts::examine(const NearbyEdge& pair, const Vertex& at, const State
     const CornerMotion &a = start_of(pair.edge), &b = end_of(pair.edge);
     const PlacedEdge& placed = placed_[pair.edge];
     const Vec2& n = placed.outward;
-    const double length = placed.length, gap = placed.gap(at.x), share = placed.share(at.x),
-                 most = overrun(pair.edge, at.x, gap, share);
+    const double length = placed.length, gap = placed.gap(at.x), share = placed.share(at.x);
     const Vec2 v = at.v - (1 - share) * a.v - share * b.v;
     const double travel = h * v.norm(),
                  reach = touching_part * length +
                          contact_reach_in_steps * (travel + h * added_between(leaving.start, edge.start));
-    const double beyond = largest_overrun(gap, reach, most, length, edge.depth) / length;
-    if (pieces_ && gap > reach) block.out_of_reach.push_back(pair);
-    if (gap > reach || gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
+    if (gap > reach) {
+        if (pieces_) block.out_of_reach.push_back(pair);
+        return;
+    }
+    const double beyond =
+        largest_overrun(gap, reach, overrun(pair.edge, at.x, gap, share), length, edge.depth) / length;
+    if (gap < -edge.depth || share < -beyond || share > 1 + beyond) return;
     if (!at.cone.accepts(n)) return;
     if (!belongs_to(pair.edge, at, gap, share, begin, h)) return;
     const double gap_at_end = gap + h * n.dot(v);

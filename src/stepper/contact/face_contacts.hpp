@@ -71,18 +71,17 @@ public:
     void find(const State& begin, double h, const std::vector<Vec2>* corner_velocity = nullptr);
     /// Likewise of rigid pieces; `added`: to their velocities in the step.
     void find_of_pieces(const State& begin, double h, AddedRates added);
-    /// Of the last search: a pair of rigid pieces that was out of reach overlaps once corners have moved by
-    /// moved(corner) [m].
+    /// Of the last search: a pair of rigid pieces that was out of reach overlaps by more than `allowed` [-] of the edge
+    /// once all has moved by moved(corner, x) [m], of the place x in the piece of a corner.
     template <class Moved>
-    bool misses(const State& begin, const Moved& moved) const {
+    bool misses(const State& begin, double allowed, const Moved& moved) const {
         return std::ranges::any_of(out_of_reach_, [&](const NearbyEdge& pair) {
-            const FreeEdge &edge = boundary_.edges()[pair.edge], &leaving = boundary_.edges()[pair.vertex];
-            const PlacedEdge then =
-                placed_edge(start_of(pair.edge).x + moved(edge.start), end_of(pair.edge).x + moved(edge.end));
-            const Vec2 x = place_of_vertex(pair.vertex) + moved(leaving.start);
-            const double share = then.share(x);
-            return then.gap(x) < -touching_part * then.length && share >= 0 && share <= 1 &&
-                   vertex(pair.vertex, begin).cone.accepts(placed_[pair.edge].outward);
+            const PlacedEdge& edge = placed_[pair.edge];
+            const Index leaving = boundary_.edges()[pair.vertex].start;
+            const Vec2 x = place_of_vertex(pair.vertex),
+                       way = moved(leaving, x) - moved(boundary_.edges()[pair.edge].start, x), then = x + way;
+            return edge.gap(then) < -allowed * edge.length && edge.share(then) >= 0 && edge.share(then) <= 1 &&
+                   vertex(pair.vertex, begin).cone.accepts(edge.outward);
         });
     }
     /// In the order of (vertex, edge).

@@ -34,12 +34,13 @@ public:
     /// The end velocities bring faces together that were out of reach when the contacts were found; those of deformable
     /// pieces are guesses, which count for nothing.
     bool misses(const RigidStep& step, const std::vector<MovingBody>& bodies) const {
-        return meets_faces() && faces_.misses(step.begin, [&](Index corner) -> Vec2 {
+        constexpr double allowed = 0.003;  // [-] of an edge, which the next step corrects
+        return meets_faces() && faces_.misses(step.begin, allowed, [&](Index corner, const Vec2& x) -> Vec2 {
             if (model_.ground_at(corner) != nullptr) return Vec2::Zero();
             const MovingBody& body = bodies[piece_of(corner)];
             const Vec3 way =
                 body.deformable ? Vec3(step.drift_time * body.free) : Vec3(step.drift_time * body.end + body.strike);
-            return velocity_at(way, place_of(corner) - body.centre);
+            return velocity_at(way, x - body.centre);
         });
     }
     /// Finds the impulses, end velocities and shifts. Returns the largest motion of faces that meet over the allowed
