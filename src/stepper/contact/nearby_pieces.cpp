@@ -13,6 +13,7 @@ namespace {
 constexpr double kept_list = 0.25;   // [-] of an edge: by which pieces move until the list of a pair is made anew
 constexpr double turned_list = 0.1;  // [rad] likewise
 constexpr double prolonged = 1.25;   // [-] points of prolonged edges, over the radius of a piece
+constexpr double handed_on = 0.1;    // [-] of an edge, in a step: what contacts may add (RigidContacts::misses)
 constexpr double reach_margin = NearbyEdges::reach_margin;
 constexpr double motion_margin = NearbyEdges::motion_margin / 2;  // relative motions are of two
 
@@ -61,7 +62,7 @@ void NearbyPieces::find_boxes(std::span<const FreeEdge> edges, std::span<const C
     for (const Index p : order_) {
         const Outline& outline = outlines_[p];
         Box& box = boxes_[p] = {Vec2::Constant(infinity), Vec2::Constant(-infinity),
-                                (touching_part + largest_rigid_motion) * outline.longest};
+                                (touching_part + handed_on) * outline.longest};
         double fastest = 0;  // [m/s] of the corners
         for (Index k = outline.first_edge; k < outline.last_edge; ++k)
             for (const Index end : {edges[edges_[k]].start_place, edges[edges_[k]].end_place}) {
@@ -133,7 +134,7 @@ void NearbyPieces::find(std::span<const FreeEdge> edges, std::span<const CornerM
             const auto of = [&](Index p) -> Vec3 { return p < std::ssize(rates) ? rates[p] : Vec3::Zero(); };
             speed += relative_speed(of(pair.of[0]), of(pair.of[1]));
         }
-        pair.reach = std::min((touching_part + largest_rigid_motion) * longest + h * speed,
+        pair.reach = std::min((touching_part + handed_on) * longest + h * speed,
                               boxes_[pair.of[0]].room + boxes_[pair.of[1]].room);
         const bool deforms = one.state == PieceState::deformable || two.state == PieceState::deformable;
         if (deforms) pair.reach = boxes_[pair.of[0]].room + boxes_[pair.of[1]].room;
