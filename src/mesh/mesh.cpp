@@ -121,6 +121,13 @@ std::vector<InteriorEdge> edges_around(const Mesh& mesh, const std::vector<Index
     return found;
 }
 
+double largest_edge(const Mesh& mesh) {
+    double largest = 0;
+    for (Index t = 0; t < mesh.n_triangles(); ++t)
+        for (Index k = 0; k < 3; ++k) largest = std::max(largest, mesh.side_vector(t, k).norm());
+    return largest;
+}
+
 double mean_edge(const Mesh& mesh) {
     double sum = 0;
     for (const InteriorEdge& edge : mesh.interior_edges)

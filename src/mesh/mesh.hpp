@@ -123,6 +123,7 @@ std::vector<InteriorEdge> edges_around(const Mesh& mesh, const std::vector<Index
 
 /// [m] Mean length of the interior edges.
 double mean_edge(const Mesh& mesh);
+double largest_edge(const Mesh& mesh);  // [m]
 
 /// The triangles around every vertex. Reads vertices and triangles only.
 Grouped<Index> vertex_stars(const Mesh& mesh);

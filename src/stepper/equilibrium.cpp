@@ -72,13 +72,6 @@ double passage_time(const Model& model) {
     return speed > 0 ? bounding_box(model.mesh.vertices).extent().norm() / speed : 1;
 }
 
-double longest_edge(const Mesh& mesh) {  // [m]
-    double longest = 0;
-    for (Index t = 0; t < mesh.n_triangles(); ++t)
-        for (Index k = 0; k < 3; ++k) longest = std::max(longest, mesh.side_vector(t, k).norm());
-    return longest;
-}
-
 void stop(State& state) {
     std::ranges::fill(state.velocity, Vec2::Zero());
     for (ObstacleState& obstacle : state.obstacles) obstacle.velocity.setZero();
@@ -384,7 +377,7 @@ std::string EquilibriumSearch::overloaded(const State& now, double h) const {
 /// With small rotations, from `now` on.
 bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
     const Model& model = still_->model;
-    const double passage = passage_time(model), farthest = too_far * longest_edge(model.mesh);
+    const double passage = passage_time(model), farthest = too_far * largest_edge(model.mesh);
     State next;
     // what is in equilibrium but for its damage needs the largest step, whose solution depends on no way
     double h = (interfaces == Interfaces::softening ? last_step : first_step) * passage;

@@ -45,11 +45,7 @@ ObstacleContacts::ObstacleContacts(const Model& model) : model_(model) {
     for (const auto& [triangle, side, boundary] : mesh.boundary_edges)
         if (!model.has_vanished(triangle)) add_edges(triangle, side, edges_);
     for (const Edge& edge : edges_) next_[edge.a] = edge.b, previous_[edge.b] = edge.a;
-    for (Index t = 0; t < mesh.n_triangles(); ++t)
-        for (Index k = 0; k < 3; ++k) {
-            const auto [a, b] = mesh.side_vertices(t, k);
-            longest_edge_ = std::max(longest_edge_, (mesh.vertices[b] - mesh.vertices[a]).norm());
-        }
+    longest_edge_ = largest_edge(mesh);
     corner_size_.resize(mesh.n_corners(), infinity);
     for (Index c = 0; c < mesh.n_corners(); ++c)
         for (Index k = 0; k < mesh.corners_per_triangle(); ++k)

@@ -67,8 +67,8 @@ struct ExplicitStep {
 
     const std::vector<Vec2>& corner_impulse;  // [N s] per corner, of contacts between free faces; empty: there are none
     const std::vector<double>& velocity_factor;  // [-] per history: mean over the step, of a prescribed velocity
-    std::span<const Rotation> frames;  // per point of split fans, of which none has retired; empty: nothing turns
-    const Vec2* carried = nullptr;     // [m/s] per node: (1 - decay) W, zero where a piece is held; null: everywhere
+    std::span<const Rotation> frames;            // per point of split fans, none of a retired one; empty: nothing turns
+    const Vec2* carried = nullptr;  // [m/s] per node: (1 - decay) W, zero where a piece is held; null: everywhere
 
     /// [m/s] What damping leaves of the velocity of a node, without forces.
     Vec2 damped(Index node) const {

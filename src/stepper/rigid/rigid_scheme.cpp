@@ -183,7 +183,7 @@ void RigidScheme::find_free_motion(const RigidStep& step) {
     }
 }
 
-/// By loads, and by what the contacts found so far do to rigid pieces.
+/// Keeps what the velocities of the pieces gain in the step: by loads alone, or at its `end` with the contacts found.
 void RigidScheme::add_rates(Vec3 MovingBody::*end) {
     std::vector<Vec3>& rates = added_.emplace_back();
     for (std::size_t p = 0; p < trial_->begin.rigid_pieces.size(); ++p) {
