@@ -379,14 +379,28 @@ void ObstacleContacts::find_at_corners_of(const Edge& edge, const PlacedEdge& at
                                [&](std::size_t corner) { find_at_corner_of(edge, at, o, corner, begin, h); });
 }
 
-/// A point behind an edge lies in front of the next one, beyond a convex corner of the body.
+/// A point behind an edge lies in front of the next one, beyond a convex corner of the body. Where a fan has split,
+/// what goes on beyond the end of the edge is the part of the fan that the edge belongs to.
 bool ObstacleContacts::is_in_front_of_next(const Edge& edge, const PlacedEdge& at, const Vec2& x,
                                            const State& begin) const {
     const auto is_right_of = [&](const Vec2& from, const Vec2& to) { return cross(to - from, x - from) < 0; };
-    const auto corners = [&](Index corner) { return model_.corners(model_.fans[model_.fan_of_corner[corner]]); };
-    const auto is_whole = [&](Index corner) { return begin.split_rank[model_.fan_of_corner[corner]] < 0; };
-    const Index next = is_whole(edge.b) ? next_[corners(edge.b).front()] : -1,
-                previous = is_whole(edge.a) ? previous_[corners(edge.a).back()] : -1;
+    const auto beyond = [&](Index corner, bool at_end) {
+        const Fan& fan = model_.fans[model_.fan_of_corner[corner]];
+        const auto corners = model_.corners(fan);
+        if (begin.split_rank[model_.fan_of_corner[corner]] < 0)
+            return at_end ? next_[corners.front()] : previous_[corners.back()];
+        if (model_.mesh.order != 1) return Index(-1);
+        const std::ptrdiff_t n = std::ssize(corners), own = std::ranges::find(corners, corner) - corners.begin();
+        std::ptrdiff_t k = 0;  // corners of the same part beside it
+        const auto beside = [&] { return at_end ? own - k : own + k; };
+        while (k < n && (fan.closed || (beside() >= 0 && beside() < n)) &&
+               begin.node_of_corner[corners[(beside() + n) % n]] == begin.node_of_corner[corner])
+            ++k;
+        --k;
+        const Index last = corners[(beside() + n) % n];
+        return at_end ? next_in_triangle(last) : previous_in_triangle(last);
+    };
+    const Index next = beyond(edge.b, true), previous = beyond(edge.a, false);
     if (next >= 0) {
         const Vec2 end = place(next, begin);
         if (cross(at.along, end - at.end) > 0 && is_right_of(at.end, end)) return true;
@@ -405,7 +419,7 @@ void ObstacleContacts::find_at_corner_of(const Edge& edge, const PlacedEdge& at,
     const double share = at.share(x), gap = at.gap(x);
     if (share <= touching_part || share >= 1 - touching_part || gap < -edge.depth) return;
     if (!surface.protrudes(corner, at.outward, VertexCone::widened)) return;
-    if (gap < 0 && surface.outline().line && is_in_front_of_next(edge, at, x, begin)) return;
+    if (gap < 0 && is_in_front_of_next(edge, at, x, begin)) return;
     const double as_near = gap + almost_as_near * at.length;
     if (is_carried(edge.a, as_near, begin) && is_carried(edge.b, as_near, begin)) return;
     const Vec2 foot = arm - gap * at.outward;  // where the body takes the friction, so that it has no moment

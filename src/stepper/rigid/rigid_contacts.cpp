@@ -4,7 +4,6 @@
 #include "stepper/common/contact_search.hpp"
 #include "stepper/common/point_work.hpp"
 #include "stepper/rigid/freeze.hpp"
-#include "stepper/rigid/rigid_places.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -284,8 +283,7 @@ void RigidContacts::solve(std::size_t number, const RigidStep& step, const std::
         work.body[b] = static_cast<Index>(problem.bodies.size());
         problem.bodies.push_back({bodies[b].inverse_mass});
     }
-    double error = 0;
-    cluster.speed = 0;
+    double error = cluster.speed = 0;
     for (const Index r : rows) {
         const Row& row = rows_[r];
         cluster.speed = std::max({cluster.speed, row.before.norm(), row.free.norm()});
@@ -351,6 +349,10 @@ LargestMotion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody
         if (body.struck_at > 0) body.strike = body.struck_at * (body.flight - body.end);
     for (Row& row : rows_) {
         row.after = rate(row, bodies, &MovingBody::end);
+        const double slip = row.source == Source::point ? step.drift_time * row.after.norm() : 0,
+                     depth = row.gap > 0 ? depth_at_end(row, step, bodies) : 0;
+        if (row.own_N > 0 && sides_of(row, bodies) != Sides::deformable)
+            fastest.at_least({std::max(slip, depth) / (largest_motion * row.length), row.place});
         for (int k = 0; k < row.n_terms; ++k) {
             const MovingBody& body = bodies[row.terms[k].body];
             const double turn = step.drift_time * body.end.z();
@@ -368,8 +370,7 @@ void RigidContacts::solve_anew(std::size_t cluster, const RigidStep& step, const
     const Cluster before = clusters_[cluster];
     std::vector<Row> kept;
     for (const Index r : rows) {
-        kept.push_back(rows_[r]);
-        change(rows_[r]);
+        kept.push_back(rows_[r]), change(rows_[r]);
         rows_[r].law.restitution = rows_[r].law.tangential = 0, rows_[r].is_struck = false;
     }
     solve(cluster, step, bodies, work_[0]);
@@ -455,10 +456,6 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
                 of_piece[body] = std::max(of_piece[body], of_row);
     }
     return hardest;
-}
-
-void RigidContacts::project(const RigidStep& step, std::vector<MovingBody>& bodies) const {
-    correct_places(step, rows_, bodies);
 }
 
 void RigidContacts::add_wrenches(const std::vector<MovingBody>& bodies, std::vector<Vec3>& wrench) const {

@@ -13,7 +13,7 @@
 #include "stepper/common/obstacle_motion.hpp"
 #include "stepper/common/obstacle_pairs.hpp"
 #include "stepper/common/step_scheme.hpp"
-#include "stepper/rigid/rigid_row.hpp"
+#include "stepper/rigid/rigid_places.hpp"
 
 #include <array>
 #include <span>
@@ -44,7 +44,9 @@ public:
         });
     }
     /// Finds the impulses, end velocities and shifts. Returns the largest motion of faces that meet over the allowed
-    /// one: a gap is linear in the turn of a piece, so what turns far counts, too, and what passes others.
+    /// one: a gap is linear in the turn of a piece, so what turns far counts, too, and what passes others; points that
+    /// have not retired, since their fan keeps its neighbours apart and no others; and how deep is what was apart:
+    /// where it separated, its law stops it at the opposite speed at most, since less would be positive work.
     LargestMotion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
     /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, in clusters with a
     /// body that is marked [0/1]. [m/s] The largest error of a rate.
@@ -78,7 +80,7 @@ public:
     bool mark_overlapping(const State& end, double allowed, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;
     /// Corrects positions of what overlaps (rigid_places.hpp).
-    void project(const RigidStep& step, std::vector<MovingBody>& bodies) const;
+    void project(const RigidStep& step, std::vector<MovingBody>& bodies) const { correct_places(step, rows_, bodies); }
     /// Works of the contacts, and their impulses in the end state.
     void finish(const RigidStep& step, const std::vector<MovingBody>& bodies, State& end, StepReport& report) const;
     /// Calls visit(a, b, loss) for bodies that press on each other; b = -1: the ground; loss [J]: by this contact.

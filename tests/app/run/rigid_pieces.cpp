@@ -172,6 +172,20 @@ TEST_CASE("rigid pieces: a free flight is a parabola and its turn is exact") {
     CHECK(record(folder)["steps"] == 500);
 }
 
+TEST_CASE("rigid pieces: momenta of a free flight stay to the last digits") {
+    const Folder folder("rigid momenta");
+    const std::string bodies = block("a", "0, 5", "0.4, 0.3", "velocity = [3, 1]\nspin = \"300 deg/s\"\n") +
+                               block("b", "0, 8", "0.5, 0.3", "velocity = [-1, 2.5]\nspin = \"-200 deg/s\"\n");
+    const auto at = [&](const char* end) {
+        REQUIRE(run_to_end(folder, scene(bodies, "step = 1e-3\n", end)).code == 0);
+        return momenta(folder);
+    };
+    const Momenta start = at("1e-6"), later = at("0.5");  // 500 steps
+    const double size = 300 * std::hypot(3, 1) + 375 * std::hypot(1, 2.5);
+    CHECK(std::hypot(later.x - start.x, later.y - start.y) < 1e-15 * size);
+    CHECK(std::abs(later.angular - start.angular) < 1e-13 * later.scale);  // its spin is read from corners 9 m away
+}
+
 TEST_CASE("rigid pieces: full turns are counted in long steps") {
     const Folder folder("rigid turns");
     const std::string text =
