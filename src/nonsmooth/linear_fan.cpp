@@ -122,6 +122,15 @@ bool LinearFan::find_multipliers(const std::vector<LinkState>& states, FanMotion
                 clusters_.response(problem_->links[i], problem_->links[multipliers_[b].link], multipliers_[b].force));
         A(a, a) += compliance;
     }
+    // of contacts that bound the same motion the one that bounds it most counts
+    const auto is_contact = [&](int a) {
+        return multipliers_[a].compliance == 0 && states[multipliers_[a].link].closed;
+    };
+    for (int a = 0; a < n; ++a)
+        for (int b = 0; b < n; ++b)
+            if (rhs[a] > rhs[b] && is_contact(a) && is_contact(b) &&
+                (A.row(a) - A.row(b)).cwiseAbs().maxCoeff() <= pivot_tolerance * A(a, a))
+                rhs[b] = rhs[a];
     // redundant contacts (both ends of a fan on an obstacle) share their load
     if (n == 1) size[0] = A(0, 0) != 0 ? rhs[0] / A(0, 0) : 0;
     else size = solution_of_least_norm<max_multipliers>(A, rhs);

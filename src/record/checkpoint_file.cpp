@@ -138,4 +138,11 @@ const StoredState* state_at(const std::vector<StoredState>& states, double time)
     return &*nearest;
 }
 
+const StoredState* last_state(const std::vector<StoredState>& states) {
+    const StoredState* last = nullptr;
+    for (const StoredState& state : states)
+        if (state.fault.empty()) last = &state;
+    return last;
+}
+
 }  // namespace knap

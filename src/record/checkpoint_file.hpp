@@ -51,5 +51,7 @@ std::vector<StoredState> stored_states(const std::filesystem::path& run);
 /// The one without a fault that belongs to a time [s]: it was the first after it, or (a checkpoint) at most two steps
 /// away; null where there is none.
 const StoredState* state_at(const std::vector<StoredState>& states, double time);
+/// The last one without a fault; null where there is none.
+const StoredState* last_state(const std::vector<StoredState>& states);
 
 }  // namespace knap

@@ -206,7 +206,7 @@ const char* table_example(std::string_view key) {
 void refuse_with_frozen(Reading& reading) {
     const Table table = reading.table("heat");
     for (const char* key : {"conduction", "ramp", "table", "csv", "table_period"})
-        if (table.given(key))
+        if (table.given(key) && (key != std::string_view("conduction") || table.get<bool>(key) == true))
             table.error("exclusive-keys", key, "has no meaning where temperatures are frozen",
                         "a temperature, or temperature = \"frozen\" alone");
     if (!reading.table("time").text("start").starts_with("run:"))
@@ -227,6 +227,12 @@ TemperatureTable read_over_temperature(const Table& table, const char* key) {
     table.error("out-of-range", key, "needs at least two pairs [temperature, value] with temperatures that ascend",
                 std::string(key) + " = " + table_example(key));
     return {};
+}
+
+const char* cure_without_heat(Reading& reading) {
+    return reading.table("time").text("start").starts_with("run:")
+               ? "[heat] with temperature = \"frozen\" keeps those of the other run"
+               : "[heat]";
 }
 
 void read_heat(Reading& reading) {

@@ -71,7 +71,7 @@ std::shared_ptr<const StrengthOfTemperature> read_of_temperature(const Table& ta
                                .friction = read_over_temperature(table, "friction_table")};
     for (const char* key : {"strength_table", "friction_table"})
         if (table.given(key) && !table.reading().table("heat").given())
-            table.error("no-heat", key, "has no effect without temperatures", "[heat]");
+            table.error("no-heat", key, "has no effect without temperatures", cure_without_heat(table.reading()));
     if (table.given("strength_table") && !has_cohesion)
         table.error("exclusive-keys", "strength_table", "belongs to a law with cohesion, and this one has none");
     if (std::ranges::any_of(read.strength.value, [](double phi) { return !(phi >= 0 && phi <= 1); }))

@@ -325,7 +325,7 @@ void read_pressures(Reading& reading) {
         read_pressure(table, pressure);
         pressure.over_temperature = read_over_temperature(table, "pressure_table");
         if (table.given("pressure_table") && !reading.table("heat").given())
-            table.error("no-heat", "pressure_table", "needs temperatures", "[heat]");
+            table.error("no-heat", "pressure_table", "needs temperatures", cure_without_heat(reading));
         if (table.given("from")) pressure.from = read_selection(table.table("from"));
         if (const auto name = table.get<std::string>("joints"); name && table.has("joints")) {
             std::vector<std::string> known;

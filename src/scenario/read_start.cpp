@@ -1,4 +1,4 @@
-// time.start = "run:DIR@40us" or "run:FILE": the state of another run, from which this one starts.
+// time.start = "run:DIR@40us", "run:DIR" (its last state) or "run:FILE": the state from which a run starts.
 #include "base/display_unit.hpp"
 #include "base/error.hpp"
 #include "base/formatted.hpp"
@@ -26,12 +26,12 @@ std::string times_text(const std::vector<StoredState>& states) {
     return joined(times) + (n > max_times ? ", ... (" + std::to_string(n) + ")" : "");
 }
 
-/// The file of the state of a run at a time; none, and an error, where there is none.
-std::optional<fs::path> find_state(const Table& time, const std::string& run, const std::string& at) {
+/// The file of the state of a run at a time, or of its last one; none, and an error, where there is none.
+std::optional<fs::path> find_state(const Table& time, const std::string& run, const std::optional<std::string>& at) {
     const fs::path directory = time.reading().files.directory / run;
-    const Quantity requested = parse_quantity(at);
+    const Quantity requested = parse_quantity(at.value_or("0"));
     if (!requested.problem.empty() || (!requested.unit.empty() && requested.dimension != dimension_of("s"))) {
-        time.error("bad-value", "start", "has no time after @: `" + at + "`", "as in \"run:" + run + "@40us\"");
+        time.error("bad-value", "start", "has no time after @: `" + *at + "`", "as in \"run:" + run + "@40us\"");
         return std::nullopt;
     }
     std::error_code none;
@@ -41,26 +41,19 @@ std::optional<fs::path> find_state(const Table& time, const std::string& run, co
         return std::nullopt;
     }
     const std::vector<StoredState> states = stored_states(directory);
-    if (const StoredState* state = state_at(states, requested.value)) return state->file;
+    if (const StoredState* state = at ? state_at(states, requested.value) : last_state(states)) return state->file;
+    const std::string none_there = ": the run in `" + directory.string() + "` has no state" +
+                                   (at ? " at " + readable(requested.value, "s", 6) : "");
     for (const StoredState& state : states)
         if (!state.fault.empty()) {
             time.error("bad-state", "start",
-                       ": the run in `" + directory.string() + "` has no state at " +
-                           readable(requested.value, "s", 6) + " that can be used, and `" + state.file.string() + "` " +
-                           state.fault,
+                       none_there + " that can be used, and `" + state.file.string() + "` " + state.fault,
                        "run the other scenario again with --force and this program");
             return std::nullopt;
         }
-    const std::string cure = "`output.states = \"" + at +
-                             "\"` in its scenario keeps that state; frames hold only what "
-                             "is drawn";
-    if (states.empty())
-        time.error("no-such-state", "start", ": the run in `" + directory.string() + "` has kept no state", cure);
-    else
-        time.error("no-such-state", "start",
-                   ": the run in `" + directory.string() + "` has no state at " + readable(requested.value, "s", 6) +
-                       "; it has those at " + times_text(states),
-                   cure);
+    time.error("no-such-state", "start", none_there + (states.empty() ? "" : "; it has those at " + times_text(states)),
+               "`output.states = \"" + at.value_or("40us") +
+                   "\"` in its scenario keeps that state; frames hold only what is drawn");
     return std::nullopt;
 }
 
@@ -74,10 +67,12 @@ void read_start(const Table& time) {
     fs::path file = time.reading().files.directory / name;
     std::error_code none;
     if (!fs::is_regular_file(file, none)) {
-        if (at == std::string::npos)
-            return time.error("missing-file", "start", ": there is no state `" + file.string() + "`",
-                              "\"run:DIR@40us\", or the file of a state");
-        const std::optional<fs::path> found = find_state(time, name.substr(0, at), name.substr(at + 1));
+        const bool at_end = at == std::string::npos;
+        if (at_end && !fs::exists(file, none))
+            return time.error("missing-file", "start", ": there is no run or state `" + file.string() + "`",
+                              "\"run:DIR@40us\", \"run:DIR\" for its last state, or the file of a state");
+        const std::optional<fs::path> found =
+            find_state(time, name.substr(0, at), at_end ? std::nullopt : std::optional(name.substr(at + 1)));
         if (!found) return;
         file = *found;
     }

@@ -425,6 +425,53 @@ TEST_CASE("fans of crushed bodies on which Lemke's method ends on a ray have law
     }
 }
 
+// Pieces of a fan that hold together and slide on an obstacle whose surface gives way under each of them at almost the
+// same rate: the one that gives way less bears them. Lemke's method takes such rates for one.
+TEST_CASE("of two contacts that bound the same motion the stricter one counts by however little") {
+    for (const Index stricter : {0, 1})
+        for (const double between : {1e-3, 1e-6, 1e-8, 1e-9, 1e-10, 1e-13}) {  // [m/s]
+            CAPTURE(stricter);
+            CAPTURE(between);
+            FanProblem fan;
+            fan.drift_time = 1e-4;
+            const Vec2 v(3.3, -0.97), n(0.28, 0.96);
+            fan.bodies = {
+                {.velocity = v, .free_velocity = v + Vec2(0, -0.05), .inverse_mass = Vec2::Constant(0.011)},
+                {.velocity = v, .free_velocity = v + Vec2(0.02, -0.03), .inverse_mass = Vec2::Constant(0.01)}};
+            fan.links = {{.before = 0,
+                          .after = 1,
+                          .normal = Vec2(-0.8, -0.6),
+                          .u_N = 0,
+                          .u_T = 0,
+                          .cohesive = 90,
+                          .gamma = 1.5,
+                          .friction = 0.6,
+                          .restitution = 0,
+                          .unbreakable = false}};
+            for (const Index body : {0, 1}) {
+                fan.bodies.push_back(
+                    {.velocity = Vec2::Zero(), .free_velocity = Vec2::Zero(), .inverse_mass = Vec2::Zero()});
+                fan.links.push_back({.before = static_cast<Index>(fan.bodies.size()) - 1,
+                                     .after = body,
+                                     .normal = n,
+                                     .u_N = 0,
+                                     .u_T = 0,
+                                     .cohesive = 0,
+                                     .gamma = 0,
+                                     .friction = 0.6,
+                                     .restitution = 0,
+                                     .unbreakable = false,
+                                     .given = 0.01 + (body == stricter ? 0 : between)});
+            }
+            FanResult result;
+            const FanSolution solution = FanSolver().solve(fan, result);
+            CHECK(solution.status == FanSolution::Status::exact);
+            CHECK(solution.residual < 1e-12);
+            CHECK((result.velocity[0] - result.velocity[1]).norm() < 1e-14);
+            CHECK(n.dot(result.velocity[0]) == doctest::Approx(-0.01).epsilon(1e-12));
+        }
+}
+
 TEST_CASE("between kinks nearer than rounding the force says which one holds") {
     // from a plate crushed with friction 0.7: rest and the zero crossing of a slip are 4.7e-12 m/s apart, and Lemke's
     // method solves the fan; at rest friction would have to do the work of the cohesion, along the slip. The second one

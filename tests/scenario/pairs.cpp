@@ -2,6 +2,7 @@
 #include "support/capability_pairs.hpp"
 
 #include "scenario/read_scenario.hpp"
+#include "scenario/write_scenario.hpp"
 
 #include <doctest/doctest.h>
 
@@ -22,8 +23,9 @@ TEST_CASE("pairs: two capabilities are refused where the table of exclusions say
     for (const CapabilityPair& pair : capability_pairs()) {
         CAPTURE(name_of(pair));
         try {
-            read_scenario_text(scene_of(pair), "pair.toml", {}, folder);
+            const std::string resolved = resolved_toml(read_scenario_text(scene_of(pair), "pair.toml", {}, folder));
             CHECK(!is_excluded(pair));
+            CHECK(resolved_toml(read_scenario_text(resolved, "resolved.toml", {}, folder)) == resolved);
         } catch (const UserError& error) {
             if (error.diagnostics.front().message.find("no surplus") != std::string::npos) {  // no calibration
                 without_rows.push_back(name_of(pair));

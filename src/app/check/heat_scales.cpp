@@ -172,6 +172,8 @@ std::string heat_text(const Scenario& scenario, const Mesh& mesh, double step) {
     if (!scenario.heat) return "";
     const Heat& heat = *scenario.heat;
     const char* const unit = unit_of_temperature("K", heat.celsius).data();
+    if (heat.field.frozen)
+        return formatted("heat\n  temperatures stay those of the other run; reference %.6g %s\n", heat.reference, unit);
     const FieldExtremes start = field_extremes(scenario, mesh, 0);
     std::string text = "heat\n  temperature  " + range_text(start, unit) + " at t = 0";
     FieldExtremes largest = start;

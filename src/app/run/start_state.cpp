@@ -27,6 +27,7 @@ constexpr double touches = 1e-6;            // [-] depth of an edge in an obstac
 constexpr double overlaps = 1e-3;           // [-] of the area of a triangle
 constexpr double small_gain = 0.01;         // [-] of the least strength, of a stress by turns
 constexpr int max_refinements = 20;         // of the mesh on which an equilibrium is found
+constexpr std::size_t max_differences = 3;  // in a message
 
 using Lines = std::map<std::string, std::string>;
 
@@ -53,10 +54,11 @@ Lines lines_of(const std::string& scenario) {
 
 /// A key that may differ between a run and the one from which it starts.
 bool is_free(const std::string& path) {
-    constexpr std::array tables{
-        "load[",  "probe[",           "specimen.", "figure[",    "output.",         "limits.",    "expect.",
-        "study.", "sweep.",           "absorb[",   "pressure[",  "heat.exchange[",  "time.",      "name",
-        "title",  "heat.temperature", "heat.ramp", "heat.table", "heat.conduction", "heat.every", "heat.time_factor"};
+    constexpr std::array tables{"load[",          "probe[",           "collector[", "specimen.",  "figure[",
+                                "output.",        "limits.",          "expect.",    "study.",     "sweep.",
+                                "absorb[",        "pressure[",        "time.",      "name",       "title",
+                                "heat.exchange[", "heat.temperature", "heat.ramp",  "heat.table", "heat.conduction",
+                                "heat.every",     "heat.time_factor"};
     constexpr std::array motions{"velocity", "displacement", "spin", "force", "ramp", "table"};
     if (path == "time.mass" || path == "time.mass_scaling") return false;
     if (path.starts_with("material.") && path.ends_with("_viscosity")) return true;  // of the scheme
@@ -94,6 +96,7 @@ bool is_thermal(const std::string& path) {
 struct NewAssumptions {
     bool rotation, contact, rigid;  // they are large; free faces meet; pieces may be rigid
     bool no_heat;                   // thermal strains vanish
+    bool any_test;                  // no strength of an interface follows from a test
     std::vector<bool> is_later;   // per excavation: it was after the end of the other run, and its times may be others
     std::size_t n_obstacles = 0;  // of the other run
     bool obstacles;               // more of them
@@ -102,7 +105,8 @@ struct NewAssumptions {
         : rotation(or_nothing(there, "domain.rotation") != large && or_nothing(here, "domain.rotation") == large),
           contact(is_new(there, here, "contact")),
           rigid(is_new(there, here, "rigid")),
-          no_heat(is_new(here, there, "heat")) {
+          no_heat(is_new(here, there, "heat")),
+          any_test(or_nothing(here, "strength.meaning") == "\"of interfaces\"") {
         for (std::size_t i = 0; has_table(there, item("excavation", i)); ++i)
             is_later.push_back(std::stod(or_nothing(there, item("excavation", i) + ".at")) >=
                                std::stod(or_nothing(there, "time.end")));
@@ -114,7 +118,8 @@ struct NewAssumptions {
     bool concern(const std::string& key) const {
         return (rotation && key == "domain.rotation") || (contact && is_in(key, "contact")) ||
                (rigid && is_in(key, "rigid")) || (no_heat && (is_in(key, "heat") || is_thermal(key))) ||
-               is_time_of_later_excavation(key) || (obstacles && concerns_new_obstacle(key));
+               (any_test && (key == "strength.test" || key == "strength.size")) || is_time_of_later_excavation(key) ||
+               (obstacles && concerns_new_obstacle(key));
     }
 
 private:
@@ -140,15 +145,16 @@ std::string difference(const Lines& there, const Lines& here) {
     const NewAssumptions assumed(there, here);
     Lines all = there;
     all.insert(here.begin(), here.end());
-    std::string text;
-    int n = 0;
+    std::vector<std::string> found;
     for (const auto& [key, value] : all) {
         const std::string &was = or_nothing(there, key), &is = or_nothing(here, key);
-        if (is_free(key) || assumed.concern(key) || was == is || ++n > 1) continue;
-        text = "`" + (key.ends_with('.') ? key.substr(0, key.size() - 1) : key) + "` is " + was + " there, " + is +
-               " here";
+        if (is_free(key) || assumed.concern(key) || was == is) continue;
+        found.push_back("`" + (key.ends_with('.') ? key.substr(0, key.size() - 1) : key) + "` is " + was + " there, " +
+                        is + " here");
     }
-    return n > 1 ? text + ", and " + std::to_string(n - 1) + " more" : text;
+    const std::size_t n = found.size(), shown = std::min(n, max_differences);
+    found.resize(shown);
+    return joined(found, "; ") + (n > shown ? "; and " + std::to_string(n - shown) + " more" : "");
 }
 
 UserError refusal(const ReadResult& read, const std::string& text, const std::string& note) {
@@ -219,7 +225,8 @@ RunOrigin origin_of(const ReadResult& read) {
         throw refusal(
             read, text,
             "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, "
-            "probes, limits and expectations may be others. Large rotations, [contact], [rigid], and obstacles "
+            "probes, collectors, limits and expectations may be others. Large rotations, [contact], [rigid], and "
+            "obstacles "
             "behind those that were there may be added, [heat] left out where no law follows the temperature, or "
             "frozen (temperature = \"frozen\", which keeps the strengths, too); not the reverse: what has turned "
             "would be strained, what rests on free faces or obstacles would fall through them, and what is "

@@ -201,6 +201,7 @@ TEST_CASE("a fall starts from a slow run with heat: large rotations and contact 
     large.insert(large.find("[mesh]"), "rotation = \"large\"\n");
     const std::string frozen = "[heat]\ntemperature = \"frozen\"\n";
     REQUIRE(run("small", bar_body + frozen + from("slow@50s")).code == 0);
+    CHECK(command("render " + folder.in_shell("small") + " --show energy").code == 0);  // reads its resolved text
     REQUIRE(run("large", large + frozen + "[contact]\n" + from("slow@50s")).code == 0);
     REQUIRE(run("middle", large + frozen + "[contact]\n" + from("small@60us")).code == 0);
     for (const char* name : {"small", "large", "middle"}) {
@@ -226,7 +227,7 @@ TEST_CASE("a fall starts from a slow run with heat: large rotations and contact 
     // what cannot be
     const Answer back = run("back", bar_body + frozen + from("large@60us"));
     CHECK(back.code == 2);
-    CHECK(back.has("`contact` is given there, nothing here, and 1 more"));
+    CHECK(back.has("`contact` is given there, nothing here; `domain.rotation` is \"large\" there, \"small\" here"));
     CHECK(back.has("what has turned would be strained"));
     const Answer alone = run("alone", large + frozen + "[time]\nend = 1\n");
     CHECK(alone.code == 2);
@@ -244,6 +245,31 @@ TEST_CASE("a fall starts from a slow run with heat: large rotations and contact 
     CHECK(lawless.has("or frozen (temperature = \"frozen\", which keeps the strengths, too)"));
     REQUIRE(run("lawful", thawed + frozen + from("thaws@50s")).code == 0);
     CHECK(std::abs(energies("lawful").column("residual").back()) < 1e-13 * energies("thaws").column("strain").back());
+}
+
+TEST_CASE("a run that starts from another one may have every kind of output anew") {
+    const Folder folder("start outputs");
+    const auto run = [&](const std::string& name, const std::string& text) {
+        std::ofstream(folder.path / (name + ".toml")) << text;
+        const Answer answer =
+            command("run " + folder.in_shell(name + ".toml") + " -q -j 1 -o " + folder.in_shell(name));
+        CAPTURE(answer.text);
+        return answer;
+    };
+    const std::string scene = bar_body + "[[load]]\nname = \"pull\"\non = \"right\"\nvelocity = [\"1 m/s\", 0]\n",
+                      times = "[time]\nend = \"5 us\"\n";
+    REQUIRE(run("first", scene + times + "[output]\nreport = false\nfields = false\nstates = \"5 us\"\n").code == 0);
+    const Answer next = run(
+        "next", scene + times + "start = \"run:first\"\n[output]\nreport = false\nfields = false\n" +
+                    "every = \"1 us\"\n[[probe]]\nname = \"end\"\nat = [0.1, 0.01]\n[[collector]]\nname = \"line\"\n" +
+                    "x = 0.2\n[specimen]\ntest = \"tension\"\nforce = \"pull\"\naxis = \"x\"\n[limits]\nslip = 0.5\n" +
+                    "[sweep]\nseeds = 2\n[expect]\nfragments = { at_least = 1 }\n[[figure]]\nfile = \"energy.svg\"\n" +
+                    "show = \"energy\"\n");
+    CHECK(next.code == 0);
+    // from its last state, which it was asked to keep
+    const knap::History before = knap::read_csv(folder.path / "first/energy.csv"),
+                        after = knap::read_csv(folder.path / "next/energy.csv");
+    CHECK(after.column("external_work").front() == before.column("external_work").back());
 }
 
 TEST_CASE("a run does not start from what it cannot use") {
@@ -266,7 +292,7 @@ TEST_CASE("a run does not start from what it cannot use") {
     CHECK(start(at + "10us", "-s interface.default.G_c=4").has("`interface.default.G_c` is 3 there, 4 here"));
     CHECK(start(at + "7us").has("has no state at 7 µs; it has those at 5 µs, 10 µs, 1"));
     CHECK(start(at + "soon").has("has no time after @"));
-    CHECK(start("run:" + first.string()).has("there is no state"));
+    CHECK(start("run:" + first.string() + "/none").has("there is no run or state"));
     CHECK(start("run:" + folder.path.string() + "@10us").has("holds no run"));
     CHECK(start("walking").has("allowed: rest, equilibrium, run:*"));
     std::ofstream(first / "states/1e-05.state", std::ios::app) << "more";
