@@ -475,21 +475,31 @@ bool ThetaMatrix::find_compliance(std::span<const PointSides> points, const Poin
     return true;
 }
 
+/// G of solve_with_friction(), whose products are many.
+void ThetaMatrix::find_entries_of_friction() {
+    entries_of_friction_.clear();
+    for (std::size_t j = 0; j < friction_.size(); ++j)
+        each_unknown(friction_[j], [&](Index unknown, int k, double weight) {
+            entries_of_friction_.push_back({unknown, static_cast<Index>(2 * j) + k, weight});
+        });
+}
+
 bool ThetaMatrix::solve_with_friction() {
     // A = S + G E G' with the factor of S known and E the friction that follows the contact impulses:
     //     x = S^-1 (b - G y),     y + E G' S^-1 G y = E G' S^-1 b
     // Only the last substitution leaves the parts of the dissection that know G.
     const Eigen::Index n = 2 * static_cast<Eigen::Index>(friction_.size());
+    find_entries_of_friction();
     const auto friction_of = [&](const std::vector<double>& x, Eigen::Ref<Eigen::VectorXd> y) {  // y = E G' x
+        y.setZero();
+        for (const EntryOfFriction& at : entries_of_friction_) y[at.component] += at.weight * x[at.unknown];
         for (Eigen::Index j = 0; j < n / 2; ++j) {
-            Vec2 slip = Vec2::Zero();
-            each_unknown(friction_[j], [&](Index u, int k, double weight) { slip[k] += weight * x[u]; });
+            const Vec2 slip = y.segment<2>(2 * j);
             y.segment<2>(2 * j) = (friction_[j].block - friction_[j].symmetric_block) * slip;
         }
     };
     const auto subtract = [&](const Eigen::Ref<const Eigen::VectorXd>& y, std::vector<double>& x) {  // x -= G y
-        for (Eigen::Index j = 0; j < n / 2; ++j)
-            each_unknown(friction_[j], [&](Index u, int k, double weight) { x[u] -= weight * y[2 * j + k]; });
+        for (const EntryOfFriction& at : entries_of_friction_) x[at.unknown] -= at.weight * y[at.component];
     };
     find_parts(
         friction_, [](const PointTangent& point) -> const PointSides& { return point.sides; }, parts_of_friction_);
