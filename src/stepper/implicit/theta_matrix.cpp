@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t max_half_entries = 1'000'000;  // of find_compliance()
 constexpr Eigen::Index half_rows_at_once = 64;       // likewise: their product needs no memory of its own
+// [-] Of a direction with friction: the next step of Newton's method takes what is left, and an accurate one of pieces
+// that are not yet the right ones is in vain.
+constexpr double accurate_direction = 1e-6;
 
 }  // namespace
 
@@ -516,7 +519,8 @@ bool ThetaMatrix::solve_with_friction() {
     factor_.substitute_back(parts_of_friction_, y_);
     if (friction_part_.size() < n) friction_part_.resize(2 * n);
     friction_of(y_, friction_part_.head(n));
-    if (!gmres_.solve(std::cref(product), friction_part_.head(n), 60, 1e-8)) return false;  // cref: no copy
+    if (!gmres_.solve(std::cref(product), friction_part_.head(n), 60, accurate_direction))
+        return false;  // cref: no copy
     factor_.set_zero(near_parts_, y_);
     subtract(gmres_.solution(), y_);
     factor_.substitute(parts_of_friction_, y_);
