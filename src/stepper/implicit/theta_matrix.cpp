@@ -40,6 +40,7 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Da
       y_(x_.size(), 0) {
     assert(std::ranges::is_sorted(dashpots, {}, &Dashpot::corner));
     reserve_capacity(model.fan_points.size(), with_block_, friction_, points_);
+    reserve_capacity(4 * model.fan_points.size(), entries_of_friction_);  // two sides, x and y
     reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_, local_parts_, path_,
                      reduced_parts_);
     reserve_capacity(model.mesh.n_corners(), near_nodes_, far_nodes_, condensed_, reduced_impulse_);
