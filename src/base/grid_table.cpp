@@ -2,6 +2,7 @@
 
 #include "base/error.hpp"
 #include "base/formatted.hpp"
+#include "base/table_corner.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -65,20 +66,26 @@ double GridTable::operator()(double x, double y, double t) const {
     return sum;
 }
 
-double GridTable::corner(double begin, double end, double shortest, double tolerance) const {
+double GridTable::corner(double begin, double end, double shortest) const {
     const std::vector<double>&x = axes_[0], &y = axes_[1], &t = axes_[2];
     auto at = std::ranges::upper_bound(t, begin);
     if (at == t.end() || *at >= end) return end;
     const auto [low, high] = std::ranges::minmax(values_);
-    double farthest = tolerance * (high - low), found = end;
+    const std::size_t n = x.size() * y.size();
+    double farthest = 0, found = end;
     for (; at != t.end() && *at < end; ++at) {
         if (*at - begin < shortest) continue;
         const double part = (*at - begin) / (end - begin);
-        for (std::size_t i = 0; i < x.size() * y.size(); ++i) {
+        for (std::size_t i = 0; i < n; ++i) {
+            const auto way = [&](std::size_t k) -> TableWay {
+                if (k == 0 || k == t.size()) return {};
+                return {t[k] - t[k - 1], values_[k * n + i] - values_[(k - 1) * n + i]};
+            };
+            const std::size_t k = at - t.begin();
             const double here = x[i % x.size()], there = y[i / x.size()],
                          line = (1 - part) * (*this)(here, there, begin) + part * (*this)(here, there, end),
-                         off = std::abs((*this)(here, there, *at) - line);
-            if (off > farthest) farthest = off, found = *at;
+                         off = std::abs(values_[k * n + i] - line);
+            if (off > farthest && off > may_pass_over(way(k), way(k + 1)) * (high - low)) farthest = off, found = *at;
         }
     }
     return found;

@@ -15,9 +15,8 @@ public:
     double operator()(double x, double y, double t) const;
     bool depends_on_time() const { return axes_[2].size() > 1; }
     const std::vector<double>& axis(std::size_t k) const { return axes_[k]; }  // x, y, t: ascending
-    /// [s] As TimeFunction::corner: the time of the table between `begin` and `end` at which a value is farthest from
-    /// the straight line, if that is more than `tolerance` of the difference between all values. Else `end`.
-    double corner(double begin, double end, double shortest, double tolerance) const;
+    /// [s] As TimeFunction::corner, of the values at all places.
+    double corner(double begin, double end, double shortest) const;
 
 private:
     std::array<std::vector<double>, 3> axes_;  // ascending

@@ -1,5 +1,7 @@
 #include "model/loads.hpp"
 
+#include "base/table_corner.hpp"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -97,14 +99,17 @@ double TimeFunction::corner(double begin, double end, double shortest) const {
     const auto first = std::upper_bound(time.begin(), time.end(), begin),
                last = std::lower_bound(first, time.end(), end);
     if (first == last) return end;
-    double largest = 0;
-    for (const double v : value) largest = std::max(largest, std::abs(v));
+    const auto [low, high] = std::ranges::minmax(value);
     const double at_begin = (*this)(begin), slope = ((*this)(end)-at_begin) / (end - begin);
-    double farthest = corner_tolerance * largest, found = end;
+    const auto way = [&](std::size_t i) -> TableWay {
+        return i == 0 || i == time.size() ? TableWay{} : TableWay{time[i] - time[i - 1], value[i] - value[i - 1]};
+    };
+    double farthest = 0, found = end;
     for (auto at = first; at != last; ++at) {
         if (*at - begin < shortest) continue;
-        const double off = std::abs(value[at - time.begin()] - at_begin - slope * (*at - begin));
-        if (off > farthest) farthest = off, found = *at;
+        const std::size_t i = at - time.begin();
+        const double off = std::abs(value[i] - at_begin - slope * (*at - begin));
+        if (off > farthest && off > may_pass_over(way(i), way(i + 1)) * (high - low)) farthest = off, found = *at;
     }
     return found;
 }

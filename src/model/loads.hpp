@@ -33,9 +33,8 @@ struct TimeFunction {
     double over_kick(double t, double before, double after) const;
     std::array<double, 2> range(double begin, double end) const;  // least and largest value in the interval
     /// [s] Where a step from `begin` to `end` had better end, at least `shortest` [s] after its begin: at the point
-    /// farthest from the straight line, if that is more than `corner_tolerance` of the largest value. Else `end`.
+    /// farthest from the straight line of those that it may not pass over (table_corner.hpp). Else `end`.
     double corner(double begin, double end, double shortest) const;
-    static constexpr double corner_tolerance = 0.01;
 
 private:
     template <class Visit>

@@ -28,7 +28,7 @@ double step_to_corner(const Model& model, double begin, double h) {
         if (!model.heat->conduction) {
             const TemperatureField& field = model.heat->field;
             look_at(field.history);
-            if (field.grid) end_at(field.grid->corner(begin, end, shortest, TimeFunction::corner_tolerance));
+            if (field.grid) end_at(field.grid->corner(begin, end, shortest));
         }
         for (const HeatExchange& exchange : model.heat->exchanges)
             if (exchange.kind == HeatExchange::Kind::temperature || exchange.kind == HeatExchange::Kind::convection)

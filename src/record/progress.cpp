@@ -38,6 +38,20 @@ std::string left_text(double seconds) {
                             : formatted("%.1f h left", seconds / 3600);
 }
 
+SearchProgress::SearchProgress(std::FILE* file) : file_(file), terminal_(file != nullptr && isatty(fileno(file))) {}
+
+void SearchProgress::operator()(int step, double part) {
+    const double wall = watch_.wall();
+    if (file_ == nullptr || (!terminal_ && wall < next_wall_)) return;
+    next_wall_ = std::max(2 * wall, 5.0);
+    std::string text = "search for the equilibrium at the start";
+    if (step > 1) text += formatted(": step %d", step);
+    if (part < 1) text += formatted(", out of balance by %.0e of the loads", part);
+    if (terminal_) std::fprintf(file_, "\r\033[K%s", fitted(text, file_).c_str());
+    else std::fprintf(file_, "%s\n", text.c_str());
+    std::fflush(file_);
+}
+
 Progress::Progress(std::FILE* file, const State& start, double end)
     : file_(file),
       terminal_(file != nullptr && isatty(fileno(file))),

@@ -10,6 +10,22 @@ namespace knap {
 /// "42 s left", "12 min left", "3.5 h left"
 std::string left_text(double seconds);
 
+/// Of the search for an equilibrium before the first step, whose end is not known: on a terminal one line, else a new
+/// line whenever as much time has passed as before it.
+class SearchProgress {
+public:
+    explicit SearchProgress(std::FILE* file);
+
+    /// TellSearch (stepper/equilibrium.hpp)
+    void operator()(int step, double part);
+
+private:
+    std::FILE* file_;  // null: none
+    bool terminal_;
+    Stopwatch watch_;
+    double next_wall_ = 0;  // [s]
+};
+
 class Progress {
 public:
     /// `file`: destination of the lines (null: none); `start`: first state of this process, from which step rate and

@@ -235,8 +235,8 @@ struct Still {
 
 class EquilibriumSearch {
 public:
-    EquilibriumSearch(const Model& model, MassMatrix mass, double time)
-        : mass_(mass), time_(time), turned_(frozen(model, time)) {}
+    EquilibriumSearch(const Model& model, MassMatrix mass, double time, const TellSearch& tell)
+        : mass_(mass), time_(time), tell_(tell), turned_(frozen(model, time)) {}
 
     State find(const State& start) {
         State now = start;
@@ -276,6 +276,8 @@ private:
 
     MassMatrix mass_;
     double time_;
+    const TellSearch& tell_;
+    int n_steps_ = 0;
     Model turned_;
     std::unique_ptr<Still> still_;
 };
@@ -385,6 +387,7 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
     int patience = 2, wait = 0;             // steps without growth after a rejection
     bool once_more = false, again = false;  // again: a step of the same size tells whether a piece goes on moving
     for (int step = 0; part > relative_tolerance; ++step) {
+        if (tell_) tell_(++n_steps_, part);
         next.temperature = now.temperature;
         const StepReport report = still_->scheme.step(now, h, next);
         const bool rejected = report.rejection != Rejection::none, smallest = h < 2 * first_step * passage;
@@ -431,8 +434,8 @@ bool EquilibriumSearch::find_still(Interfaces interfaces, State& now) {
 
 }  // namespace
 
-void start_in_equilibrium(const Model& model, MassMatrix mass, State& start) {
-    State now = EquilibriumSearch(model, mass, start.time).find(start);
+void start_in_equilibrium(const Model& model, MassMatrix mass, State& start, const TellSearch& tell) {
+    State now = EquilibriumSearch(model, mass, start.time, tell).find(start);
     for (Index c = 0; c < model.mesh.n_corners(); ++c)
         now.velocity[now.node_of_corner[c]] = start.velocity[start.node_of_corner[c]];
     for (std::size_t o = 0; o < now.obstacles.size(); ++o) now.obstacles[o].velocity = start.obstacles[o].velocity;

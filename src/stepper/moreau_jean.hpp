@@ -52,7 +52,9 @@ public:
     void begin(State& start) const;
 
     /// Static equilibrium at start.time (stepper/equilibrium.hpp).
-    void start_in_equilibrium(State& start) const { knap::start_in_equilibrium(model_, options_.mass, start); }
+    void start_in_equilibrium(State& start, const TellSearch& tell = {}) const {
+        knap::start_in_equilibrium(model_, options_.mass, start, tell);
+    }
 
     /// Ends a long step early, by StepGivenUp. Without it every step is completed.
     void give_up_when(GiveUp condition);

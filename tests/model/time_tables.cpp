@@ -1,12 +1,17 @@
 // Tables over time between the ends of steps: impulses are exact, resolved tables keep their bits, large steps end at
 // corners.
 #include "model/time_tables.hpp"
+#include "base/grid_table.hpp"
 #include "model/make_model.hpp"
 
 #include "support/bodies.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace time_tables_test {
 
@@ -85,6 +90,32 @@ TEST_CASE("tables over time: large steps end at the corners that they would pass
     CHECK(steps({{0, 75, 75.001, 100}, {0, 0, 1, 1}}, 50, 150) ==
           std::vector<double>{50, 75, 100, 150});  // no step of 1 ms
     CHECK(steps({}, 50, 100) == std::vector<double>{50, 100});
+    // corners count whatever the values elsewhere, and where these lie
+    CHECK(steps({{0, 10, 20, 21, 22, 90, 100}, {0, 0, 0, 1e-3, 0, 0, 1}}, 50, 100) ==
+          std::vector<double>{20, 21, 22, 72, 90, 100});
+    CHECK(steps({{0, 10, 20, 30}, {273, 273, 274, 274}}, 50, 30) == std::vector<double>{10, 20, 70});
+    CHECK(steps({{0, 20, 20, 40}, {1, 1, 2, 2}}, 50, 50) == std::vector<double>{20, 70});
+}
+
+TEST_CASE("tables over time: large steps need not follow the samples of a smooth curve") {
+    TimeFunction wave;
+    for (int i = 0; i <= 1000; ++i)
+        wave.time.push_back(0.1 * i), wave.value.push_back(300 + std::sin(0.02 * std::numbers::pi * wave.time.back()));
+    std::vector<double> ends;
+    for (double t = 0; t < 99.999;) ends.push_back(t = wave.corner(t, std::min(t + 2, 100.), 1e-3));
+    CHECK(ends.size() < 60);
+    for (const double peak : {25., 75.})
+        CHECK(std::ranges::any_of(ends, [&](double t) { return std::abs(t - peak) < 1e-9; }));
+    const GridTable grid({{0, 0, 0, 5},
+                          {0, 0, 10, 5},
+                          {0, 0, 20, 6},
+                          {0, 0, 30, 1000},
+                          {1, 0, 0, 5},
+                          {1, 0, 10, 5},
+                          {1, 0, 20, 5},
+                          {1, 0, 30, 5}});
+    CHECK(grid.corner(0, 15, 0) == 10);
+    CHECK(grid.corner(10, 20, 0) == 20);
 }
 
 }  // namespace time_tables_test

@@ -3,6 +3,7 @@
 #include "model/make_model.hpp"
 #include "stepper/step_control.hpp"
 #include "support/obstacles.hpp"
+#include "support/relative.hpp"
 #include "support/several_bodies.hpp"
 
 #include <doctest/doctest.h>
@@ -531,6 +532,7 @@ TEST_CASE("scheme change: T10 a turned stack at rest stays at rest through both 
     for (Index c = 0; c < run.model.mesh.n_corners(); ++c)
         CHECK((run.now.displacement_of(c) - before.displacement_of(c)).norm() < 1e-12);
     CHECK(std::abs(run.ledger.row().strain - strain) < 1e-10 * strain);
+    MESSAGE("fastest ", fastest(run), ", residual ", run.ledger.largest_residual() / run.ledger.largest_energy());
     CHECK(run.ledger.largest_residual() <= 1e-13 * run.ledger.largest_energy());
 }
 
@@ -566,7 +568,7 @@ TEST_CASE("scheme change: a block that stands slides and stops as Coulomb says i
 }
 
 TEST_CASE("scheme change: T6 a bar creeps down with every cycle of its temperature") {
-    constexpr double mu = 0.5, incline = 10 * std::numbers::pi / 180, strain = 3e-4, period = 40, E = 1e10;
+    constexpr double mu = 0.5, incline = 10 * std::numbers::pi / 180, strain = 3e-4, period = 40, E = 1e12;
     Bodies bodies;
     bodies.add(bar_mesh(3, 1, 3, 0.2), {-1, -0.2});
     Mesh bar = bar_mesh(8, 1, 1, 0.1);
@@ -575,7 +577,7 @@ TEST_CASE("scheme change: T6 a bar creeps down with every cycle of its temperatu
     ModelInput input = resting(bodies, {.friction = mu}, 9.81 * Vec2(-std::sin(incline), -std::cos(incline)));
     for (Elastic& material : input.materials) material.E = E, material.nu = 0;
     input.materials[0].E = 1e3 * E, input.materials[0].density *= 1e3;
-    input.loads.push_back({.kind = Load::Kind::displacement, .on = {.box = Box{{-2, -1}, {3, 1e-6}}}, .value = {0, 0}});
+    input.loads.push_back({.kind = Load::Kind::displacement, .on = {.box = Box{{-2, -1}, {3, -0.1}}}, .value = {0, 0}});
     auto heat = std::make_shared<Heat>();
     heat->field = {Expression("100"), {.time = {0, 20, 40, 60, 80, 100, 120}, .value = {0, 1, 0, 1, 0, 1, 0}}};
     heat->materials = {{}, {.expansion = {.coefficient = strain / 100}}};
@@ -592,8 +594,8 @@ TEST_CASE("scheme change: T6 a bar creeps down with every cycle of its temperatu
     // what it grows by (Green's strain) moves its lower end, but for the stress that lets the upper one slide
     const double W = 2500 * 0.1 * 9.81, EA = E * 0.1,
                  creep = std::sqrt(1 + 2 * strain) - 1 - (mu * W * std::cos(incline) - W * std::sin(incline)) / EA;
-    CHECK(way[3] - way[2] == doctest::Approx(creep).epsilon(0.01));
-    CHECK(way[3] - way[2] == doctest::Approx(way[2] - way[1]).epsilon(1e-7));
+    CHECK(way[3] - way[2] == relative(creep, 1e-4));
+    CHECK(way[3] - way[2] == relative(way[2] - way[1], 1e-7));
     CHECK(run.body.ledger.largest_residual() <= 1e-12 * run.body.ledger.largest_energy());
 }
 

@@ -18,7 +18,7 @@
 namespace knap {
 namespace {
 
-constexpr double much_of_table = 0.05;  // [-] of the largest value of a table
+constexpr double much_of_table = 0.05;  // [-] of the range of a table
 
 /// Between two ends of steps; those of a table do not tell of it.
 struct Peak {
@@ -29,15 +29,15 @@ struct Peak {
 /// The largest one in steps of size h [s].
 std::optional<Peak> unresolved_peak(const TimeFunction& table, double h, double end) {
     std::optional<Peak> found;
-    double largest = 0;
-    for (const double value : table.value) largest = std::max(largest, std::abs(value));
+    if (table.time.empty()) return found;
+    const auto [least, largest] = std::ranges::minmax(table.value);
     for (std::size_t i = 0; i < table.time.size(); ++i) {
         const double t = table.time[i], begin = h * std::floor(t / h);
         if (t <= 0 || t >= end || t == begin) continue;
         const double before = table(begin), after = table(begin + h), low = std::min(before, after),
                      high = std::max(before, after);
         const double passed = std::max(table.value[i] - high, low - table.value[i]);
-        if (passed > much_of_table * largest && (!found || passed > found->passed))
+        if (passed > much_of_table * (largest - least) && (!found || passed > found->passed))
             found = Peak{t, table.value[i], passed};
     }
     return found;

@@ -79,7 +79,8 @@ public:
           now_(other ? other->now
                      : start_of(
                            setup.model, stepper, setup.scenario.time.start_in_equilibrium && !place.resumes(),
-                           adaptation_, [this] { renew_stepper(); }, record)),
+                           adaptation_, [this] { renew_stepper(); },
+                           SearchProgress(setup.options.quiet ? nullptr : stderr), record)),
           control_(setup.plan.limits),
           recorder_(setup.model, now_,
                     recorder_options(setup.scenario, setup.model, setup.origin.works, setup.directory, place.resumes(),
@@ -476,8 +477,6 @@ ExitCode run_scenario(ReadResult requested, const RunOptions& options) {
             other.emplace(file->bytes, origin, scenario, model, excavations, adaptation);
             renew(stepper, model, scenario.time.scheme, plan.limits);
         }
-        if (scenario.time.start_in_equilibrium && !place.resumes() && !options.quiet)
-            std::fputs("searching for the equilibrium at the start\n", stderr);
         Run run({scenario, model, plan, options, directory, origin}, stepper, std::move(excavations),
                 std::move(adaptation), place, record, clock, other ? &*other : nullptr);
         if (other) run.start_from(*other, jumps_text(read, model, *other, plan.limits.largest));

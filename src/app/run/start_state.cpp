@@ -359,14 +359,14 @@ void StartState::complete(Recorder& recorder) const {
 }
 
 State start_of(Model& model, std::optional<MoreauJean>& stepper, bool in_equilibrium, Adaptation& adaptation,
-               const std::function<void()>& renew, RunRecord& record) {
+               const std::function<void()>& renew, const TellSearch& tell, RunRecord& record) {
     State start = initial_state(model);
     if (in_equilibrium) {
         const Stopwatch watch;
         const InterruptGuard::Lifted lifted;  // the search may take minutes
         try {
             State loaded = start;
-            stepper->start_in_equilibrium(loaded);
+            stepper->start_in_equilibrium(loaded, tell);
             for (int n = 0; n < max_refinements && adaptation.follows(); ++n) {
                 std::optional<RefinedMesh> finer = adaptation.look_at_equilibrium(model, loaded);
                 if (!finer ||
@@ -376,7 +376,7 @@ State start_of(Model& model, std::optional<MoreauJean>& stepper, bool in_equilib
                 AdaptedModel refined = adaptation.refine(model, start, std::move(*finer));
                 model = std::move(refined.model), start = std::move(refined.state);
                 renew();
-                stepper->start_in_equilibrium(loaded = start);
+                stepper->start_in_equilibrium(loaded = start, tell);
             }
             start = std::move(loaded);
             const std::string damage = start_damage_text(model, start);

@@ -60,9 +60,9 @@ private:
 
 /// The state at t = 0 of a run that starts from no other one. A body that its interfaces cannot hold in equilibrium has
 /// failed before its first step. With [adapt] the equilibrium is found on meshes that are refined where it loads them,
-/// until it asks for no finer one; `renew` makes the stepper of the present model.
+/// until it asks for no finer one; `renew` makes the stepper of the present model. `tell`: of the search.
 State start_of(Model& model, std::optional<MoreauJean>& stepper, bool in_equilibrium, Adaptation& adaptation,
-               const std::function<void()>& renew, RunRecord& record);
+               const std::function<void()>& renew, const TellSearch& tell, RunRecord& record);
 
 /// A warning where the equilibrium took cohesion from interfaces, or nothing.
 std::string start_damage_text(const Model& model, const State& start);

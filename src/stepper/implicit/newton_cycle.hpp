@@ -30,7 +30,7 @@ public:
     }
 
 private:
-    // GMRES leaves 1e-8 of a direction; cycles repeat their residuals to 1e-10
+    // cycles repeat their residuals to 1e-10, with friction to 1e-2 of what GMRES leaves of a direction
     static constexpr double rounding = 1e-9;
     static constexpr int first_kept = 16;  // swept steps are over
 

@@ -13,6 +13,9 @@ namespace {
 
 constexpr std::size_t max_half_entries = 1'000'000;  // of find_compliance()
 constexpr Eigen::Index half_rows_at_once = 64;       // likewise: their product needs no memory of its own
+// [-] Of a direction with friction: the next step of Newton's method takes what is left, and an accurate one of pieces
+// that are not yet the right ones is in vain.
+constexpr double accurate_direction = 1e-6;
 
 }  // namespace
 
@@ -37,6 +40,7 @@ ThetaMatrix::ThetaMatrix(const Model& model, MassMatrix mass, std::span<const Da
       y_(x_.size(), 0) {
     assert(std::ranges::is_sorted(dashpots, {}, &Dashpot::corner));
     reserve_capacity(model.fan_points.size(), with_block_, friction_, points_);
+    reserve_capacity(4 * model.fan_points.size(), entries_of_friction_);  // two sides, x and y
     reserve_capacity(dissection_.parts.size(), parts_of_friction_, near_parts_, far_parts_, local_parts_, path_,
                      reduced_parts_);
     reserve_capacity(model.mesh.n_corners(), near_nodes_, far_nodes_, condensed_, reduced_impulse_);
@@ -475,21 +479,31 @@ bool ThetaMatrix::find_compliance(std::span<const PointSides> points, const Poin
     return true;
 }
 
+/// G of solve_with_friction(), whose products are many.
+void ThetaMatrix::find_entries_of_friction() {
+    entries_of_friction_.clear();
+    for (std::size_t j = 0; j < friction_.size(); ++j)
+        each_unknown(friction_[j], [&](Index unknown, int k, double weight) {
+            entries_of_friction_.push_back({unknown, static_cast<Index>(2 * j) + k, weight});
+        });
+}
+
 bool ThetaMatrix::solve_with_friction() {
     // A = S + G E G' with the factor of S known and E the friction that follows the contact impulses:
     //     x = S^-1 (b - G y),     y + E G' S^-1 G y = E G' S^-1 b
     // Only the last substitution leaves the parts of the dissection that know G.
     const Eigen::Index n = 2 * static_cast<Eigen::Index>(friction_.size());
+    find_entries_of_friction();
     const auto friction_of = [&](const std::vector<double>& x, Eigen::Ref<Eigen::VectorXd> y) {  // y = E G' x
+        y.setZero();
+        for (const EntryOfFriction& at : entries_of_friction_) y[at.component] += at.weight * x[at.unknown];
         for (Eigen::Index j = 0; j < n / 2; ++j) {
-            Vec2 slip = Vec2::Zero();
-            each_unknown(friction_[j], [&](Index u, int k, double weight) { slip[k] += weight * x[u]; });
+            const Vec2 slip = y.segment<2>(2 * j);
             y.segment<2>(2 * j) = (friction_[j].block - friction_[j].symmetric_block) * slip;
         }
     };
     const auto subtract = [&](const Eigen::Ref<const Eigen::VectorXd>& y, std::vector<double>& x) {  // x -= G y
-        for (Eigen::Index j = 0; j < n / 2; ++j)
-            each_unknown(friction_[j], [&](Index u, int k, double weight) { x[u] -= weight * y[2 * j + k]; });
+        for (const EntryOfFriction& at : entries_of_friction_) x[at.unknown] -= at.weight * y[at.component];
     };
     find_parts(
         friction_, [](const PointTangent& point) -> const PointSides& { return point.sides; }, parts_of_friction_);
@@ -506,7 +520,8 @@ bool ThetaMatrix::solve_with_friction() {
     factor_.substitute_back(parts_of_friction_, y_);
     if (friction_part_.size() < n) friction_part_.resize(2 * n);
     friction_of(y_, friction_part_.head(n));
-    if (!gmres_.solve(std::cref(product), friction_part_.head(n), 60, 1e-8)) return false;  // cref: no copy
+    if (!gmres_.solve(std::cref(product), friction_part_.head(n), 60, accurate_direction))
+        return false;  // cref: no copy
     factor_.set_zero(near_parts_, y_);
     subtract(gmres_.solution(), y_);
     factor_.substitute(parts_of_friction_, y_);

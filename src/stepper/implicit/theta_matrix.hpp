@@ -124,6 +124,7 @@ private:
     template <class PointOf, class ComponentOf>
     bool find_compliance(std::span<const PointSides> points, const PointOf& point_of, const ComponentOf& component_of,
                          Eigen::Ref<Eigen::MatrixXd> compliance);
+    void find_entries_of_friction();
     bool solve_with_friction();
 
     const Model& model_;
@@ -163,6 +164,11 @@ private:
     std::vector<Index> near_parts_, far_parts_, near_nodes_, far_nodes_;
     std::vector<std::uint8_t> is_marked_;  // [0/1] per part
 
+    struct EntryOfFriction {
+        Index unknown, component;  // 2 * (place in friction_) + (0: x, 1: y)
+        double weight;             // [-] of the unknown in that component of the relative motion
+    };
+    std::vector<EntryOfFriction> entries_of_friction_;
     std::vector<PointTangent> new_contacts_;
     std::vector<double> x_, y_;     // per unknown
     std::vector<double> far_part_;  // likewise, of condense()

@@ -65,6 +65,9 @@ TEST_CASE("a run from equilibrium begins with the strain of its preload and rest
         CHECK(std::abs(sum - record["cpu_s"].get<double>()) <= 1e-9 * sum);
         CHECK(rests.code == 0);  // 1/2 sigma^2/E times the volume of .03 m3 is 1.215 J
     }
+    std::string loud = column(folder, "0.9") + " --force";
+    loud.erase(loud.find(" -q"), 3);
+    CHECK(command(loud).text.find("search for the equilibrium at the start\n") != std::string::npos);
 }
 
 TEST_CASE("glue at an end whose motion is prescribed across it holds to its strength") {
