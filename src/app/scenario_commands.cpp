@@ -105,7 +105,7 @@ void print_resolution(const ReadResult& read, const Mesh& mesh, const StepPlan& 
             "  a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length, however small they are: its "
             "path is 5 %% longer, the rest is damage\n  beside it. To meet a measured toughness write toughness = \"as "
             "measured\" (above all tables)\n");
-    std::fputs(mesh_surplus_text(read, plan).c_str(), stdout);
+    std::fputs(mesh_surplus_text(read, mesh, plan).c_str(), stdout);
     for (const NamedLaw& law : scenario.laws)
         if (law.measured_sigma_c > 0)
             std::printf(

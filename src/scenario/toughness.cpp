@@ -87,6 +87,7 @@ std::string toughness_csv(const std::vector<ToughnessRow>& rows) {
 ToughnessTable::ToughnessTable(const std::string& csv) {
     for (const CalibrationLine& line : calibration_lines(toughness_format, csv)) {
         const ToughnessRow row = toughness_row(line);
+        if (row.through > 0) all_.push_back(row);
         if (!row.breaks()) continue;
         const auto same = std::ranges::find_if(rows_, [&](const ToughnessRow& other) {
             return same_kind(row.law, other.law) && row.law.gamma == other.law.gamma &&
@@ -133,6 +134,14 @@ std::optional<Surplus> ToughnessTable::find(const MeshedLaw& law) const {
         if (same_kind(row.law, law))
             points.push_back({{row.law.gamma, std::log(row.law.edges)}, {row.surplus, row.deviation}});
     return interpolated(points, {law.gamma, std::log(law.edges)}, {0, std::log(beyond_edges)});
+}
+
+std::optional<Surplus> ToughnessTable::at_speed(const MeshedLaw& law, double speed) const {
+    std::vector<SurplusPoint> points;
+    for (const ToughnessRow& row : all_)
+        if (same_kind(row.law, law))
+            points.push_back({{row.law.gamma, std::log(row.law.edges), row.speed}, {row.surplus, row.deviation}});
+    return interpolated(points, {law.gamma, std::log(law.edges), speed}, {0, std::log(beyond_edges), 0});
 }
 
 std::optional<Surplus> ToughnessTable::of_measured(MeshedLaw law) const {

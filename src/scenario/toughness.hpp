@@ -126,13 +126,15 @@ public:
     /// The row whose law has most in common with one of the same coupling, or null.
     const ToughnessRow* nearest(const MeshedLaw& law) const { return nearest_row(rows_, law); }
     std::span<const ToughnessRow> rows() const { return rows_; }
+    /// That of a crack at a speed over the Rayleigh speed, between the loads of the table; none beyond its speeds.
+    std::optional<Surplus> at_speed(const MeshedLaw& law, double speed) const;
     /// The surplus S of interfaces for which G_c S is the measured fracture energy. `law.edges` are those of the
     /// measured energy, and S is that of edges/S.
     std::optional<Surplus> of_measured(MeshedLaw law) const;
     std::string nearest_text(const MeshedLaw& law) const { return knap::nearest_text(rows_, law); }
 
 private:
-    std::vector<ToughnessRow> rows_;
+    std::vector<ToughnessRow> rows_, all_;  // all_: of every load at which a crack ran through
 };
 
 }  // namespace knap

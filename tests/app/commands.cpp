@@ -40,18 +40,27 @@ TEST_CASE("check says what would happen") {
     const std::string surplus = "a crack along the edges of a random mesh costs 1.1 to 1.3 G_c per length";
     CHECK(command("check edge_cracked_block -s 'mesh.size=4 mm'").has(surplus));
     CHECK_FALSE(command("check bar_pulled_apart").has(surplus));  // it breaks along one line only
-    const Answer slow = command("check mesh_toughness -s time.bulk=implicit -s 'time.end=20 ms'");
-    for (const char* words : {"the slowest crack that runs costs, over G_c  1.14 +- 0.01  1.11 +- 0.01",
-                              "a slow notched structure bears               1.06 +- 0.06  1.03 +- 0.02",
-                              "this run is slow (large implicit steps): coupling = \"norm\" fits it"})
+    // a slow structure whose size and law were measured; gamma below 1 makes the norm too weak
+    const std::string beam =
+        "check three_point_bending -s 'mesh.refine[0].size=8 mm' -s domain.region=[] -s material.right= "
+        "-s interface.left-right= -s 'interface.default={ sigma_c=3.33e6, G_c=124, gamma=";
+    const Answer slow = command(beam + "1 }'");
+    for (const char* words :
+         {"a notched beam bears                         1.18 +- 0.06  1.04 +- 0.02\n",
+          "a notched panel bears                        1.10 +- 0.05  1.03 +- 0.02  (no row; that of order 1",
+          "coupling = \"norm\" fits this slow run", "structures bear 1.10 to 1.18 with the sum, 1.03 to 1.05 with",
+          "not all of that was measured (no row)", "notched ones with a ligament of 100 mm"})
         CHECK_MESSAGE(slow.has(words), words, slow.text);
-    // cracks that run: small steps, or a load as short as a few passages of a wave
-    for (const char* fast : {"check mesh_toughness -s 'time.end=20 ms'", "check mesh_toughness -s time.bulk=implicit",
-                             "check edge_cracked_block_implicit -s 'mesh.size=2 mm'"}) {
+    CHECK(command(beam + "1, coupling=\"norm\" }'").has("coupling = \"norm\", which it has, fits this slow run"));
+    CHECK(command(beam + "0.5, coupling=\"norm\" }'").has("coupling = \"sum\" fits this slow run"));
+    // a load as short as a few passages of a wave, on bodies with and without a crack
+    for (const char* fast : {"check mesh_toughness", "check edge_cracked_block_implicit -s 'mesh.size=2 mm'"}) {
         const Answer checked = command(fast);
-        CHECK_FALSE_MESSAGE(checked.has("fits it"), fast);
-        CHECK_MESSAGE(checked.has("cracks above 0.6 c_R cost less with the sum"), fast);
+        CHECK_MESSAGE(checked.has("coupling = \"sum\", which it has, fits this fast run"), checked.text);
+        CHECK_MESSAGE(checked.has("with a crack: cracks at 0.66 c_R cost 1.2"), checked.text);
     }
+    const Answer bar = command("check spall_bar -s 'mesh.size=0.25 mm' -s interface.default.G_c=80");
+    CHECK_MESSAGE(bar.has("bars that expand bear 1.09 with the sum, 1.04 with the norm, but the shear"), bar.text);
     // what the tables do not have is said, with the nearest row
     const Answer other = command(
         "check mesh_toughness -s interface.free-free.unloading=secant -s interface.free-free.softening=petersson "
@@ -59,7 +68,7 @@ TEST_CASE("check says what would happen") {
     for (const char* words : {"(no row; that of softening linear and unloading constant and gamma 2",
                               "without a row it was not measured", "`knap calibrate` measures the cost"})
         CHECK_MESSAGE(other.has(words), words, other.text);
-    CHECK_FALSE(command("check mesh_toughness").has("without a row"));
+    CHECK(command("check mesh_toughness").has("runs costs, over G_c  1.14 +- 0.01  1.11 +- 0.01\n"));
     const Answer between = command("check edge_cracked_block -s interface.default.gamma=1.5 -s mesh.size=0.5mm");
     CHECK_MESSAGE(
         between.has("sum: measured with 3 to 12 edges; between rows; gamma 2: 1.19; norm: no row; that of gamma 2 and "
@@ -77,21 +86,20 @@ TEST_CASE("check says what would happen") {
     const std::string sum = "check uniaxial_compression -s 'mesh.size=2 mm' -s interface.default.";
     const std::pair<const char*, const char*> measured[] = {{"G_c='16 J/m2'", "1.08 +- 0.03  1.13 +- 0.03\n"},
                                                             {"G_c='6.8 J/m2'", "1.03 +- 0.01  1.07 +- 0.02"},
-                                                            {"gamma=2", "1.01 +- 0.01  1.01 +- 0.00\n"},
+                                                            {"gamma=2", "1.01 +- 0.01  1.01 +- 0.01\n"},
                                                             {"friction=0", "0.99 +- 0.00  1.00 +- 0.00\n"}};
     for (const auto& [key, words] : measured) {
         const Answer bears = command(sum + key);
         CHECK_MESSAGE(bears.has(std::string("a plate under compression bears              ") + words), bears.text);
     }
     // a slow specimen has the coupling whose specimens miss less, not that of notched structures
-    CHECK_FALSE(command("check slow_crush").has("fits it"));
+    CHECK(command("check slow_crush").has("coupling = \"sum\", which it has, fits this run under compression"));
     const Answer crush = command("check slow_crush -s interface.default.coupling=norm");
-    CHECK_MESSAGE(crush.has("coupling = \"sum\" fits it"), crush.text);
+    CHECK_MESSAGE(crush.has("coupling = \"sum\" fits this run under compression"), crush.text);
     const std::string slow_disc =
         "check brazilian_disc -s 'mesh.size=2 mm' -s time.bulk=implicit -s 'time.end=1 s' -s interface.default.";
-    CHECK_FALSE(command(slow_disc + "coupling=sum").has("fits it"));
     const Answer of_disc = command(slow_disc + "coupling=norm");
-    CHECK_MESSAGE(of_disc.has("coupling = \"sum\" fits it"), of_disc.text);
+    CHECK_MESSAGE(of_disc.has("coupling = \"sum\" fits this run of a disc"), of_disc.text);
     CHECK_MESSAGE(of_disc.has("a Brazilian disc bears                       0.88 +- 0.06  0.57 +- 0.03\n"),
                   of_disc.text);
     // a gamma below those of the table: 2 gamma of the sum, 2 gamma sqrt(1 - gamma^2) of the norm

@@ -129,14 +129,14 @@ TEST_CASE("strength: what structures bear is what the bench measured") {
         std::ranges::find(built_in_files(), std::string("mesh_strength.csv"), &BuiltIn::name)->text);
     int n = 0;
     for (const StrengthRow& row : table.rows()) {
-        if (row.law.test != "notched" && row.law.test != "tension" && row.law.test != "disc") continue;
+        if (row.law.test == "compression" || row.law.test == "brazilian") continue;
         const std::string words =
             formatted("%s %g %d %.3f %.3f ", row.law.softening.ends_with(" norm") ? "norm" : "sum", row.law.gamma,
                       row.seeds, row.surplus, row.deviation);
         CHECK_MESSAGE(measured.contains(words), words);
         ++n;
     }
-    CHECK(n == 35);
+    CHECK(n >= 50);
 }
 
 TEST_CASE("strength: interfaces within a material get the measured strength over the surplus") {

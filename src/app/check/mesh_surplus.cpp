@@ -1,8 +1,10 @@
 #include "app/check/mesh_surplus.hpp"
 
 #include "app/check/findings.hpp"
+#include "base/display_unit.hpp"
 #include "base/formatted.hpp"
 #include "base/text.hpp"
+#include "mesh/polygon.hpp"
 #include "scenario/built_in.hpp"
 #include "scenario/keys.hpp"
 #include "scenario/specimen_strength.hpp"
@@ -14,17 +16,18 @@
 namespace knap {
 namespace {
 
-// The notched structure of the table is about as large as its process zone; its plates are ten edges wide in tension,
-// 12.5 under compression.
-constexpr double notched_zones = 0.886, tension_edges = 10, compression_edges = 12.5;
+// Widths of the plates in the table, in edges: in tension, of the bar that expands, under compression.
+constexpr double tension_edges = 10, spall_edges = 8, compression_edges = 12.5;
 
 // Discs of less compressive strength, in sigma_c, are crushed before they split. The ratio up to which a size counts as
 // that of the discs that were measured.
 constexpr double splits_from = 6.5, same_disc = 2.1;
 
-// A run is slow where its steps are larger than the stable one by this factor, and last as many passages of a wave
-// through the body.
-constexpr double slow_steps = 10, slow_passages = 100;
+// A run is slow that lasts as many passages of a shear wave through the body: it bears its loads like one at rest.
+constexpr double slow_passages = 100;
+
+// [-] Over the Rayleigh speed: the fast crack whose cost is told.
+constexpr double fast_crack = 0.66;
 
 /// A surplus, and whether it is that of rows of the table or between them; else it is that of the nearest one.
 struct Found {
@@ -90,14 +93,20 @@ const StrengthTable& strength_of_program() {
 }
 
 /// What a disc bears over its load with cracks along a given path, by its compressive strength in sigma_c: the friction
-/// and either coupling of the rows count by that alone. Beyond them that of the next one.
+/// and either coupling of the rows count by that alone. Beyond them that of the next one. Of the rows those of the
+/// nearest size.
 Found disc_of(const TestedLaw& law, double strength) {
+    double zones = 0;  // farther than any
+    for (const StrengthRow& disc : strength_of_program().rows())
+        if (disc.law.test == "disc" && apart(disc.law.zones, law.zones) <= apart(zones, law.zones))
+            zones = disc.law.zones;
     std::vector<SurplusPoint> discs;
     TestedLaw row = law;
     const auto has_norm = [](const TestedLaw& of) { return of.softening.ends_with(" norm"); };
     for (const bool own : {false, true})  // of two with one strength the last counts
         for (const StrengthRow& disc : strength_of_program().rows()) {
-            if (disc.law.test != "disc" || (has_norm(disc.law) == has_norm(law)) != own) continue;
+            if (disc.law.test != "disc" || disc.law.zones != zones) continue;
+            if ((has_norm(disc.law) == has_norm(law)) != own) continue;
             const CohesiveLaw of_disc{.sigma_c = 1, .gamma = disc.law.gamma, .friction = disc.law.friction};
             const Coupling coupling = has_norm(disc.law) ? Coupling::norm : Coupling::sum;
             discs.push_back({{compressive_strength(of_disc, coupling)}, {disc.surplus, disc.deviation}});
@@ -111,9 +120,6 @@ Found disc_of(const TestedLaw& law, double strength) {
             other.empty() ? "" : "no row; that of " + joined(other, " and ")};
 }
 
-/// The measured number alone, for any law with this compressive strength.
-std::string disc_text(double strength) { return disc_of({.test = "disc", .softening = "linear"}, strength).text(); }
-
 /// Below the table's gammas a plate in tension bears little more than what damages its worst facets.
 void limit_tension(std::optional<Found>& tension, const CohesiveLaw& law, Coupling coupling) {
     const double weakest = weakest_facet(law, coupling);
@@ -121,31 +127,46 @@ void limit_tension(std::optional<Found>& tension, const CohesiveLaw& law, Coupli
     tension = Found{{weakest, 0}, false, "no row; a facet in the worst direction is damaged"};
 }
 
+/// The cost of a fast crack, else that of a law that was measured at several speeds.
+std::optional<Found> fast_of(const ToughnessTable& table, const MeshedLaw& law, Coupling coupling) {
+    if (const std::optional<Surplus> found = table.at_speed(law, fast_crack)) return Found{*found, true, {}};
+    const MeshedLaw other = MeshedLaw{"linear", "constant", 1, 1, 6}.with(coupling);
+    const std::optional<Surplus> found = table.at_speed(other, fast_crack);
+    if (!found) return {};
+    return Found{*found, false, "no row; that of " + joined(differences(other, law), " and ")};
+}
+
 /// The surplus of a law with one coupling.
 struct WithCoupling {
-    std::optional<Found> running, notched, tension, compression, disc;
+    std::optional<Found> slowest, fast, panel, beam, sheared, tension, spall, compression, disc;
 };
+using Column = std::optional<Found> WithCoupling::*;
 
 bool has_test(const Scenario& scenario, SpecimenOptions::Test test) {
     return scenario.specimen && scenario.specimen->test == test;
 }
 
 struct Line {
-    std::optional<Found> WithCoupling::*of;
+    Column of;
     const char* words;
+    bool of_crack = false;  // else of a body's load
 };
-constexpr Line lines[] = {{&WithCoupling::running, "the slowest crack that runs costs, over G_c"},
-                          {&WithCoupling::notched, "a slow notched structure bears"},
+constexpr Line lines[] = {{&WithCoupling::slowest, "the slowest crack that runs costs, over G_c", true},
+                          {&WithCoupling::fast, "a crack at 0.66 c_R costs, over G_c", true},
+                          {&WithCoupling::panel, "a notched panel bears"},
+                          {&WithCoupling::beam, "a notched beam bears"},
+                          {&WithCoupling::sheared, "a notched square in shear bears"},
                           {&WithCoupling::tension, "a plate in tension bears"},
+                          {&WithCoupling::spall, "a bar that expands fast bears"},
                           {&WithCoupling::compression, "a plate under compression bears"},
                           {&WithCoupling::disc, "a Brazilian disc bears"}};
 
-/// `key`: [interface.NAME] of the law.
-WithCoupling with_coupling(const Scenario& scenario, const Node& key, const LawWithin& within, Coupling coupling) {
+/// `key`: [interface.NAME] of the law; `ligament` [m] of a notched body.
+WithCoupling with_coupling(const Scenario& scenario, const Node& key, const LawWithin& within, double ligament,
+                           Coupling coupling) {
     static const ToughnessTable toughness(table_of_program("mesh_toughness.csv"));
     const MeshedLaw coupled = within.meshed.with(coupling);
     const CohesiveLaw& law = scenario.laws[within.law].law;
-    const double zone = law.process_zone(scenario.materials[within.material].elastic.plane_modulus(scenario.plane));
     const auto tested = [&](const char* test, double size) {
         TestedLaw made = tested_law(scenario, within, test, size);
         made.softening = coupled.softening;
@@ -155,9 +176,13 @@ WithCoupling with_coupling(const Scenario& scenario, const Node& key, const LawW
         return look_up(strength_of_program(), tested(test, size));
     };
     const bool compressed = has_test(scenario, SpecimenOptions::Test::compression);
-    WithCoupling found{.running = look_up(toughness, coupled),
-                       .notched = specimen("notched", notched_zones * zone),
+    WithCoupling found{.slowest = look_up(toughness, coupled),
+                       .fast = fast_of(toughness, coupled, coupling),
+                       .panel = specimen("panel", ligament),
+                       .beam = specimen("beam", ligament),
+                       .sheared = specimen("sheared", ligament),
                        .tension = specimen("tension", tension_edges * within.edge),
+                       .spall = specimen("spall", spall_edges * within.edge),
                        .compression = {},
                        .disc = {}};
     limit_tension(found.tension, law, coupling);
@@ -168,7 +193,7 @@ WithCoupling with_coupling(const Scenario& scenario, const Node& key, const LawW
     const std::string no_toughness = given_keys(key, without_toughness),
                       no_strength = given_keys(key, without_strength);
     for (const Line& line : lines)
-        if (const std::string& keys = line.of == &WithCoupling::running ? no_toughness : no_strength; !keys.empty())
+        if (const std::string& keys = line.of_crack ? no_toughness : no_strength; !keys.empty())
             if (auto& number = found.*line.of)
                 number->has_rows = false, number->remark = "no row; that without " + keys;
     return found;
@@ -191,59 +216,94 @@ bool has_rows(const WithCoupling& of) {
     return std::ranges::all_of(lines, [&](const Line& line) { return !(of.*line.of) || (of.*line.of)->has_rows; });
 }
 
-/// What tells the coupling of a run: its own test, else the notched structure.
-std::optional<Found> WithCoupling::*column_of(const Scenario& scenario) {
-    if (has_test(scenario, SpecimenOptions::Test::compression)) return &WithCoupling::compression;
-    if (has_test(scenario, SpecimenOptions::Test::brazilian)) return &WithCoupling::disc;
-    return &WithCoupling::notched;
+/// What tells the coupling that fits a run.
+struct Fits {
+    std::string run, bodies;
+    std::vector<Column> columns;
+    bool costs = false;  // of two costs the less fits, of two loads that nearer to the one along a given path
+};
+
+Fits what_fits(const Scenario& scenario, const Mesh& mesh, const StepPlan& plan) {
+    const double passages = plan.limits.end / plan.limits.passage;
+    const std::string lasts = formatted(" run (%.3g passages of a wave)", passages);
+    if (has_test(scenario, SpecimenOptions::Test::compression))
+        return {"run under compression", "plates bear", {&WithCoupling::compression}};
+    if (has_test(scenario, SpecimenOptions::Test::brazilian))
+        return {"run of a disc", "discs bear", {&WithCoupling::disc}};
+    if (passages >= slow_passages)
+        return {"slow" + lasts,
+                "notched structures bear",
+                {&WithCoupling::panel, &WithCoupling::beam, &WithCoupling::sheared}};
+    if (std::ranges::any_of(mesh.interior_edges, &InteriorEdge::cracked))
+        return {"fast" + lasts + " with a crack", "cracks at 0.66 c_R cost", {&WithCoupling::fast}, true};
+    return {"fast" + lasts + " without a crack", "bars that expand bear", {&WithCoupling::spall}};
 }
 
-/// Explicit steps may have either coupling: what slow bodies bear tells nothing of cracks above 0.6 c_R.
-bool is_slow(const StepPlan& plan) {
-    return plan.limits.largest >= slow_steps * plan.stable_step &&
-           plan.limits.end >= slow_passages * plan.limits.passage;
-}
+/// The range of the numbers of one coupling; none where one is missing.
+struct Range {
+    double least, most;
 
-/// The coupling that fits a slow run where the law has the other one: that whose bodies bear what they bear along a
-/// given path.
-std::string advice(const std::array<WithCoupling, 2>& couplings, const Scenario& scenario, const CohesiveLaw& law) {
-    const auto column = column_of(scenario);
-    const auto &sum = couplings[0].*column, &norm = couplings[1].*column;
-    if (!sum || !norm) return {};
-    const auto misses = [](const Found& found) { return std::abs(found.surplus.mean - 1); };
-    const bool norm_fits = misses(*norm) < misses(*sum);
-    if (norm_fits == (law.coupling == Coupling::norm)) return {};
-    if (norm_fits && column == &WithCoupling::disc && crushes_discs(law, Coupling::norm)) return {};
-    if (norm_fits && weakest_facet(law, Coupling::norm) < 1) return {};  // too weak where facets lie badly
-    return std::string("this run is slow (large implicit steps): coupling = \"") + (norm_fits ? "norm" : "sum") +
-           "\" fits it" +
-           (norm_fits && law.friction > 0 ? ", but the shear strength falls from gamma + friction to gamma" : "");
+    std::string text() const {
+        const std::string a = formatted("%.2f", least), b = formatted("%.2f", most);
+        return a == b ? a : a + " to " + b;
+    }
+    double misses() const { return std::max(std::abs(least - 1), std::abs(most - 1)); }
+};
+
+/// The coupling that fits a run, and why.
+std::string advice(const std::array<WithCoupling, 2>& couplings, const Fits& fits, const CohesiveLaw& law) {
+    std::array<Range, 2> range;
+    bool all_have_rows = true;
+    for (std::size_t k = 0; k < 2; ++k) {
+        std::vector<double> numbers;
+        for (const Column column : fits.columns)
+            if (const auto& found = couplings[k].*column) {
+                numbers.push_back(found->surplus.mean);
+                all_have_rows = all_have_rows && found->has_rows;
+            }
+        if (numbers.empty()) return {};
+        const auto [least, most] = std::ranges::minmax(numbers);
+        range[k] = {least, most};
+    }
+    const auto& [sum, norm] = range;
+    const double weakest = weakest_facet(law, Coupling::norm);
+    const bool crushed = fits.columns.front() == &WithCoupling::disc && crushes_discs(law, Coupling::norm),
+               fewer = fits.costs ? norm.most < sum.most : norm.misses() < sum.misses(),
+               norm_fits = fewer && weakest == 1 && !crushed;
+    const Coupling best = norm_fits ? Coupling::norm : Coupling::sum;
+    std::string text = formatted("coupling = \"%s\"%s fits this %s: %s %s with the sum, %s with the norm",
+                                 norm_fits ? "norm" : "sum", law.coupling == best ? ", which it has," : "",
+                                 fits.run.c_str(), fits.bodies.c_str(), sum.text().c_str(), norm.text().c_str());
+    if (fewer && weakest < 1) text += formatted(", but there a facet in the worst direction bears %.2f", weakest);
+    if (fewer && crushed) text += ", but there discs are crushed";
+    if (norm_fits && law.friction > 0) text += ", but the shear strength falls from gamma + friction to gamma";
+    return text + (all_have_rows ? "" : "; not all of that was measured (no row)");
 }
 
 }  // namespace
 
-std::string mesh_surplus_text(const ReadResult& read, const StepPlan& plan) {
+std::string mesh_surplus_text(const ReadResult& read, const Mesh& mesh, const StepPlan& plan) {
     const Scenario& scenario = read.scenario;
-    const bool slow = is_slow(plan);
+    const Fits fits = what_fits(scenario, mesh, plan);
+    const double ligament = bounding_box(mesh.vertices).extent().minCoeff() / 2;
     std::string text;
     bool all_have_rows = true;
     for (const LawWithin& within : laws_within(scenario, read.values)) {
         const NamedLaw& named = scenario.laws[within.law];
         if (named.measured_G_c > 0) continue;
         const Node& key = *read.values.find("interface." + named.name);
-        const std::array couplings{with_coupling(scenario, key, within, Coupling::sum),
-                                   with_coupling(scenario, key, within, Coupling::norm)};
+        const std::array couplings{with_coupling(scenario, key, within, ligament, Coupling::sum),
+                                   with_coupling(scenario, key, within, ligament, Coupling::norm)};
         text += formatted("  %-46s sum           norm\n", ("law " + named.name + " on this mesh, coupling =").c_str());
         for (const Line& line : lines) text += text_of(line, couplings[0], couplings[1]);
         all_have_rows = all_have_rows && std::ranges::all_of(couplings, has_rows);
-        if (const std::string line = slow ? advice(couplings, scenario, named.law) : ""; !line.empty())
-            text += "    " + line + "\n";
+        if (const std::string line = advice(couplings, fits, named.law); !line.empty()) text += "    " + line + "\n";
     }
-    if (!text.empty()) text += "    (what bodies bear: over their load with cracks along a given path)\n";
-    if (!text.empty() && !slow)  // BENCHMARKS.md, Fast cracks
-        text +=
-            "    cracks above 0.6 c_R cost less with the sum, slower ones and structures under slow loads with the "
-            "norm\n";
+    if (text.empty()) return {};
+    text += formatted(
+        "    (what bodies bear: over their load with cracks along a given path, the bar over sigma_c; notched ones "
+        "with a ligament of %s, half of the body)\n",
+        readable(ligament, "m", 3).c_str());
     if (!all_have_rows)
         text +=
             "    without a row it was not measured: the number is that of another law and may err by all that it "
@@ -273,7 +333,8 @@ std::vector<Diagnostic> findings_of_crushed_discs(const ReadResult& read) {
                  formatted("`interface.%s.gamma` gives a compressive strength of %.2g sigma_c: a Brazilian disc is "
                            "crushed below its platens before it splits. Discs with this strength bear %s of their "
                            "splitting load, whatever the coupling",
-                           named.name.c_str(), bears, disc_text(bears).c_str()),
+                           named.name.c_str(), bears,
+                           disc_of(tested_law(scenario, within, "disc", scenario.strength.size), bears).text().c_str()),
              .note = (has_table ? std::string("a larger gamma or more friction over pressure")
                                 : formatted("gamma = %.2g, which gives %.2g sigma_c", gamma, splits_from)) +
                      (named.law.coupling == Coupling::norm && sum_splits ? ", or coupling = \"sum\"" : "")}));
