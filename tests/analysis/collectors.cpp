@@ -3,6 +3,7 @@
 #include "base/quantile.hpp"
 #include "model/make_model.hpp"
 #include "support/bodies.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,7 +15,7 @@
 namespace collectors_test {
 
 using namespace knap;
-using doctest::Approx;
+using knap::tests::relative;
 
 namespace {
 
@@ -123,12 +124,12 @@ TEST_CASE("collectors: a piece that breaks before the line passes in parts") {
     flight.break_interface(0);
     flight.move(0.01);  // the front part is beyond the line
     CHECK(flight.column("mass") == Values{2});
-    CHECK(flight.column("x").at(0) == Approx(4. / 3 + 2.11));
+    CHECK(flight.column("x").at(0) == relative(4. / 3 + 2.11));
     flight.move(0.2);
     flight.move(0.5);
     CHECK(flight.column("mass") == Values{2, 2});
     CHECK(flight.column("direction") == Values{1, 1});
-    CHECK(flight.column("x").at(1) == Approx(3.2).epsilon(1e-14));
+    CHECK(flight.column("x").at(1) == relative(3.2, 1e-14));
 }
 
 TEST_CASE("collectors: a body that stands on the line and breaks has not passed") {
@@ -164,7 +165,7 @@ TEST_CASE("collectors: beside the ends of a line nothing passes and its lower en
     CHECK(flight.column("direction") == Values{1, -1});
     CHECK(flight.column("height") == Values{0.5, 0.5});
     CHECK(flight.column("translation") == Values{4.5, 4.5});
-    CHECK(flight.column("time").at(0) == Approx(4. / 3).epsilon(1e-14));
+    CHECK(flight.column("time").at(0) == relative(4. / 3, 1e-14));
 }
 
 TEST_CASE("collectors: with pieces that break at any moment and drive apart every triangle passes once") {
@@ -186,8 +187,8 @@ TEST_CASE("collectors: with pieces that break at any moment and drive apart ever
         for (const auto& line : flight.lines) sum += line[0] == collector ? line[5] : 0;
         return sum;
     };
-    CHECK(total_of(0) == Approx(8).epsilon(1e-13));
-    CHECK(total_of(1) == Approx(8).epsilon(1e-13));
+    CHECK(total_of(0) == relative(8, 1e-13));
+    CHECK(total_of(1) == relative(8, 1e-13));
     CHECK(flight.total("direction") == static_cast<double>(flight.lines.size()));
     CHECK(flight.lines.size() > 40);
 }
@@ -199,20 +200,20 @@ TEST_CASE("collectors: a passage in free flight is that of the parabola and a bl
         flight.step([&](Index) { return Vec2(v_x, v_y - g * (i + 0.5)); });
     const double t = 24.5 / v_x;
     REQUIRE(flight.lines.size() == 1);
-    CHECK(flight.column("time").at(0) == Approx(t).epsilon(1e-14));
-    CHECK(flight.column("y").at(0) == Approx(y_start + v_y * t - 0.5 * g * t * t).epsilon(1e-13));
-    CHECK(flight.column("velocity_y").at(0) == Approx(v_y - g * t).epsilon(1e-13));
-    CHECK(flight.column("energy").at(0) == Approx(0.5 * 4 * (4 + std::pow(v_y - g * t, 2))).epsilon(1e-13));
+    CHECK(flight.column("time").at(0) == relative(t, 1e-14));
+    CHECK(flight.column("y").at(0) == relative(y_start + v_y * t - 0.5 * g * t * t, 1e-13));
+    CHECK(flight.column("velocity_y").at(0) == relative(v_y - g * t, 1e-13));
+    CHECK(flight.column("energy").at(0) == relative(0.5 * 4 * (4 + std::pow(v_y - g * t, 2)), 1e-13));
 
     Flight blow(square(), {at(25.5)});
     for (int i = 0; i < 15; ++i) blow.step([&](Index) { return Vec2(i < 12 ? 2 : 1, i < 12 ? -3 : 5); });
     CHECK(blow.column("velocity_y") == Values{5});
-    CHECK(blow.column("speed").at(0) == Approx(std::sqrt(26)).epsilon(1e-14));
+    CHECK(blow.column("speed").at(0) == relative(std::sqrt(26), 1e-14));
 }
 
 TEST_CASE("collectors: quantiles are linear between two values") {
     CHECK(quantile({3, 1, 2}, 0.5) == 2);
-    CHECK(quantile({4, 1}, 0.95) == Approx(3.85).epsilon(1e-15));
+    CHECK(quantile({4, 1}, 0.95) == relative(3.85, 1e-15));
     CHECK(quantile({4, NAN, 1}, 1) == 4);
     CHECK(quantile({7}, 0.95) == 7);
     CHECK(std::isnan(quantile({}, 0.5)));

@@ -6,6 +6,7 @@
 #include "model/make_model.hpp"
 #include "model/state.hpp"
 #include "support/bodies.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,7 +16,7 @@
 namespace interface_graph_test {
 
 using namespace knap;
-using doctest::Approx;
+using knap::tests::relative;
 
 namespace {
 
@@ -98,7 +99,7 @@ TEST_CASE("a bar cut half and then in two") {
 
     weaken(model, state, 3, 1, 0.0);
     CrackPattern cracks = history.snapshot(1, interface_status(model, state));
-    CHECK(cracks.crack_length == Approx(1));
+    CHECK(cracks.crack_length == relative(1));
     CHECK(cracks.main_start == CrackStart::boundary);
     REQUIRE(cracks.tips.size() == 1);
     CHECK((cracks.tips[0].position - Vec2(3, 1)).norm() < 1e-12);
@@ -106,15 +107,15 @@ TEST_CASE("a bar cut half and then in two") {
 
     weaken(model, state, 3, 2, 0.0);
     cracks = history.snapshot(2, interface_status(model, state));
-    CHECK(cracks.crack_length == Approx(2));
+    CHECK(cracks.crack_length == relative(2));
     CHECK(cracks.tips.empty());
 
     for (Vec2& v : state.velocity) v = Vec2(2, -1);
     const Fragments fragments = find_fragments(model, state);
     REQUIRE(fragments.pieces.size() == 2);
-    CHECK(fragments.pieces[0].mass == Approx(10 * 0.5 * 1000));
-    CHECK(fragments.pieces[1].mass == Approx(6 * 0.5 * 1000));
-    CHECK(fragments.pieces[0].area == Approx(10));
+    CHECK(fragments.pieces[0].mass == relative(10 * 0.5 * 1000));
+    CHECK(fragments.pieces[1].mass == relative(6 * 0.5 * 1000));
+    CHECK(fragments.pieces[0].area == relative(10));
     CHECK((fragments.pieces[0].centre - Vec2(5.5, 1)).norm() < 1e-9);
     CHECK((fragments.pieces[1].velocity - Vec2(2, -1)).norm() < 1e-12);
     CHECK(fragments.pieces[0].n_triangles + fragments.pieces[1].n_triangles == model.mesh.n_triangles());
@@ -140,16 +141,16 @@ TEST_CASE("of second order halves of interfaces break when their two points have
     double broken = 0;
     for (std::size_t i = 0; i < status.size(); ++i) {
         const Vec2 along = graph.vertices[graph.ends[i][1]] - graph.vertices[graph.ends[i][0]];
-        CHECK(along.norm() == Approx(graph.length[i]));
+        CHECK(along.norm() == relative(graph.length[i]));
         if (status[i] == InterfaceStatus::broken) broken += graph.length[i];
         if (stands_at(model, model.interfaces[i / 2], 5))
             CHECK(status[i] == (i % 2 == 0 ? InterfaceStatus::damaged : InterfaceStatus::broken));
     }
-    CHECK(broken == Approx(2 + 1));
+    CHECK(broken == relative(2 + 1));
     const Fragments fragments = find_fragments(model, state);  // the halves at 5 hold
     REQUIRE(fragments.pieces.size() == 2);
-    CHECK(fragments.pieces[0].mass == Approx(5 * 2 * 0.5 * 1000));
-    CHECK(fragments.pieces[0].centre.x() == Approx(5.5));
+    CHECK(fragments.pieces[0].mass == relative(5 * 2 * 0.5 * 1000));
+    CHECK(fragments.pieces[0].centre.x() == relative(5.5));
 }
 
 }  // namespace interface_graph_test

@@ -3,6 +3,7 @@
 
 #include "model/make_model.hpp"
 #include "support/bodies.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -35,10 +36,10 @@ TEST_CASE("a probe of a box has the mean stress of its triangles") {
     CHECK(names[4] == "right_stress_xx");
     const std::vector<double> line = probes.line(state);
     const double D = 10 / (1 - 0.25 * 0.25);
-    CHECK(line[1] == doctest::Approx(D * a * 2).epsilon(1e-12));
-    CHECK(line[2] == doctest::Approx(0.25 * D * a * 2).epsilon(1e-12));
-    CHECK(line[4] == doctest::Approx(D * a * 3).epsilon(1e-12));
-    CHECK(line[7] == doctest::Approx(8 * a).epsilon(1e-12));
+    CHECK(line[1] == relative(D * a * 2, 1e-12));
+    CHECK(line[2] == relative(0.25 * D * a * 2, 1e-12));
+    CHECK(line[4] == relative(D * a * 3, 1e-12));
+    CHECK(line[7] == relative(8 * a, 1e-12));
     CHECK_THROWS_AS(Probes(model, {{.name = "none", .watch = Watch::stress, .box = Box{{5, 5}, {6, 6}}}}),
                     SimulationError);
 }
@@ -134,7 +135,7 @@ TEST_CASE("a probe outside the body takes the nearest point of the boundary") {
     const ProbeSubject taken = taken_by(model, {.name = "p", .at = {2.5, 4.5}});
     REQUIRE(taken.place.size() == 1);
     CHECK((taken.place[0] - Vec2(2.5, 4)).norm() < 1e-12);  // the nearest vertices are half an edge away
-    CHECK(taken.distance == doctest::Approx(0.5).epsilon(1e-12));
+    CHECK(taken.distance == relative(0.5, 1e-12));
     CHECK(taken_by(model, {.name = "p", .at = {3.2, 1.7}}).distance == 0);
     CHECK((taken_by(model, {.name = "p", .at = {9, 5}}).place[0] - Vec2(8, 4)).norm() < 1e-12);  // a corner
 }

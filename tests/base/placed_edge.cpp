@@ -1,6 +1,7 @@
 // The frame of an edge, and the cone of normals that a vertex accepts.
 #include "base/placed_edge.hpp"
 #include "base/rotation.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +10,7 @@
 namespace placed_edge_test {
 
 using namespace knap;
+using knap::tests::relative;
 
 TEST_CASE("gap and share of a place at an edge are those of the drawing however both are turned and moved") {
     const Vec2 start(0.3, -0.2), end(2.3, -0.2), x(0.8, -0.5);  // the material lies above, x in front
@@ -16,10 +18,10 @@ TEST_CASE("gap and share of a place at an edge are those of the drawing however 
         const Rotation turn = Rotation::by(k * 15 * degree);
         const auto moved = [&](const Vec2& p) { return Vec2(turn.turned(p) + Vec2(0.1 * k, -0.7 * k)); };
         const PlacedEdge edge = placed_edge(moved(start), moved(end));
-        CHECK(edge.length == doctest::Approx(2).epsilon(1e-14));
-        CHECK(edge.gap(moved(x)) == doctest::Approx(0.3).epsilon(1e-13));
-        CHECK(edge.share(moved(x)) == doctest::Approx(0.25).epsilon(1e-13));
-        CHECK(edge.share(edge.end) == doctest::Approx(1).epsilon(1e-14));
+        CHECK(edge.length == relative(2, 1e-14));
+        CHECK(edge.gap(moved(x)) == relative(0.3, 1e-13));
+        CHECK(edge.share(moved(x)) == relative(0.25, 1e-13));
+        CHECK(edge.share(edge.end) == relative(1, 1e-14));
         CHECK((edge.start + edge.place(moved(x)) * edge.along + edge.gap(moved(x)) * edge.outward - moved(x)).norm() <
               1e-14);
     }

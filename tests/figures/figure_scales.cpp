@@ -1,5 +1,6 @@
 // Common ranges of several pictures, complete titles, obstacles at their place, distinct lines.
 #include "pixels.hpp"
+#include "support/relative.hpp"
 #include "support/synthetic_run.hpp"
 
 #include "base/error.hpp"
@@ -111,8 +112,8 @@ TEST_CASE("figures: the pictures of a sequence share colours and view") {
     const FigureScale common =
         joined(scale_of(options, reader.frame(0), {}, {}), scale_of(options, reader.frame(1), {}, {}));
     const FigureScale in_memory = joined(body_scale(options, early, {}), body_scale(options, late, {}));
-    CHECK(common.values.high == doctest::Approx(in_memory.values.high).epsilon(1e-6));
-    CHECK(common.values.low == doctest::Approx(in_memory.values.low).epsilon(1e-6));
+    CHECK(common.values.high == relative(in_memory.values.high, 1e-6));
+    CHECK(common.values.low == relative(in_memory.values.low, 1e-6));
     const auto files = draw_sequence(options, reader, {0, 1}, {}, {}, pictures());
     CHECK(files == std::vector{pictures() / "disk_20us.png", pictures() / "disk_40us.png"});
     CHECK_FALSE(waits_for_the_end({.show = "energy", .at = {1, 2}}));
@@ -288,8 +289,8 @@ TEST_CASE("figures: the short side of a slender body is stretched as its axis is
     const Plot a = body_plot(seen, plain, 40), b = body_plot(seen, stretched, 40);
     const Vec2 low(0, 0), high(0.1, 0.004);
     const Vec2 size_a = a.on_page(high) - a.on_page(low), size_b = b.on_page(high) - b.on_page(low);
-    CHECK(size_b.x() == doctest::Approx(size_a.x()));
-    CHECK(size_b.y() == doctest::Approx(5 * size_a.y()));
+    CHECK(size_b.x() == relative(size_a.x()));
+    CHECK(size_b.y() == relative(5 * size_a.y()));
     CHECK(has_text(draw(stretched, bar, {.title = "A bar"}, pictures() / "bar.png"), "y [mm], × 5"));
     CHECK_FALSE(has_text(draw(plain, bar, {.title = "A bar"}, pictures() / "bar_plain.png"), "], ×"));
     for (Vec2& x : bar.position) x = Vec2(x.y(), x.x());
@@ -330,8 +331,8 @@ TEST_CASE("figures: cracks have the colour of slip or mode or time of breaking")
         if (status != InterfaceStatus::broken) continue;
         ++n_broken;
         const Vec2 middle = 0.5 * (frame.end_position[2 * i] + frame.end_position[2 * i + 1]);
-        CHECK(time[i] == doctest::Approx(1e-3 * middle.x()));
-        CHECK(mode[i] == doctest::Approx(middle.y() / synthetic::height));
+        CHECK(time[i] == relative(1e-3 * middle.x()));
+        CHECK(mode[i] == relative(middle.y() / synthetic::height));
     }
     CHECK(n_broken > 5);
     CHECK(n_slipped > n_broken);
@@ -394,9 +395,9 @@ TEST_CASE("figures: axes of stress and strain follow the axial curve") {
     History wide = synthetic::stress_strain();
     for (std::vector<double>& row : wide.rows) row[3] *= 500, row[4] = row[2] + row[3];  // fragments fly aside
     const Box axes = axis_ranges(stress_strain_chart(wide));
-    CHECK(axes.high.x() == doctest::Approx(0.2));  // [%]
-    CHECK(axes.low.x() == doctest::Approx(-0.2));
-    CHECK(axes.high.y() == doctest::Approx(100e6).epsilon(0.1));
+    CHECK(axes.high.x() == relative(0.2));  // [%]
+    CHECK(axes.low.x() == relative(-0.2));
+    CHECK(axes.high.y() == relative(100e6, 0.1));
 }
 
 TEST_CASE("figures: what hardly leaves zero does not cost a step of the axis") {
@@ -432,7 +433,7 @@ TEST_CASE("figures: reactions over time are all forces that can be seen") {
     const Chart chart = reaction_chart(synthetic::reactions(), true);
     CHECK(chart.x_quantity == "time");
     CHECK(chart.curves.size() == 4);
-    CHECK(chart.curves[0].x.back() == doctest::Approx(80e-6));
+    CHECK(chart.curves[0].x.back() == relative(80e-6));
     const FigureOptions options{.file = "over_time.png", .show = "reactions", .width = 560, .over = "time"};
     CHECK(draw_figure(options, {}, synthetic::histories(20), {}, pictures()).file == pictures() / "over_time.png");
     CHECK_THROWS_AS(draw_figure({.file = "a.png", .show = "reactions", .over = "force"}, {}, synthetic::histories(20),
@@ -445,8 +446,8 @@ TEST_CASE("figures: fluids in cracks have pressures and volumes and lengths over
     const Chart volumes = fluid_volume_chart(synthetic::fluids());
     REQUIRE(volumes.curves.size() == 2);
     CHECK(volumes.curves[1].label == "water, injected");
-    CHECK(volumes.curves[1].y.back() == doctest::Approx(1.02e-6));
-    CHECK(fluid_length_chart(synthetic::fluids()).curves.at(0).y.back() == doctest::Approx(0.08));
+    CHECK(volumes.curves[1].y.back() == relative(1.02e-6));
+    CHECK(fluid_length_chart(synthetic::fluids()).curves.at(0).y.back() == relative(0.08));
 }
 
 TEST_CASE("figures: what a run does not have is refused with a list of what it has") {

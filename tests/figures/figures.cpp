@@ -1,5 +1,6 @@
 // Figures are judged by what is on the page: size, ink, colours, and where every piece of text lies.
 #include "pixels.hpp"
+#include "support/relative.hpp"
 #include "support/synthetic_run.hpp"
 
 #include "base/error.hpp"
@@ -80,8 +81,8 @@ TEST_CASE("figures: on paper a vector file has its width and its type and its te
         const DrawnFigure drawn = draw_figure(options, plate(), synthetic::histories(), context, pictures());
         CAPTURE(show);
         const double points = 72 / 25.4 * 84;
-        CHECK(options.page().width * options.page().points == doctest::Approx(points));
-        CHECK(options.page().points * type_size == doctest::Approx(7));
+        CHECK(options.page().width * options.page().points == relative(points));
+        CHECK(options.page().points * type_size == relative(7));
         check_type(drawn, options.page().width);
         const std::string svg = read_whole_file(drawn.file);
         CHECK(svg.find("width=\"238.11") != svg.npos);

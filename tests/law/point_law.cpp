@@ -2,6 +2,7 @@
 #include "law/point_law.hpp"
 
 #include "base/random.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -10,6 +11,7 @@
 namespace point_law_test {
 
 using namespace knap;
+using knap::tests::relative;
 
 namespace {
 
@@ -164,7 +166,7 @@ TEST_CASE("a point of the norm that floats between overlap and contact bears no 
         CHECK(!here.closed);
         CHECK(here.sticks);
         CHECK(here.normal(point.law) == 0);
-        CHECK(here.tangential == doctest::Approx(point.at.tangential - point.rate.y()));
+        CHECK(here.tangential == relative(point.at.tangential - point.rate.y()));
         const Eigen::Matrix2d D = tangent(point.law, point.at, here, Softening::now);
         CHECK((D - Eigen::Matrix2d(Vec2(0, 1).asDiagonal())).isZero(0));
     }
@@ -257,7 +259,7 @@ TEST_CASE("a point at its largest opening bears what its rates ask for up to its
                      beyond = material.equivalent_opening(law.u_N + h * omega.x(), law.u_T + h * omega.y()) - law.ramp;
         CHECK(c >= 0);
         CHECK(c <= full * (1 + 1e-12));
-        if (beyond > 1e-9) CHECK(c == doctest::Approx(full).epsilon(1e-9));
+        if (beyond > 1e-9) CHECK(c == relative(full, 1e-9));
         if (beyond < -1e-9) CHECK(c == 0);
         if (r.on_ramp) CHECK(std::abs(beyond) <= 1e-9);
         Multipliers there = at;  // a fixed point on springs of any stiffness

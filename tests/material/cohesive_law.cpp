@@ -1,6 +1,7 @@
 // Psi is the potential of the cohesive tractions and of the driving force A of the damage.
 #include "material/cohesive_law.hpp"
 #include "base/random.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,6 +10,8 @@
 namespace cohesive_law_test {
 
 using namespace knap;
+using knap::tests::relative;
+using knap::tests::within;
 
 namespace {
 const CohesiveLaw law{.sigma_c = 3, .G_c = 6, .gamma = 0.7};
@@ -26,11 +29,10 @@ TEST_CASE("tractions and driving force are the derivatives of the surface energy
             (law.surface_energy(beta, u_N, u_T + step) - law.surface_energy(beta, u_N, u_T - step)) / (2 * step);
         const double by_beta =
             (law.surface_energy(beta + step, u_N, u_T) - law.surface_energy(beta - step, u_N, u_T)) / (2 * step);
-        CHECK(by_N == doctest::Approx(beta * law.sigma_c).epsilon(1e-8));
-        CHECK(by_T == doctest::Approx(std::copysign(law.gamma * beta * law.sigma_c, u_T)).epsilon(1e-8));
+        CHECK(by_N == relative(beta * law.sigma_c, 1e-8));
+        CHECK(by_T == relative(std::copysign(law.gamma * beta * law.sigma_c, u_T), 1e-8));
         const double s = u_N + law.gamma * std::abs(u_T);
-        CHECK(-by_beta ==
-              doctest::Approx(law.sigma_c * law.delta_c() * (1 - beta) - law.sigma_c * s).scale(1).epsilon(1e-8));
+        CHECK(-by_beta == within(law.sigma_c * law.delta_c() * (1 - beta) - law.sigma_c * s, 1e-8));
     }
 }
 
@@ -48,16 +50,16 @@ TEST_CASE("the cohesion that follows minimises the surface energy and never grow
 }
 
 TEST_CASE("an interface breaks at its critical opening and has then spent G_c") {
-    CHECK(law.delta_c() == doctest::Approx(4));
+    CHECK(law.delta_c() == relative(4));
     CHECK(law.surface_energy(1, 0, 0) == 0);
     CHECK(law.next_cohesion(1, 0, 0) == 1);
     CHECK(law.next_cohesion(1, -1, 0) == 1);  // pressed: penetration does not count
-    CHECK(law.next_cohesion(1, 1, 0) == doctest::Approx(0.75));
-    CHECK(law.next_cohesion(1, 0, -2) == doctest::Approx(1 - 0.7 * 2 / 4));
+    CHECK(law.next_cohesion(1, 1, 0) == relative(0.75));
+    CHECK(law.next_cohesion(1, 0, -2) == relative(1 - 0.7 * 2 / 4));
     CHECK(law.next_cohesion(1, 4, 0) == 0);
     CHECK(law.next_cohesion(0, 0, 0) == 0);
     CHECK(law.surface_energy(0, 17, 3) == law.G_c);
-    CHECK(law.surface_energy(1, 4, 0) == doctest::Approx(12));
+    CHECK(law.surface_energy(1, 4, 0) == relative(12));
     CHECK(CohesiveLaw{.sigma_c = 0}.delta_c() == 0);
     CHECK(!CohesiveLaw::unbreakable().breakable());
     CHECK(law.breakable());

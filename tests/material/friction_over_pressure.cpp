@@ -1,5 +1,6 @@
 // Friction over pressure: its polygon is the minimum of its lines, and what is none is refused.
 #include "material/cohesive_law.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -8,22 +9,24 @@
 namespace friction_over_pressure_test {
 
 using namespace knap;
+using knap::tests::relative;
+using knap::tests::within;
 
 TEST_CASE("friction over pressure is the polygon of its points and the minimum of its lines") {
     const std::vector<Vec2> points{{0, 0}, {1, 1.5}, {2, 3}, {4, 4}, {10, 5}};
     REQUIRE(fault_of_friction(points).empty());
     const FrictionOverPressure f(points);
     CHECK(f.n_lines() == 3);  // the first two pieces are one
-    for (const Vec2& point : points) CHECK(f(point.x()) == doctest::Approx(point.y()).epsilon(1e-15));
-    CHECK(f(16) == doctest::Approx(6));  // closed by its last slope
+    for (const Vec2& point : points) CHECK(f(point.x()) == relative(point.y(), 1e-15));
+    CHECK(f(16) == relative(6));  // closed by its last slope
     CHECK(f(-1) == 0);
     for (double p = 0; p < 20; p += 0.1) {
         double lowest = INFINITY;
         for (const FrictionLine& line : f.lines()) lowest = std::min(lowest, line.slope * p + line.offset);
-        CHECK(f(p) == doctest::Approx(lowest).epsilon(1e-14));
+        CHECK(f(p) == relative(lowest, 1e-14));
     }
     CHECK(f.chord(0) == 1.5);
-    CHECK(f.chord(4) == doctest::Approx(1));
+    CHECK(f.chord(4) == relative(1));
 }
 
 TEST_CASE("points that are no friction over pressure are refused with their fault") {
@@ -58,7 +61,7 @@ TEST_CASE("the strength of a facet in the worst direction is that of the steepes
                 return least / sigma_1;
             };
             CAPTURE(confinement);
-            CHECK(slack(strength) == doctest::Approx(0).epsilon(1e-6));
+            CHECK(slack(strength) == within(0, 1e-6));
             CHECK(slack(0.999 * strength) > 0);
             CHECK(slack(1.001 * strength) < 0);
         }

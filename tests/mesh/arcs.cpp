@@ -4,6 +4,7 @@
 #include "mesh/polygon.hpp"
 #include "mesh/shapes.hpp"
 #include "mesh/triangulate.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -61,8 +62,8 @@ TEST_CASE("the area of a horseshoe and of a disc converges to the exact one at s
                      of_disc = pi - signed_area(circle({3, 4}, 1, size));
         CHECK(of_horseshoe > 0);
         if (last_horseshoe > 0) {
-            CHECK(std::log2(last_horseshoe / of_horseshoe) == doctest::Approx(2).epsilon(0.03));
-            CHECK(std::log2(last_disc / of_disc) == doctest::Approx(2).epsilon(0.03));
+            CHECK(std::log2(last_horseshoe / of_horseshoe) == relative(2, 0.03));
+            CHECK(std::log2(last_disc / of_disc) == relative(2, 0.03));
         }
         last_horseshoe = of_horseshoe, last_disc = of_disc;
     }

@@ -4,6 +4,7 @@
 #include "mesh/mesh_file.hpp"
 #include "mesh/shapes.hpp"
 #include "mesh/triangulate.hpp"
+#include "support/relative.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@ namespace gmsh_formats_test {
 
 using namespace knap;
 using namespace knap::testing;
+using knap::tests::relative;
 
 namespace {
 
@@ -75,22 +77,22 @@ TEST_CASE("gmsh: a file of every format has the areas and lengths of its geometr
         CHECK(read.mesh.n_triangles() == 65);
         const auto area = areas(read);
         REQUIRE(area.size() == 2);
-        CHECK(area.at("steel") == doctest::Approx(100).epsilon(1e-12));
+        CHECK(area.at("steel") == relative(100, 1e-12));
         CHECK(area.at("glass") < 100);
         CHECK(area.at("glass") > 100 - 4 * std::numbers::pi);
         const auto boundary = boundary_lengths(read.mesh);
-        CHECK(boundary.at("left side") == doctest::Approx(10).epsilon(1e-12));
-        CHECK(boundary.at("Rand unten ü") == doctest::Approx(20).epsilon(1e-12));
-        CHECK(boundary.at("right") == doctest::Approx(10).epsilon(1e-12));
+        CHECK(boundary.at("left side") == relative(10, 1e-12));
+        CHECK(boundary.at("Rand unten ü") == relative(20, 1e-12));
+        CHECK(boundary.at("right") == relative(10, 1e-12));
         CHECK(boundary.at("hole") < 4 * std::numbers::pi);
-        CHECK(boundary.at("hole") > 0.85 * 4 * std::numbers::pi);      // a polygon of 6 sides or more
-        CHECK(boundary.at("") == doctest::Approx(20).epsilon(1e-12));  // the top has no name
+        CHECK(boundary.at("hole") > 0.85 * 4 * std::numbers::pi);  // a polygon of 6 sides or more
+        CHECK(boundary.at("") == relative(20, 1e-12));             // the top has no name
         CHECK(boundary.size() == 5);
         CHECK(read.mesh.boundary_names.back().empty());
         const auto inner = inner_lengths(read);
         CHECK(inner.size() == 2);
-        CHECK(inner.at("crack") == doctest::Approx(5).epsilon(1e-12));
-        CHECK(inner.at("joint") == doctest::Approx(10).epsilon(1e-12));
+        CHECK(inner.at("crack") == relative(5, 1e-12));
+        CHECK(inner.at("joint") == relative(10, 1e-12));
         for (const GmshGroup& group : read.surface_groups) CHECK(group.named);
         for (Index t = 0; t < read.mesh.n_triangles(); ++t) CHECK(read.mesh.area(t) > 0);
     }
@@ -175,7 +177,7 @@ TEST_CASE("gmsh: elements of second order are read by their corners") {
                                     "m.msh");
     CHECK(read.mesh.n_vertices() == 4);
     CHECK(read.mesh.n_triangles() == 2);
-    CHECK(read.mesh.area(0) + read.mesh.area(1) == doctest::Approx(1));
+    CHECK(read.mesh.area(0) + read.mesh.area(1) == relative(1));
     CHECK(read.mesh.boundary_names.front() == "base");
     REQUIRE(read.warnings.size() == 1);
     CHECK(read.warnings[0].find("2 triangles have 6 nodes") != std::string::npos);

@@ -3,6 +3,7 @@
 
 #include "mesh/size_field.hpp"
 #include "mesh/triangulate.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,6 +14,7 @@
 namespace refine_test {
 
 using namespace knap;
+using knap::tests::relative;
 
 namespace {
 
@@ -77,21 +79,21 @@ TEST_CASE("refined mesh: fine where requested with the lines and borders of the 
             CHECK(mesh.area(t) > 0);
             area += mesh.area(t);
         }
-        CHECK(area == doctest::Approx(0.5).epsilon(1e-13));
+        CHECK(area == relative(0.5, 1e-13));
         for (const InteriorEdge& e : mesh.interior_edges) {
             const Vec2 along = mesh.side_vector(e.triangle[0], e.side[0]),
                        middle = mesh.corner(e.triangle[0], e.side[0]) + 0.5 * along;
             if ((middle - centre).norm() > 0.08 || (middle - Vec2(0.2, 0.25)).norm() < 0.11) continue;
             edge += along.norm(), ++n_edges;
         }
-        if (centre.x() > 0.35) CHECK(edge / n_edges == doctest::Approx(fine).epsilon(0.1));
+        if (centre.x() > 0.35) CHECK(edge / n_edges == relative(fine, 0.1));
 
         const auto before = boundary_lengths(old), after = boundary_lengths(mesh);
-        for (const auto& [name, length] : before) CHECK(after.at(name) == doctest::Approx(length).epsilon(1e-13));
+        for (const auto& [name, length] : before) CHECK(after.at(name) == relative(length, 1e-13));
         const Lines a = lines_of(old), b = lines_of(mesh);
-        CHECK(b.cracks == doctest::Approx(a.cracks).epsilon(1e-13));
-        CHECK(b.joints == doctest::Approx(a.joints).epsilon(1e-13));
-        CHECK(b.between_regions == doctest::Approx(a.between_regions).epsilon(1e-13));
+        CHECK(b.cracks == relative(a.cracks, 1e-13));
+        CHECK(b.joints == relative(a.joints, 1e-13));
+        CHECK(b.between_regions == relative(a.between_regions, 1e-13));
 
         Index n_frozen = 0;
         for (Index t = 0; t < mesh.n_triangles(); ++t) {
@@ -208,7 +210,7 @@ TEST_CASE("refined mesh: bodies that touch are refined each as if it were alone 
     CHECK(next == mesh.n_triangles());
     CHECK(mesh.parts[3].first_triangle == mesh.parts[1].first_triangle);
     CHECK(mesh.parts[3].n_triangles == mesh.parts[1].n_triangles + mesh.parts[2].n_triangles);
-    for (const auto& [name, length] : boundary_lengths(mesh)) CHECK(length == doctest::Approx(2).epsilon(1e-13));
+    for (const auto& [name, length] : boundary_lengths(mesh)) CHECK(length == relative(2, 1e-13));
     for (const InteriorEdge& e : mesh.interior_edges)
         CHECK((mesh.centroid(e.triangle[0]).x() < 0.5) == (mesh.centroid(e.triangle[1]).x() < 0.5));
     // the same bits as of the body alone

@@ -13,6 +13,7 @@ namespace body_patterns_test {
 
 using namespace knap;
 using knap::tests::relative;
+using knap::tests::within;
 
 namespace {
 
@@ -73,7 +74,7 @@ TEST_CASE("wall: blocks in bond fill a rectangle but for the joints") {
         // the joints of a row have the area of 3 or 4 gaps
         CHECK(area(blocks) == relative(3 * length * 0.2 - (3 + 4 + 3) * gap * 0.2, 1e-12));
         CHECK(n_overlaps(blocks, 1e-9) == 0);
-        CHECK(smallest_distance(blocks) == doctest::Approx(gap).epsilon(1e-9).scale(1));
+        CHECK(smallest_distance(blocks) == within(gap, 1e-9));
     }
     CHECK(wall({.columns = 4, .rows = 3, .block = {0.5, 0.2}, .bond = 0}).size() == 12);
 }

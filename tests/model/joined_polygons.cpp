@@ -3,6 +3,7 @@
 
 #include "base/random.hpp"
 #include "support/obstacle_shapes.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,6 +13,7 @@
 namespace joined_polygons_test {
 
 using namespace knap;
+using knap::tests::relative;
 
 namespace {
 
@@ -46,28 +48,28 @@ std::vector<SurfaceDistance> planes_at(const std::vector<Obstacle>& obstacles, c
 TEST_CASE("joined polygons: the surface of polygons that touch or overlap is that of their union") {
     SUBCASE("flush") {
         const auto two = joined({rectangle({0, 0}, {2, 1}), rectangle({2, 0}, {3, 1})});
-        CHECK(length_of(two[0]) == doctest::Approx(5));
-        CHECK(length_of(two[1]) == doctest::Approx(3));
+        CHECK(length_of(two[0]) == relative(5));
+        CHECK(length_of(two[1]) == relative(3));
     }
     SUBCASE("a step: a part of a side is hidden") {
         const auto two = joined({rectangle({0, 0}, {2, 1}), rectangle({2, 0}, {3, 0.4})});
-        CHECK(length_of(two[0]) == doctest::Approx(5.6));
-        CHECK(length_of(two[1]) == doctest::Approx(2.4));
+        CHECK(length_of(two[0]) == relative(5.6));
+        CHECK(length_of(two[1]) == relative(2.4));
     }
     SUBCASE("they overlap, and what faces the same way belongs to the first one") {
         const auto two = joined({rectangle({0, 0}, {2, 1}), rectangle({1.5, 0}, {3, 1})});
-        CHECK(length_of(two[0]) == doctest::Approx(5));
-        CHECK(length_of(two[1]) == doctest::Approx(3));
+        CHECK(length_of(two[0]) == relative(5));
+        CHECK(length_of(two[1]) == relative(3));
     }
     SUBCASE("a cross of two, of which each hides two parts of the other") {
         const auto two = joined({rectangle({-2, -1}, {2, 1}), rectangle({-1, -2}, {1, 2})});
-        CHECK(length_of(two[0]) == doctest::Approx(8));
-        CHECK(length_of(two[1]) == doctest::Approx(8));
+        CHECK(length_of(two[0]) == relative(8));
+        CHECK(length_of(two[1]) == relative(8));
     }
     SUBCASE("one inside another one has no surface") {
         const auto two = joined({rectangle({-1, -1}, {1, 1}), rectangle({-2, -2}, {2, 2})});
         CHECK(length_of(two[0]) == 0);
-        CHECK(length_of(two[1]) == doctest::Approx(16));
+        CHECK(length_of(two[1]) == relative(16));
     }
     SUBCASE("those that are apart, or move, keep their own") {
         std::vector<Obstacle> three{rectangle({0, 0}, {2, 1}), rectangle({2, 0}, {3, 1}), rectangle({3.1, 0}, {4, 1})};
@@ -80,7 +82,7 @@ TEST_CASE("joined polygons: the surface of polygons that touch or overlap is tha
                                   rectangle({2, 1}, {3, 2})});
         double length = 0;
         for (const Obstacle& one : four) length += length_of(one);
-        CHECK(length == doctest::Approx(12 + 4));
+        CHECK(length == relative(12 + 4));
         for (const Polyline::Side& side : four[0].outline.line->sides()) {
             REQUIRE(side.after >= 0);
             CHECK((four[0].outline.line->sides()[side.after].start - side.end).norm() < 1e-12);
@@ -104,7 +106,7 @@ TEST_CASE("joined polygons: a point near the seam of two slabs meets one plane a
         REQUIRE(found.size() == 1);
         const bool is_first = found[0].normal.dot(n_0) > 1 - 1e-12;
         CHECK((is_first || found[0].normal.dot(n_1) > 1 - 1e-12));
-        CHECK(found[0].gap == doctest::Approx((is_first ? n_0 : n_1).dot(x - Vec2(20, 88))));
+        CHECK(found[0].gap == relative((is_first ? n_0 : n_1).dot(x - Vec2(20, 88))));
     }
     CHECK(planes_at(slabs, {60, 55.01}, Vec2::Zero()).size() == 2);  // in the valley
 }

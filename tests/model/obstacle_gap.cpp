@@ -1,11 +1,13 @@
 // Rigid obstacles among each other: their gaps by hand, and which pairs can meet.
 #include "model/obstacle_gap.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
 namespace obstacle_gap_test {
 
 using namespace knap;
+using knap::tests::relative;
 
 namespace {
 
@@ -26,7 +28,7 @@ Obstacle square(const Vec2& centre, double side) {
 
 double gap(const Obstacle& a, const Obstacle& b) {
     const double gap = gap_between({a.outline, a.start}, {b.outline, b.start}).gap;
-    CHECK(gap_between({b.outline, b.start}, {a.outline, a.start}).gap == doctest::Approx(gap).epsilon(1e-14));
+    CHECK(gap_between({b.outline, b.start}, {a.outline, a.start}).gap == relative(gap, 1e-14));
     return gap;
 }
 
@@ -34,13 +36,13 @@ double gap(const Obstacle& a, const Obstacle& b) {
 
 TEST_CASE("gaps between half planes and discs and polygons that are apart or overlap") {
     const Obstacle floor = half_plane(Vec2(0, 1));
-    CHECK(gap(floor, disc(Vec2(3, 2), 0.5)) == doctest::Approx(1.5).epsilon(1e-14));
-    CHECK(gap(floor, disc(Vec2(0, 0), 0.5)) == doctest::Approx(-0.5).epsilon(1e-14));
-    CHECK(gap(floor, square(Vec2(0, 2), 1)) == doctest::Approx(1.5).epsilon(1e-14));
-    CHECK(gap(disc(Vec2(0, 0), 1), disc(Vec2(3, 4), 1)) == doctest::Approx(3).epsilon(1e-14));
-    CHECK(gap(disc(Vec2(2, 0), 0.5), square(Vec2(0, 0), 2)) == doctest::Approx(0.5).epsilon(1e-14));
-    CHECK(gap(square(Vec2(0, 0), 1), square(Vec2(3, 0.2), 1)) == doctest::Approx(2).epsilon(1e-14));
-    CHECK(gap(square(Vec2(0, 0), 1), square(Vec2(0.9, 0.2), 1)) == doctest::Approx(-0.1).epsilon(1e-12));
+    CHECK(gap(floor, disc(Vec2(3, 2), 0.5)) == relative(1.5, 1e-14));
+    CHECK(gap(floor, disc(Vec2(0, 0), 0.5)) == relative(-0.5, 1e-14));
+    CHECK(gap(floor, square(Vec2(0, 2), 1)) == relative(1.5, 1e-14));
+    CHECK(gap(disc(Vec2(0, 0), 1), disc(Vec2(3, 4), 1)) == relative(3, 1e-14));
+    CHECK(gap(disc(Vec2(2, 0), 0.5), square(Vec2(0, 0), 2)) == relative(0.5, 1e-14));
+    CHECK(gap(square(Vec2(0, 0), 1), square(Vec2(3, 0.2), 1)) == relative(2, 1e-14));
+    CHECK(gap(square(Vec2(0, 0), 1), square(Vec2(0.9, 0.2), 1)) == relative(-0.1, 1e-12));
 }
 
 TEST_CASE("obstacles may meet if one is free unless the components that move keep them apart") {

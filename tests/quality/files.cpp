@@ -83,6 +83,20 @@ TEST_CASE("no class is defined in two .cpp") {
     CHECK(file_of.size() > 50);
 }
 
+TEST_CASE("tests compare by tolerances that are relative or have a unit") {
+    static const std::regex scaled_by_one(R"(\bAppro[x]\b)"), relative(R"(== (\w+::)*relative\()");
+    std::size_t n_relative = 0;
+    for (const File& file : source_tree::files_below("tests")) {
+        if (!file.is_cpp()) continue;
+        for (std::size_t i = 0; i < file.lines.size(); ++i) {
+            const std::string code = file.lines[i].substr(0, file.lines[i].find("//"));
+            CHECK_MESSAGE(!std::regex_search(code, scaled_by_one), file.path, ":", i + 1, ": support/relative.hpp");
+            n_relative += std::regex_search(code, relative);
+        }
+    }
+    CHECK(n_relative > 500);
+}
+
 TEST_CASE("every header has pragma once in its first line") {
     std::size_t n_headers = 0;
     for (const char* folder : {"src", "tests"}) {

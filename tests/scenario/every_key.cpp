@@ -15,6 +15,7 @@
 namespace every_key_test {
 
 using namespace knap;
+using knap::tests::relative;
 
 namespace {
 
@@ -1288,12 +1289,12 @@ TEST_CASE("scenario: the structs hold the values of the file") {
     REQUIRE(s.loads.size() == 8);
     CHECK(s.loads[0].kind == Load::Kind::traction);
     CHECK(s.loads[0].on.boundary == "top");
-    CHECK(s.loads[0].history(5e-6) == doctest::Approx(0.5));
+    CHECK(s.loads[0].history(5e-6) == relative(0.5));
     CHECK(s.loads[0].history(1) == 1);
     CHECK(s.loads[1].kind == Load::Kind::velocity);
     CHECK_FALSE(s.loads[1].value[0].has_value());
     CHECK(s.loads[1].value[1] == 1.0);
-    CHECK(s.loads[1].history(15e-6) == doctest::Approx(0.75));
+    CHECK(s.loads[1].history(15e-6) == relative(0.75));
     CHECK(s.loads[2].kind == Load::Kind::displacement);
     CHECK(s.loads[2].history(3) == 1);
     CHECK(s.loads[3].kind == Load::Kind::body_force);
@@ -1358,7 +1359,7 @@ TEST_CASE("scenario: the structs hold the obstacles") {
     CHECK(jaw.outline.area() == tests::relative(1e-4, 1e-12));  // turned counterclockwise
     CHECK_FALSE(jaw.is_free());
     CHECK(jaw.drive[0].value == -1e-3);
-    CHECK(jaw.drive[0].history(5e-6) == doctest::Approx(0.5));
+    CHECK(jaw.drive[0].history(5e-6) == relative(0.5));
     CHECK(jaw.drive[2].value == tests::relative(1, 1e-14));
 }
 
@@ -1512,14 +1513,13 @@ TEST_CASE("scenario: a table with a period repeats until the end of the run") {
     const TimeFunction& factor = result.scenario.loads.at(0).history;
     double sum = 0;  // of one period: 1 + 1.5 + 1 us
     for (const double t : {0.25e-6, 1.5e-6, 2.5e-6})
-        for (int k = 0; k * 3e-6 + t < end; ++k)
-            CHECK(factor(k * 3e-6 + t) == doctest::Approx(factor(t)).epsilon(1e-9));
+        for (int k = 0; k * 3e-6 + t < end; ++k) CHECK(factor(k * 3e-6 + t) == relative(factor(t), 1e-9));
     for (int k = 0; k < 3; ++k)
         sum += 3e-6 *
                (factor.beyond_trapezoid(k * 3e-6, (k + 1) * 3e-6) + 0.5 * (factor(k * 3e-6) + factor((k + 1) * 3e-6)));
-    CHECK(sum == doctest::Approx(3 * 3.5e-6));
+    CHECK(sum == relative(3 * 3.5e-6));
     CHECK(factor(2.9e-6) == 1);  // the last value stays, then the factor jumps
-    CHECK(factor(3.1e-6) == doctest::Approx(0.2));
+    CHECK(factor(3.1e-6) == relative(0.2));
     const auto refused = [&](const std::string& keys, const std::string& words) {
         try {
             samples::read(load(keys));

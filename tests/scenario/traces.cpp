@@ -3,6 +3,7 @@
 #include "base/stopwatch.hpp"
 #include "mesh/triangulate.hpp"
 #include "scenario/samples.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 #include <unistd.h>
@@ -13,6 +14,7 @@
 #include <numbers>
 
 using namespace knap;
+using knap::tests::relative;
 
 namespace traces_test {
 
@@ -97,11 +99,11 @@ TEST_CASE("traces: what lies beyond the body is an error or cut off") {
             const auto [a, b] = mesh.side_vertices(edge.triangle[0], edge.side[0]);
             length += (mesh.vertices[a] - mesh.vertices[b]).norm();
         }
-    CHECK(length == doctest::Approx(0.01 + 0.01 * std::sqrt(2)).epsilon(1e-9));
+    CHECK(length == relative(0.01 + 0.01 * std::sqrt(2), 1e-9));
     CHECK(map.error("crop = true\norigin = [\"1 m\", 0]\n").message.find("has no trace that lies in the body") !=
           std::string::npos);
     const Scenario moved = map.read("origin = [\"105 mm\", 0]\ncrop = true\n").scenario;
-    CHECK(moved.bodies[0].shape.cracks.at(1).points.front().x() == doctest::Approx(0.095));
+    CHECK(moved.bodies[0].shape.cracks.at(1).points.front().x() == relative(0.095));
 }
 
 TEST_CASE("traces: GeoJSON gives lines and classes") {
@@ -115,7 +117,7 @@ TEST_CASE("traces: GeoJSON gives lines and classes") {
     CHECK(map.error().code == "missing-key");
     const Scenario all = map.read("unit = \"1 mm\"\n").scenario;
     REQUIRE(all.bodies[0].shape.cracks.size() == 3);
-    CHECK(all.bodies[0].shape.cracks[0].points[1].y() == doctest::Approx(0.012));
+    CHECK(all.bodies[0].shape.cracks[0].points[1].y() == relative(0.012));
     CHECK(all.placed_sets.at(0).file_lines == std::vector<int>{2, 6, 6});
     const Scenario one = map.read("unit = \"1 mm\"\nproperty = \"set\"\nclass = \"1\"\n",
                                   "[[traces]]\nfile = \"map.geojson\"\nunit = \"1 mm\"\nproperty = \"set\"\nclass = "

@@ -5,6 +5,7 @@
 #include "properties/wild_body.hpp"
 #include "stepper/adapt/excavation.hpp"
 #include "support/obstacles.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -101,8 +102,8 @@ TEST_CASE("damping: a free oscillation decays by half of it and to second order"
         return run.now.displacement[apex].x() - std::exp(-0.5 * alpha * until) * std::sin(omega * until) / omega;
     };
     const double coarse = error_at(0.1), fine = error_at(0.05), finest = error_at(0.025);
-    CHECK(coarse / fine == doctest::Approx(4).epsilon(0.02));
-    CHECK(fine / finest == doctest::Approx(4).epsilon(0.005));
+    CHECK(coarse / fine == relative(4, 0.02));
+    CHECK(fine / finest == relative(4, 0.005));
     CHECK(std::abs(finest) < 2e-4);
 }
 
@@ -121,14 +122,14 @@ TEST_CASE("damping: implicit steps decay as their equation says and to second or
             report.external_work -= report.scheme_dissipation;
             balance.add(report);
         }
-        CHECK(run.now.displacement[apex].x() == doctest::Approx(u).epsilon(1e-12));
-        CHECK(run.now.velocity[apex].x() == doctest::Approx(v).epsilon(1e-12));
-        CHECK(-balance.damping() == doctest::Approx(lost).epsilon(1e-12));
+        CHECK(run.now.displacement[apex].x() == relative(u, 1e-12));
+        CHECK(run.now.velocity[apex].x() == relative(v, 1e-12));
+        CHECK(-balance.damping() == relative(lost, 1e-12));
         CHECK(balance.error() < 1e-13);
         return u - std::exp(-0.5 * alpha * until) * std::sin(omega * until) / omega;
     };
     const double coarse = error_at(0.1, 0.5), fine = error_at(0.05, 0.5);
-    CHECK(coarse / fine == doctest::Approx(4).epsilon(0.02));
+    CHECK(coarse / fine == relative(4, 0.02));
     error_at(3, 1), error_at(50, 0.5);
 }
 
@@ -180,8 +181,8 @@ TEST_CASE("damping: implicit steps leave a free piece its flight and its spin an
         if (h < 0.1) CHECK(damping < -0.98 * vibration);  // exp(-alpha t) is left
         CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
         REQUIRE(run.now.free_pieces.size() == 1);
-        CHECK(run.now.free_pieces[0].mass == doctest::Approx(1));
-        CHECK(run.now.obstacles[0].velocity.y() == doctest::Approx(1 - 10 * n * h).epsilon(1e-12));
+        CHECK(run.now.free_pieces[0].mass == relative(1));
+        CHECK(run.now.obstacles[0].velocity.y() == relative(1 - 10 * n * h, 1e-12));
     }
 }
 
@@ -201,12 +202,13 @@ TEST_CASE("damping: in implicit steps a piece at rest bears its weight and one t
             for (int i = 0; i < 20; ++i) {
                 run.step(h);
                 CHECK(run.last.damping_work <= 1e-12);
-                CHECK(run.now.obstacles[0].reaction.y() == doctest::Approx(-weight).epsilon(1e-3));
+                CHECK(run.now.obstacles[0].reaction.y() == relative(-weight, 1e-3));
             }
             CAPTURE(slope);
             const double gained = Momenta(run).linear.x() - before;
-            if (of == DampingOf::vibration) CHECK(gained == doctest::Approx(push * 20 * h).epsilon(1e-3));
-            else if (slope > 0) CHECK(Momenta(run).linear.x() == doctest::Approx(push / 10).epsilon(0.02));
+            if (of == DampingOf::vibration)
+                CHECK(gained == (slope > 0 ? relative(push * 20 * h, 1e-3) : within(0, 1e-8)));
+            else if (slope > 0) CHECK(Momenta(run).linear.x() == relative(push / 10, 0.02));
             CHECK(run.ledger.largest_residual() < 1e-11 * run.ledger.largest_energy());
         }
 }
@@ -221,9 +223,9 @@ TEST_CASE("damping: a free disc falls as its discrete equation says and its ener
         for (int i = 0; i < 10; ++i) run.step(0.1);
         const double kept = std::pow((1 - 0.05 * alpha) / (1 + 0.05 * alpha), 10);  // (1 - d)/(1 + d) in a step
         const Vec3& v = run.now.obstacles[0].velocity;
-        CHECK(v.z() == doctest::Approx(2 * kept).epsilon(1e-12));
-        CHECK(v.y() == doctest::Approx(-10 / alpha * (1 - kept)).epsilon(1e-12));
-        CHECK(run.mean_velocity([](Index) { return true; }).y() == doctest::Approx(v.y()).epsilon(1e-12));
+        CHECK(v.z() == relative(2 * kept, 1e-12));
+        CHECK(v.y() == relative(-10 / alpha * (1 - kept), 1e-12));
+        CHECK(run.mean_velocity([](Index) { return true; }).y() == relative(v.y(), 1e-12));
         CHECK(run.ledger.largest_residual() < 1e-13 * run.ledger.largest_energy());
     }
     Run run(input, {.damping = alpha, .damping_of = DampingOf::motion});
@@ -232,10 +234,10 @@ TEST_CASE("damping: a free disc falls as its discrete equation says and its ener
     for (int i = 0; i < 1000; ++i) balance.add(run.step(h));
     const double t = 999.5 * h, fall = std::exp(-alpha * t);  // velocities live at the middle of the steps
     const Vec3& v = run.now.obstacles[0].velocity;
-    CHECK(v.x() == doctest::Approx(0.5 * fall).epsilon(1e-6));
-    CHECK(v.y() == doctest::Approx(-10 / alpha * (1 - fall)).epsilon(1e-6));
-    CHECK(v.z() == doctest::Approx(2 * fall).epsilon(1e-6));
-    CHECK(run.mean_velocity([](Index) { return true; }).y() == doctest::Approx(v.y()).epsilon(1e-12));
+    CHECK(v.x() == relative(0.5 * fall, 1e-6));
+    CHECK(v.y() == relative(-10 / alpha * (1 - fall), 1e-6));
+    CHECK(v.z() == relative(2 * fall, 1e-6));
+    CHECK(run.mean_velocity([](Index) { return true; }).y() == relative(v.y(), 1e-12));
     CHECK(balance.error() < 1e-13);
 }
 
@@ -308,8 +310,8 @@ TEST_CASE("damping: a piece that nothing holds falls and turns as without it and
         const Vec3& v = run.now.obstacles[0].velocity;
         CHECK((v - Vec3(3, 1 - fallen, 2)).norm() < 1e-12);
         REQUIRE(run.now.free_pieces.size() == 1);
-        if (large) CHECK(run.now.free_pieces[0].angular_momentum == doctest::Approx(spin).epsilon(1e-11));
-        if (!large) CHECK(std::log(first / last) == doctest::Approx(5 * 100 * h).epsilon(0.02));
+        if (large) CHECK(run.now.free_pieces[0].angular_momentum == relative(spin, 1e-11));
+        if (!large) CHECK(std::log(first / last) == relative(5 * 100 * h, 0.02));
         CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
         CHECK(run.ledger.row().damping_work < 0);
     }
@@ -354,11 +356,11 @@ TEST_CASE("damping: pieces that collide exchange momentum alone and fly on with 
     }
     const Momenta end(run);
     REQUIRE(met);
-    CHECK(*met == doctest::Approx(1.01).epsilon(1e-4));  // of the moved body, as the place of a cutback
+    CHECK(*met == relative(1.01, 1e-4));  // of the moved body, as the place of a cutback
     CHECK(run.now.free_pieces.size() == 2);
     CHECK(run.mean_velocity([&](Index t) { return t >= run.model.mesh.n_triangles() / 2; }).x() > 0.04);
     CHECK((end.linear - start.linear).norm() < 1e-13);
-    CHECK(end.angular == doctest::Approx(start.angular).epsilon(1e-5));
+    CHECK(end.angular == relative(start.angular, 1e-5));
     CHECK(run.ledger.largest_residual() < 1e-12 * run.ledger.largest_energy());
 }
 
@@ -414,9 +416,11 @@ TEST_CASE("damping: a piece that rests on an obstacle bears its weight and one t
         const Vec2 gained = momentum() - before;
         const double t = run.now.time - since, d = 0.5 * 10 * h;
         CAPTURE(slope);
-        CHECK(impulse == doctest::Approx(weight * t).epsilon(0.01));
+        CHECK(impulse == relative(weight * t, 0.01));
         CHECK(std::abs(gained.y() - (impulse - weight * t)) < 4 * d * weight * h);
-        CHECK(gained.x() == doctest::Approx((g * std::sin(slope) - (slope > 0 ? 0.1 * weight : 0)) * t).epsilon(0.01));
+        // at rest the block still rings at t = 1, and its friction with it: 2e-5 of the impulse of its weight
+        const double pushed = (g * std::sin(slope) - 0.1 * weight) * t;
+        CHECK(gained.x() == (slope > 0 ? relative(pushed, 0.01) : within(0, 2e-5 * weight * t)));
     }
 }
 
@@ -443,7 +447,7 @@ TEST_CASE("damping: free are the fragments that nothing holds from the step on i
         std::ranges::sort(expected), std::ranges::sort(found);
         if (i % 8 > 0) continue;
         REQUIRE(found.size() == expected.size());
-        for (std::size_t p = 0; p < found.size(); ++p) CHECK(found[p] == doctest::Approx(expected[p]));
+        for (std::size_t p = 0; p < found.size(); ++p) CHECK(found[p] == relative(expected[p]));
         most = std::max(most, found.size());
     }
     CHECK(most > 2);

@@ -69,8 +69,8 @@ ModelInput block_and_boulder(int n, int order, double ratio) {
 }  // namespace
 
 TEST_CASE("the wave solution of a mass on a bar has the known contact times") {
-    CHECK(WaveSolution(1).release == doctest::Approx(3.068).epsilon(1e-3));  // Saint-Venant: mass of the bar
-    CHECK(WaveSolution(2).release == doctest::Approx(4.708).epsilon(1e-3));
+    CHECK(WaveSolution(1).release == relative(3.068, 1e-3));  // Saint-Venant: mass of the bar
+    CHECK(WaveSolution(2).release == relative(4.708, 1e-3));
 }
 
 TEST_CASE(
@@ -107,10 +107,10 @@ TEST_CASE(
                     worst = std::max(worst, std::abs(speed - exact.at(run.now.time)));
                 }
                 CHECK(run.now.obstacles[0].velocity.y() / 1e-3 ==
-                      doctest::Approx(exact.at(5.9)).epsilon(0.02));  // a second contact follows for ratio 1
+                      relative(exact.at(5.9), 0.02));  // a second contact follows for ratio 1
                 CHECK(worst <= 0.03);
-                CHECK(rebound == doctest::Approx(exact.at(exact.release)).epsilon(0.02));
-                CHECK(release == doctest::Approx(exact.release).epsilon(0.02));
+                CHECK(rebound == relative(exact.at(exact.release), 0.02));
+                CHECK(release == within(exact.release, 0.07));  // L/c: a wave through an element of order 2 of 1/16
                 CHECK(std::abs(momentum() + start - support) <= 1e-10 * start);
                 CHECK(run.ledger.largest_residual() <= 1e-10 * run.ledger.largest_energy());
                 CHECK(run.ledger.worst().residual <= 1e-10);

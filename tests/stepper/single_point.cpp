@@ -3,6 +3,7 @@
 // masses on cohesive points.
 #include "support/bodies.hpp"
 #include "support/paths.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -66,11 +67,11 @@ TEST_CASE("sliding costs G_c (1 + friction/gamma) and the second part of it has 
             for (int i = 0; i < 1024; ++i) run.step(1.0 / 1024);
             REQUIRE(cohesion(run.model, run.now, 0) == 0);
             const EnergyRow& row = run.ledger.row();
-            CHECK(row.dissipated == doctest::Approx(2).epsilon(1e-12));
-            CHECK(row.cohesive_work == doctest::Approx(2).epsilon(0.002));  // the law lag of the last step
-            CHECK(row.cohesive_friction_work == doctest::Approx(-0.25 * row.cohesive_work).epsilon(1e-9));
+            CHECK(row.dissipated == relative(2, 1e-12));
+            CHECK(row.cohesive_work == relative(2, 0.002));  // the law lag of the last step
+            CHECK(row.cohesive_friction_work == relative(-0.25 * row.cohesive_work, 1e-9));
             const double slid = opening(run.model, run.now, 0).y(), on_pressure = 2 * 0.5 * pressure * std::abs(slid);
-            CHECK(row.friction_work == doctest::Approx(row.cohesive_friction_work - on_pressure).epsilon(0.002));
+            CHECK(row.friction_work == relative(row.cohesive_friction_work - on_pressure, 0.002));
             CHECK(std::abs(row.residual) < 1e-12 * run.ledger.largest_energy());
         }
 }

@@ -169,7 +169,7 @@ TEST_CASE("a slender beam is held by its clamped end alone") {
     double sag = 0;
     for (const Vec2& u : start.loaded.displacement) sag = std::min(sag, u.y());
     const double slender = -1e-6 * std::pow(200, 4) / (8 * 1000.0 / 12);  // Euler and Bernoulli
-    CHECK(sag / slender == doctest::Approx(0.222).epsilon(0.01));  // one row of linear triangles locks: 2/9 of it
+    CHECK(sag / slender == relative(0.222, 0.01));  // one row of linear triangles locks: 2/9 of it
 }
 
 TEST_CASE("a nearly incompressible beam bends in its equilibrium as Timoshenko says") {
@@ -187,7 +187,7 @@ TEST_CASE("a nearly incompressible beam bends in its equilibrium as Timoshenko s
     std::vector<Vec2> force;
     const double G = 1000 / (2 * 1.4999), E = 1000 / (1 - 0.4999 * 0.4999), F = 1e-6, L = 5;
     const double beam = F * F * L * L * L / (6 * E / 12) + 0.6 * F * F * L / G;
-    CHECK(elastic_energy(start.model, start.loaded, force) / beam == doctest::Approx(0.97).epsilon(0.01));
+    CHECK(elastic_energy(start.model, start.loaded, force) / beam == relative(0.97, 0.01));
 }
 
 TEST_CASE("a free body in balanced tension is in equilibrium and one that is pushed is not") {
@@ -409,7 +409,7 @@ TEST_CASE("a cantilever with large rotations rests in its equilibrium nearer to 
     for (Index c = 0; c < start.model.mesh.n_corners(); ++c)
         if ((start.x(c) - Vec2(1, 0.05)).norm() < 1e-9) end = start.u(c);
     REQUIRE(end.y() < -0.005);
-    CHECK(relative(-end.x(), 4. / 7 * end.y() * end.y()) < 0.02);
+    CHECK(-end.x() == relative(4. / 7 * end.y() * end.y(), 0.02));
     const Rest rest = rest_after(start);
     CHECK(rest.kinetic < 1e-18);
     CHECK(rest.energy_error < 1e-13);

@@ -2,6 +2,7 @@
 #include "stepper/step_control.hpp"
 #include "model/make_model.hpp"
 #include "support/bodies.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -82,7 +83,7 @@ TEST_CASE("step control: a constant step keeps its bits and its count") {
         CAPTURE(n);
         CHECK(trace.steps.size() == static_cast<std::size_t>(n));
         for (const double h : trace.steps) REQUIRE(h == step);
-        CHECK(trace.end == doctest::Approx(end).epsilon(1e-12));
+        CHECK(trace.end == relative(end, 1e-12));
         CHECK(trace.cuts.empty());
     }
 }
@@ -91,7 +92,7 @@ TEST_CASE("step control: steps land on the end and none is a sliver") {
     for (const double end : {10.0, 10.001, 10.3, 10.5, 10.999, 0.2, 1.0001}) {
         CAPTURE(end);
         const Trace trace = run(constant(1, end), good);
-        CHECK(trace.end == doctest::Approx(end).epsilon(1e-14));
+        CHECK(trace.end == relative(end, 1e-14));
         for (const double h : trace.steps) CHECK(h >= std::min(0.5, end) * (1 - 1e-12));
         for (const double h : trace.steps) CHECK(h <= 1);
     }
@@ -302,12 +303,12 @@ TEST_CASE("step control: a hard impact is met in a step that covers one critical
     REQUIRE(trace.cuts.size() == 2);
     for (const Cutback& cut : trace.cuts) CHECK(cut.reason == CutbackReason::impact);
     CHECK(trace.cuts[0].time <= 5);  // before anything is stressed
-    CHECK(trace.cuts[0].value == doctest::Approx(V).epsilon(1e-12));
-    CHECK(trace.cuts[0].to == doctest::Approx(1 / V).epsilon(1e-12));
-    CHECK(trace.cuts[1].to == doctest::Approx(0.4 / (2 * V)).epsilon(1e-12));
+    CHECK(trace.cuts[0].value == relative(V, 1e-12));
+    CHECK(trace.cuts[0].to == relative(1 / V, 1e-12));
+    CHECK(trace.cuts[1].to == relative(0.4 / (2 * V), 1e-12));
     double time = 0;
     for (const double h : trace.steps) {
-        if (time > 5.1 && time < 8) CHECK(h == doctest::Approx(0.2 / V).epsilon(1e-12));
+        if (time > 5.1 && time < 8) CHECK(h == relative(0.2 / V, 1e-12));
         time += h;
     }
     CHECK(trace.steps[trace.steps.size() - 3] == 1);  // they grow again

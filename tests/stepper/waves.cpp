@@ -477,10 +477,10 @@ TEST_CASE("B11 a bar falls and bounces on the support and comes back to its heig
     verify_near("first contact begins", run.now.time, 1, {2 * h, h});
     verify("pressure on [1.1, 1.2]", pressure(1.1, 1.2), 300 + 300 * 0.15, {5e-3});
     verify("pressure on [1.5, 1.6]", pressure(1.5, 1.6), 300 + 300 * 0.55, {5e-3});
-    CHECK(pressure(1.7, 3.6) == doctest::Approx(0).scale(1));
+    CHECK(pressure(1.7, 3.6) == within(0, 1e-10));  // rounding of 300
     verify("mean velocity before it lands again", mean_velocity(run).x(), 10 - 10 * (3.6 - 5.0 / 3), {0.02});
     verify("pressure in the second contact", pressure(11.0 / 3 + 0.1, 11.0 / 3 + 0.2), 500 - 300 * 0.15, {0.02});
-    CHECK(pressure(13.0 / 3 + 10 * element, 16.0 / 3) == doctest::Approx(0).scale(1));
+    CHECK(pressure(13.0 / 3 + 10 * element, 16.0 / 3) == within(0, 1e-10));
     verify_small("mean velocity at 16/3, over that of the impact", mean_velocity(run).x() / 10, {0.02});
     Vec2 mean = Vec2::Zero();
     for (Index c = 0; c < run.model.mesh.n_corners(); ++c)

@@ -115,7 +115,7 @@ TEST_CASE("random members: each draws a whole line of a file") {
     std::map<std::string, int> drawn;
     for (const EnsembleRun& run : plan.runs) {
         CHECK(run.refusal.empty());
-        CHECK(std::stod(run.drawn[0]) == doctest::Approx(1000 * std::stod(run.drawn[1])).epsilon(1e-12));
+        CHECK(std::stod(run.drawn[0]) == relative(1000 * std::stod(run.drawn[1]), 1e-12));
         ++drawn[run.drawn[1]];
     }
     REQUIRE(drawn.size() == 3);

@@ -2,6 +2,7 @@
 #include "app/program.hpp"
 #include "output/history_csv.hpp"
 #include "output/vtk_series.hpp"
+#include "support/relative.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 namespace excavation_test {
 
 using namespace program;
+using knap::tests::relative;
 
 namespace {
 
@@ -92,13 +94,13 @@ TEST_CASE("excavation: files show what remains and the record has what left") {
                 for (const knap::Index c : corners) CHECK(c < 3 * frame.n_triangles());
         return sum;
     };
-    CHECK(area(0.5e-3) == doctest::Approx(144));
-    CHECK(area(2e-3) == doctest::Approx(144 - 12).epsilon(2e-3));
+    CHECK(area(0.5e-3) == relative(144));
+    CHECK(area(2e-3) == relative(144 - 12, 2e-3));
     CHECK(area(6e-3) < 144 - 12 - 0.95 * 3.14 * 2.25);
     double mass = 0;
     const knap::History fragments = knap::read_csv(directory / "fragments.csv");
     for (const double part : fragments.column("mass")) mass += part;
-    CHECK(mass == doctest::Approx(2600 * area(6e-3)).epsilon(1e-5));
+    CHECK(mass == relative(2600 * area(6e-3), 1e-5));
 }
 
 TEST_CASE("excavation: messages") {
@@ -206,16 +208,15 @@ ramp = )" + ramp + "\n[time]\nend = 0.14\n[output]\nfields = false\nevery = 0.07
         return knap::read_csv(folder.path / "run/fragment_paths.csv").column("velocity_y").back();
     };
     const Folder at_once("released roof at once");
-    CHECK(velocity(at_once, "0", "restitution = 0\n") == doctest::Approx(-9.81 * 0.1).epsilon(0.01));
+    CHECK(velocity(at_once, "0", "restitution = 0\n") == relative(-9.81 * 0.1, 0.01));
     for (const char* restitution : {"0", "0.5"}) {
         CAPTURE(restitution);
         const Folder slowly("released roof");
         CHECK(velocity(slowly, "0.06", std::string("restitution = ") + restitution + "\n") ==
-              doctest::Approx(-9.81 * 0.07).epsilon(0.02));
+              relative(-9.81 * 0.07, 0.02));
         const knap::History energy = knap::read_csv(slowly.path / "run/energy.csv");
         // int R (1 - t/ramp) v dt with v = g t^2/(2 ramp): m g^2 ramp^2/24, upwards while it falls
-        CHECK(energy.column("excavation_work").back() ==
-              doctest::Approx(-0.28 * 2600 * std::pow(9.81 * 0.06, 2) / 24).epsilon(0.1));
+        CHECK(energy.column("excavation_work").back() == relative(-0.28 * 2600 * std::pow(9.81 * 0.06, 2) / 24, 0.1));
     }
 }
 
@@ -244,7 +245,7 @@ TEST_CASE("excavation: a hole that is bored into a specimen takes its part of th
     const std::vector<double> time = curve.column("time"), stress = curve.column("stress");
     double before = 0;
     for (std::size_t i = 0; i < time.size() && time[i] < 0.2; ++i) before = stress[i];
-    CHECK(1 - stress.back() / before == doctest::Approx(0.056).epsilon(0.15));
+    CHECK(1 - stress.back() / before == relative(0.056, 0.15));
 }
 
 }  // namespace excavation_test

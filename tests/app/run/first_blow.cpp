@@ -1,9 +1,11 @@
 // [rigid]: a blow in the first step of a run, before which no forces are known.
 #include "app/rigid_scene.hpp"
+#include "support/relative.hpp"
 
 namespace first_blow_test {
 
 using namespace program;
+using knap::tests::relative;
 
 TEST_CASE("rigid pieces: what is handed on in the first step of a run breaks what it breaks without them") {
     const Folder folder("first blow");
@@ -20,7 +22,7 @@ TEST_CASE("rigid pieces: what is handed on in the first step of a run breaks wha
     };
     const double deformable = broken("thaw = 0\n");
     CHECK(deformable > 1);
-    CHECK(broken("") == doctest::Approx(deformable).epsilon(0.1));
+    CHECK(broken("") == relative(deformable, 0.1));
 }
 
 }  // namespace first_blow_test

@@ -2,6 +2,7 @@
 // their motion is no inertia of heat.
 #include "app/program.hpp"
 #include "output/history_csv.hpp"
+#include "support/relative.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -10,6 +11,7 @@
 namespace moving_pieces_test {
 
 using namespace program;
+using knap::tests::relative;
 
 namespace {
 
@@ -32,7 +34,7 @@ nlohmann::json gate(const Folder& folder, const std::string& name) {
 
 }  // namespace
 
-// L falls by (theta - 1/2) h w^2 of itself per time: 0.025 in 0.1 s, so that 1 - exp(-0.0247) with the spin that falls.
+// L falls by (theta - 1/2) h w^2 of itself per time, 0.025 in 0.1 s at the first spin w: w falls as 1/sqrt(1 + 2 x 0.025).
 TEST_CASE("moving pieces: what theta takes of a spin is in a gate and check tells it before") {
     const Folder folder("braked spin");
     const std::string implicit = "end = 0.1\nbulk = \"implicit\"\nstep = 2e-4\ntheta = ";
@@ -45,15 +47,15 @@ TEST_CASE("moving pieces: what theta takes of a spin is in a gate and check tell
     CHECK(braked.has("braked_spin"));
     const auto spin = knap::read_csv(folder.path / "run/fragment_paths.csv").column("spin");
     const double lost = 1 - spin.back() / spin.front();
-    CHECK(lost == doctest::Approx(0.0244).epsilon(0.01));
-    CHECK(gate(folder, "braked_spin")["value"].get<double>() == doctest::Approx(lost).epsilon(0.01));
+    CHECK(lost == relative(1 - 1 / std::sqrt(1.05), 2e-3));
+    CHECK(gate(folder, "braked_spin")["value"].get<double>() == relative(lost, 0.01));
     for (const std::string& keeps : {implicit + "0.5\n", std::string("end = 0.1\nstep = 1e-5\n")}) {
         CAPTURE(keeps);
         CHECK_FALSE(accepted(folder, spinning(keeps)).has("braked-spin"));
         REQUIRE(run_scene(folder, "-j 1 --force -o " + folder.in_shell("run")).code == 0);
         CHECK(gate(folder, "braked_spin")["value"].is_null());
         const auto kept = knap::read_csv(folder.path / "run/fragment_paths.csv").column("spin");
-        CHECK(kept.back() == doctest::Approx(kept.front()).epsilon(1e-6));
+        CHECK(kept.back() == relative(kept.front(), 1e-6));
     }
 }
 
@@ -76,7 +78,7 @@ TEST_CASE("moving pieces: a flight and a spin are no inertia of heat") {
     CAPTURE(rests);
     CAPTURE(flies);
     CHECK(rests < 0.1);
-    CHECK(flies == doctest::Approx(rests).epsilon(1e-3));
+    CHECK(flies == relative(rests, 1e-3));
 }
 
 }  // namespace moving_pieces_test

@@ -1,6 +1,7 @@
 // A run that starts from the state of another one: its bits, its energy balance, and what is refused.
 #include "app/program.hpp"
 #include "output/history_csv.hpp"
+#include "support/relative.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -8,6 +9,7 @@
 namespace start_state_test {
 
 using namespace program;
+using knap::tests::relative;
 
 namespace {
 
@@ -165,8 +167,9 @@ TEST_CASE("an explicit run starts from an implicit one") {
     REQUIRE(back.code == 0);
     const knap::History again = knap::read_csv(folder.path / "back/energy.csv");
     CHECK(std::abs(again.column("residual").back()) < 1e-10 * again.column("external_work").back());
-    CHECK(again.column("external_work").front() ==
-          doctest::Approx(energy.column("external_work").back()).epsilon(1e-2));
+    // rows of explicit steps have the work up to the middle of the next step
+    const std::vector<double> work = energy.column("external_work");
+    CHECK(again.column("external_work").front() == relative(0.5 * (work.end()[-2] + work.back()), 1e-4));
 }
 
 // A bar between two ends that cools from above, slowly, until it tears; then one end is let go.
@@ -199,10 +202,12 @@ TEST_CASE("a fall starts from a slow run with heat: large rotations and contact 
     };
     std::string large = bar_body;
     large.insert(large.find("[mesh]"), "rotation = \"large\"\n");
+    std::string without_viscosity = large;  // as small rotations without contact have it
+    without_viscosity.insert(large.find("[interface.default]"), "bulk_viscosity = [0, 0]\nshear_viscosity = 0\n");
     const std::string frozen = "[heat]\ntemperature = \"frozen\"\n";
     REQUIRE(run("small", bar_body + frozen + from("slow@50s")).code == 0);
     CHECK(command("render " + folder.in_shell("small") + " --show energy").code == 0);  // reads its resolved text
-    REQUIRE(run("large", large + frozen + "[contact]\n" + from("slow@50s")).code == 0);
+    REQUIRE(run("large", without_viscosity + frozen + "[contact]\n" + from("slow@50s")).code == 0);
     REQUIRE(run("middle", large + frozen + "[contact]\n" + from("small@60us")).code == 0);
     for (const char* name : {"small", "large", "middle"}) {
         CAPTURE(name);
@@ -217,8 +222,7 @@ TEST_CASE("a fall starts from a slow run with heat: large rotations and contact 
         CHECK(std::abs(energy.column("assumptions").front()) < 1e-3 * largest);
     }
     // the path of the bar is the same up to those rotations
-    CHECK(energies("large").column("strain").back() ==
-          doctest::Approx(energies("small").column("strain").back()).epsilon(0.05));
+    CHECK(energies("large").column("strain").back() == relative(energies("small").column("strain").back(), 1e-3));
     const Answer cold = run("cold", large + "[contact]\n" + from("slow@50s"));
     REQUIRE(cold.code == 0);
     CHECK(cold.has("warning[jump]: without heat the thermal strains of the other run vanish, and with them up to 5.8"));

@@ -3,6 +3,7 @@
 #include "app/program.hpp"
 #include "base/random.hpp"
 #include "output/history_csv.hpp"
+#include "support/relative.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -11,6 +12,7 @@
 namespace terrain_run_test {
 
 using namespace program;
+using knap::tests::relative;
 
 namespace {
 
@@ -71,7 +73,7 @@ TEST_CASE("terrain: a body slides on a straight terrain of many sides as on a pl
             const std::string text = with_rotation(rotation, on_slope(angle, ground, "[time]\nend = 0.05\n"));
             return run_column(folder, rotation + name, text, "fragment_paths.csv", "centre_x").back();
         };
-        CHECK(path("terrain", sides(angle, 60)) == doctest::Approx(path("plane", plane)).epsilon(1e-9));
+        CHECK(path("terrain", sides(angle, 60)) == relative(path("plane", plane), 1e-9));
     }
 }
 
@@ -99,7 +101,7 @@ TEST_CASE("terrain: a square slides over the seams of flush slabs as on one plan
         const double on_slabs = path("slabs", slabs),
                      on_plane = path("plane", "shape = \"half plane\"\nat = [0, 0]\nnormal = [0, 1]\nfriction = 0.3\n");
         CHECK(on_plane > 0.7);  // over two seams by all of its nodes
-        CHECK(on_slabs == doctest::Approx(on_plane).epsilon(1e-9));
+        CHECK(on_slabs == relative(on_plane, 1e-9));
     }
 }
 
@@ -117,9 +119,9 @@ TEST_CASE("terrain: a body rests in a valley of a terrain with its weight in bot
                                   point(-0.4 * std::sqrt(0.5), 0.4 * std::sqrt(0.5)) + square.substr(to);
         return run_column(folder, name, moved, "reactions.csv", "ground_force_y").back();
     };
-    CHECK(force("explicit", "[time]\nend = 0.02\nstart = \"equilibrium\"\n") == doctest::Approx(weight).epsilon(1e-6));
+    CHECK(force("explicit", "[time]\nend = 0.02\nstart = \"equilibrium\"\n") == relative(weight, 1e-6));
     CHECK(force("implicit", "[time]\nend = 0.02\nbulk = \"implicit\"\nstep = 1e-3\nstart = \"equilibrium\"\n") ==
-          doctest::Approx(weight).epsilon(1e-6));
+          relative(weight, 1e-6));
 }
 
 TEST_CASE("terrain: a body loses mu g L on every range of a terrain that it slides over") {
@@ -131,7 +133,7 @@ TEST_CASE("terrain: a body loses mu g L on every range of a terrain that it slid
     const std::string text = on_slope(0, ground, "[time]\nend = 0.15\n[[initial]]\nvelocity = [10, 0]\n");
     const double v = run_column(folder, "slides", text, "fragment_paths.csv", "velocity_x").back();
     // its nodes pass both ranges one after the other; while it is braked those in front bear more than those behind
-    CHECK(10 * 10 - v * v == doctest::Approx(2 * 9.81 * (0.2 * 0.3 + 0.5 * 0.1)).epsilon(0.04));
+    CHECK(10 * 10 - v * v == relative(2 * 9.81 * (0.2 * 0.3 + 0.5 * 0.1), 0.04));
 }
 
 TEST_CASE(

@@ -5,6 +5,7 @@
 #include "stepper/common/crack_forces.hpp"
 #include "stepper/common/surface_energy.hpp"
 #include "support/plates.hpp"
+#include "support/relative.hpp"
 #include "support/verification.hpp"
 
 #include <doctest/doctest.h>
@@ -58,10 +59,10 @@ TEST_CASE("the integral of a function of time is that of its straight pieces") {
     CHECK(TimeFunction{}.integral(3) == 3);
     const TimeFunction f{.time = {1, 2, 2, 4}, .value = {2, 4, 0, 6}};
     CHECK(f.integral(0) == 0);
-    CHECK(f.integral(1) == doctest::Approx(2));
-    CHECK(f.integral(1.5) == doctest::Approx(2 + 1.25));
-    CHECK(f.integral(3) == doctest::Approx(2 + 3 + 1.5));
-    CHECK(f.integral(6) == doctest::Approx(2 + 3 + 6 + 12));
+    CHECK(f.integral(1) == relative(2));
+    CHECK(f.integral(1.5) == relative(2 + 1.25));
+    CHECK(f.integral(3) == relative(2 + 3 + 1.5));
+    CHECK(f.integral(6) == relative(2 + 3 + 6 + 12));
 }
 
 // With the storage C the fluid is a spring of 1/C along the volume A d of two blocks with masses m that move apart by d:
@@ -84,8 +85,8 @@ TEST_CASE("a fluid between two blocks is a spring of its storage") {
             const double exact = Q / (C * omega) * std::sin(omega * run.now.time);
             largest = std::max(largest, std::abs(run.now.fluid_pressure[0] - exact) * C * omega / Q);
             const FluidMoment now = forces.moments(run.now)[0];
-            CHECK(now.injected == doctest::Approx(Q * run.now.time));
-            CHECK(now.length == doctest::Approx(1));
+            CHECK(now.injected == relative(Q * run.now.time));
+            CHECK(now.length == relative(1));
         }
         CHECK(largest < 5e-3);  // the blocks are a little elastic; p of the end of steps damps by omega h/4
         CHECK(run.ledger.largest_residual() < (is_implicit ? 1e-8 : 1e-12) * run.ledger.largest_energy());
@@ -106,7 +107,8 @@ TEST_CASE("an explicit step takes any storage of a fluid") {
         REQUIRE(run.step(h).rejection == Rejection::none);
         const double p = run.now.fluid_pressure[0];
         const FluidMoment now = forces.moments(run.now)[0];
-        CHECK(now.volume + forces.storage(0) * p == doctest::Approx(now.injected).epsilon(1e-8));
+        // [m3] the fluid does not pull: after the blow of the first step the faces fly on by 2e-10 of 5e-5 a step
+        CHECK(now.volume + forces.storage(0) * p == within(now.injected, 5e-10));
         CHECK(p < 3 / (omega * h) * fluid.rate / fluid.storage /
                       omega);  // 2/(omega h) of the amplitude of the spring, in the first step
     }
@@ -129,7 +131,7 @@ TEST_CASE("a fluid that drives a crack keeps its volume and the energy balance o
                 forces.find(before);           // at the points on which the fluid pressed
                 const double left = forces.injected(0, run.now.time) - forces.volume(0, run.now);
                 CHECK(C * run.now.fluid_pressure[0] ==
-                      doctest::Approx(std::max(0.0, left)).epsilon(1e-6).scale(forces.injected(0, run.now.time)));
+                      within(std::max(0.0, left), 1e-6 * forces.injected(0, run.now.time)));
             }
             CHECK(forces.moments(run.now)[0].length > 2 * length);  // the fluid followed the crack
             CHECK(run.ledger.largest_residual() < (is_implicit ? 1e-9 : 1e-12) * run.ledger.largest_energy());
@@ -145,7 +147,7 @@ TEST_CASE("a fluid states the length of the sharp crack with the same fracture e
         Run run(std::move(input));
         CrackForces forces(run.model);
         const double start = forces.moments(run.now)[0].length, h = 0.5 * run.stepper.stable_step();
-        CHECK(forces.moments(run.now)[0].sharp_crack == doctest::Approx(start));
+        CHECK(forces.moments(run.now)[0].sharp_crack == relative(start));
         double broken = 0;
         while (broken < 0.1) {
             REQUIRE(run.step_if_taken(h));
@@ -159,7 +161,7 @@ TEST_CASE("a fluid states the length of the sharp crack with the same fracture e
         }
         const StepReport taken = surface_energy(run.model, run.now);
         CHECK(forces.moments(run.now)[0].sharp_crack - start ==
-              doctest::Approx((taken.dissipated + taken.recoverable) / (20 * thickness)).epsilon(1e-9));
+              relative((taken.dissipated + taken.recoverable) / (20 * thickness), 1e-9));
     }
 }
 
@@ -193,8 +195,8 @@ TEST_CASE("E34 a volume of fluid opens a crack") {
     for (int i = 0; i < 30; ++i) REQUIRE(run.step(1e-3).rejection == Rejection::none);
     CrackForces forces(run.model);
     const FluidMoment now = forces.moments(run.now)[0];
-    CHECK(now.injected == doctest::Approx(volume * thickness).epsilon(1e-12));
-    CHECK(now.volume + fluid.storage * thickness * now.pressure == doctest::Approx(now.injected).epsilon(1e-8));
+    CHECK(now.injected == relative(volume * thickness, 1e-12));
+    CHECK(now.volume + fluid.storage * thickness * now.pressure == relative(now.injected, 1e-8));
     verify("pressure [Pa]", now.pressure, volume / (1.1 * exact), {0.02, 0.01});
     verify("opening in the middle [m]", now.aperture, 4 * now.pressure * a / E, {0.02, 0.01});
     // the work of the fluid is the energy that the body keeps, and what the steps with theta = 1 dissipate
@@ -213,16 +215,16 @@ TEST_CASE("a water table presses with the depth below it") {
         return sum / thickness;
     };
     const double g = 9810;
-    CHECK(force_on_right({.gradient = g, .level = 0.9}) == doctest::Approx(0.6 * g * 0.4));
-    CHECK(wet == doctest::Approx(0.6));
-    CHECK(force_on_right({.gradient = g, .level = 0.5}) == doctest::Approx(0.5 * g * 0.3 * 0.3).epsilon(0.02));
-    CHECK(wet == doctest::Approx(0.3).epsilon(0.15));  // the rest is dry; an edge is 0.05 m long
+    CHECK(force_on_right({.gradient = g, .level = 0.9}) == relative(0.6 * g * 0.4));
+    CHECK(wet == relative(0.6));
+    CHECK(force_on_right({.gradient = g, .level = 0.5}) == relative(0.5 * g * 0.3 * 0.3, 0.02));
+    CHECK(wet == within(0.3, 0.05));  // [m] an edge: the rest is dry
     CHECK(force_on_right({.gradient = g, .level = 0.2}) == 0);
     CHECK(wet == 0);
-    CHECK(force_on_right({.pressure = 1e4, .gradient = g, .level = 0.8}) == doctest::Approx(0.6 * (1e4 + 0.3 * g)));
+    CHECK(force_on_right({.pressure = 1e4, .gradient = g, .level = 0.8}) == relative(0.6 * (1e4 + 0.3 * g)));
     PlaceField over_y{.path = "pressure", .text = "", .n_values = 1};
     over_y.formulas[0] = {.of_place = Expression("1 + 2*y"), .unit = 1e3};
-    CHECK(force_on_right({.field = std::make_shared<PlaceField>(over_y)}) == doctest::Approx(0.6 * 2000));
+    CHECK(force_on_right({.field = std::make_shared<PlaceField>(over_y)}) == relative(0.6 * 2000));
 }
 
 }  // namespace injection_test

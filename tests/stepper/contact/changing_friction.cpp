@@ -1,5 +1,6 @@
 // Friction over pressure and over slip along joints of many vertices: straight, bent, turning, and as free faces.
 #include "support/paths.hpp"
+#include "support/relative.hpp"
 #include "support/sheared_joint.hpp"
 
 #include <doctest/doctest.h>
@@ -90,12 +91,12 @@ TEST_CASE("friction over pressure of a joint is that of the pressure of its vert
                                    .large_rotation = large,
                                    .law = bent_friction()};
                 const Means without = means_of(joint, path);
-                CHECK(without.friction == doctest::Approx(without.threshold).epsilon(1e-5));
+                CHECK(without.friction == relative(without.threshold, 1e-5));
                 if (!large) continue;
                 // its points retire: vertices press on faces
                 joint.contact = true;
                 const Means with = means_of(joint, path);
-                CHECK(with.friction == doctest::Approx(without.friction).epsilon(0.03));
+                CHECK(with.friction == relative(without.friction, 0.03));
             }
 }
 
@@ -133,7 +134,7 @@ TEST_CASE("a sliding joint has the friction of the mean pressure where viscosity
         const double lack = 1 - friction / n / of_mean;
         CHECK(lack > expected[0] - 1e-9);
         CHECK(lack < expected[1]);
-        CHECK(-work == doctest::Approx(theta > 0 ? 0 : run.ledger.row().friction_work).epsilon(1e-9));
+        CHECK(-work == relative(theta > 0 ? 0 : run.ledger.row().friction_work, 1e-9));
         CHECK(work <= 0.34 * slip);
         CHECK(work >= 0.25 * slip);
     }
@@ -150,7 +151,7 @@ TEST_CASE("a joint that weakens by slip keeps the friction of its slip when its 
         if (run.now.time >= 2.5) found += friction_of(run), ++n;
     }
     CHECK(std::ranges::count(run.now.retired, Retirement::retired) == 24);
-    CHECK(found / n == doctest::Approx(0.1 * joint_pressure * 12).epsilon(0.02));  // of the length 12
+    CHECK(found / n == relative(0.1 * joint_pressure * 12, 0.02));  // of the length 12
     CHECK(run.ledger.largest_residual() <= 1e-12 * run.ledger.largest_energy());
 }
 

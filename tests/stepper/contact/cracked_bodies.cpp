@@ -4,6 +4,7 @@
 #include "stepper/contact/retirement.hpp"
 #include "stepper/rigid/freeze.hpp"
 #include "support/pieces.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -72,7 +73,7 @@ TEST_CASE(
             CHECK(scene.body_of(contact.vertex[0]) != scene.body_of(contact.edge[0]));
             if (std::abs(contact.gap) < 1e-12) {
                 ++n_rising;
-                CHECK(std::abs(contact.normal.x() / contact.normal.y()) == doctest::Approx(slope));
+                CHECK(std::abs(contact.normal.x() / contact.normal.y()) == relative(slope));
                 CHECK(contact.normal.x() * contact.normal.y() < 0);
             } else {
                 CHECK(contact.gap > 0);
@@ -235,7 +236,7 @@ TEST_CASE("the corner of a crack that a live point holds as a hinge touches what
             if (contacts.empty()) continue;
             CHECK(scene.body_of(contacts[0].vertex[0]) == 1);
             CHECK(scene.body_of(contacts[0].edge[0]) == 2);
-            CHECK(contacts[0].gap == doctest::Approx(gap).epsilon(1e-9));
+            CHECK(contacts[0].gap == relative(gap, 1e-9));
             CHECK((contacts[0].normal - normal).norm() < 1e-12);
         }
 }
@@ -261,7 +262,7 @@ TEST_CASE("a hinge that closes while its piece stays where it is meets what lies
     found.find(scene.state, h);
     REQUIRE(found.all().size() == 1);
     CHECK(scene.body_of(found.all()[0].vertex[0]) == 2);
-    CHECK(found.all()[0].gap == doctest::Approx(gap).epsilon(1e-3));
+    CHECK(found.all()[0].gap == relative(gap, 1e-3));
 }
 
 TEST_CASE("pieces of a triple junction touch their neighbours and the live point keeps its own") {
@@ -301,7 +302,7 @@ TEST_CASE("pieces of a triple junction touch their neighbours and the live point
         scene.put(0, -1e-4 * out);
         std::array<int, 3> n_of_tip{};
         for (const FaceContact& contact : scene.contacts(h)) {
-            CHECK(contact.gap == doctest::Approx(-1e-4 * std::sqrt(0.75)));
+            CHECK(contact.gap == relative(-1e-4 * std::sqrt(0.75)));
             if (scene.model.mesh.corner(contact.vertex[0]).norm() < 1e-12) ++n_of_tip[scene.body_of(contact.edge[0])];
         }
         CHECK(n_of_tip == std::array{0, 1, 1});
@@ -328,7 +329,7 @@ TEST_CASE("a tip behind both faces of a notch touches the one in which it is dee
             continue;
         ++n_of_tip;
         CHECK(scene.body_of(contact.edge[0]) == 1);
-        CHECK(contact.gap == doctest::Approx(tip.dot(turned({1, 0}, -std::numbers::pi / 6))));
+        CHECK(contact.gap == relative(tip.dot(turned({1, 0}, -std::numbers::pi / 6))));
     }
     CHECK(n_of_tip == 1);
 }

@@ -2,6 +2,7 @@
 #include "support/pieces.hpp"
 
 #include "base/random.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 #include <omp.h>
@@ -35,11 +36,11 @@ TEST_CASE("a square on a longer block has two contacts at its lower corners") {
         for (const FaceContact& contact : contacts) {
             CHECK(scene.body_of(contact.vertex[0]) == 1);
             CHECK(scene.body_of(contact.edge[0]) == 0);
-            CHECK(contact.gap == doctest::Approx(gap).epsilon(1e-12));
+            CHECK(contact.gap == relative(gap, 1e-12));
             CHECK((contact.normal - Vec2(0, 1)).norm() < 1e-14);
-            CHECK(contact.length == doctest::Approx(3));
+            CHECK(contact.length == relative(3));
         }
-        CHECK(contacts[0].share + contacts[1].share == doctest::Approx(2 - 3.2 / 3).epsilon(1e-12));
+        CHECK(contacts[0].share + contacts[1].share == relative(2 - 3.2 / 3, 1e-12));
     }
 }
 
@@ -182,7 +183,7 @@ TEST_CASE("squares corner to corner touch along the plane with the larger gap") 
             const double sign = scene.body_of(contact.vertex[0]) == 1 ? 1 : -1;
             const bool upright = d.y() > d.x();
             CHECK((sign * contact.normal - (upright ? Vec2(0, 1) : Vec2(side, 0))).norm() < 1e-12);
-            CHECK(contact.gap == doctest::Approx(std::max(d.x(), d.y())).epsilon(1e-9));
+            CHECK(contact.gap == relative(std::max(d.x(), d.y()), 1e-9));
         }
 }
 
@@ -233,7 +234,7 @@ TEST_CASE("a thin piece is not touched from behind and a deep contact keeps its 
     Pieces scene({block(2, 1, 2, 0.05), tip({0.7, 0.05}, 0.3, 0.5)});
     auto contacts = scene.contacts(h);
     REQUIRE(contacts.size() == 1);
-    CHECK(contacts[0].normal.y() == doctest::Approx(1));
+    CHECK(contacts[0].normal.y() == relative(1));
     // pushed in step by step it stays in contact with the same face, also where the other one is nearer
     const FaceContact first = contacts[0];
     for (int i = 1; i <= 15; ++i) {
@@ -242,7 +243,7 @@ TEST_CASE("a thin piece is not touched from behind and a deep contact keeps its 
         contacts = scene.contacts(h);
         REQUIRE(contacts.size() == 1);
         CHECK(contacts[0].edge == first.edge);
-        CHECK(contacts[0].gap == doctest::Approx(-1e-3 * i));
+        CHECK(contacts[0].gap == relative(-1e-3 * i));
     }
     // a tip that suddenly lies as deep was never on that side
     scene.state.face_contacts.clear();
@@ -258,7 +259,7 @@ TEST_CASE("the inner vertex of a hollow face is no contact between its two ends"
         const Pieces scene({block(1, 1, 3, 1), hollow});
         const auto contacts = scene.contacts(h);
         CHECK(contacts.size() == 2);
-        for (const FaceContact& contact : contacts) CHECK(contact.gap == doctest::Approx(-depth));
+        for (const FaceContact& contact : contacts) CHECK(contact.gap == relative(-depth));
     }
 }
 
@@ -277,7 +278,7 @@ TEST_CASE("a tip in a sharp notch touches a face that it lies behind beyond the 
             return scene.body_of(contact.vertex[0]) == 1 && contact.normal.dot(n) > 0.999;
         });
         REQUIRE(of_tip != contacts.end());
-        CHECK(of_tip->gap == doctest::Approx(-g));
+        CHECK(of_tip->gap == relative(-g));
     }
 }
 
@@ -291,7 +292,7 @@ TEST_CASE("steps that move a contact too far or find it too deep are refused wit
     contacts.find(scene.state, h);
     REQUIRE(contacts.refusal());
     CHECK(contacts.refusal()->reason == ContactRefusal::Reason::speed);
-    CHECK(contacts.refusal()->value == doctest::Approx(0.06));
+    CHECK(contacts.refusal()->value == relative(0.06));
     CHECK((contacts.refusal()->place - Vec2(0.7, 1)).norm() < 1e-12);
     scene.put(1, {0, 0}, 0, {0, 0}, {0, 60});  // it leaves
     contacts.find(scene.state, h);
@@ -305,7 +306,7 @@ TEST_CASE("steps that move a contact too far or find it too deep are refused wit
     contacts.find(scene.state, h);
     REQUIRE(contacts.refusal());
     CHECK(contacts.refusal()->reason == ContactRefusal::Reason::depth);
-    CHECK(contacts.refusal()->value == doctest::Approx(0.12));
+    CHECK(contacts.refusal()->value == relative(0.12));
 }
 
 TEST_CASE("any number of threads finds the same contacts") {

@@ -1,5 +1,6 @@
 // Steps in which free faces move too far, or lie too deep in each other, are cut; the cut ones are lawful.
 #include "stepper/step_control.hpp"
+#include "support/relative.hpp"
 #include "support/several_bodies.hpp"
 
 #include <doctest/doctest.h>
@@ -45,7 +46,7 @@ TEST_CASE("a step in which faces that meet move by more than a twentieth of an e
             if (const auto cut = control.judge(run.now, step, report)) {
                 ++n_cuts;
                 CHECK(cut->reason == CutbackReason::contact_speed);
-                CHECK(cut->value == doctest::Approx(path * step / h).epsilon(0.01));
+                CHECK(cut->value == relative(path * step / h, 0.01));
                 REQUIRE(cut->place);
                 CHECK(std::abs(cut->place->y()) < 0.02 * edge);
             } else {
@@ -82,7 +83,7 @@ TEST_CASE("a step that begins or ends with a face too deep in another one is no 
         StepControl control({.largest = h, .cracking = h, .smallest = 1e-6 * h, .end = 100 * h});
         State end;
         const StepReport report = run.stepper.step(run.now, h, end);
-        CHECK(report.contact_depth == doctest::Approx(depth).epsilon(0.02));
+        CHECK(report.contact_depth == relative(depth, 0.02));
         const auto cut = control.judge(run.now, h, report);
         REQUIRE(cut.has_value() == (depth > max_contact_depth));
         if (!cut) continue;

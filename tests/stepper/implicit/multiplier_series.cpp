@@ -1,6 +1,7 @@
 // Moves of multipliers that form a series, and how far it is extrapolated.
 #include "stepper/implicit/multiplier_series.hpp"
 #include "stepper/implicit/bar_step.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -95,7 +96,7 @@ double edge(const Vec2& stress) { return stress.x() < 0 ? stress.norm() : std::a
 TEST_CASE("multiplier series: self-stress of points that hold by the norm grows until the first half ellipse is met") {
     for (const Vec2& c : {Vec2(1, 0), Vec2(-0.4, 0.9), Vec2(0.3, -2)}) {
         CAPTURE(c);
-        CHECK(edge(std::ranges::max(after_self_stress(c), {}, edge)) == doctest::Approx(1).epsilon(1e-12));
+        CHECK(edge(std::ranges::max(after_self_stress(c), {}, edge)) == relative(1, 1e-12));
     }
 }
 
@@ -124,7 +125,7 @@ TEST_CASE("multiplier series: sides that land on a ramp are held until their ten
             move.back() = {sign * d * C, 0};
             series.extrapolate(move, 1e-10 * C, bar.x.points);
         }
-        CHECK(point.multipliers.contact == doctest::Approx(sign > 0 ? C : 0.5 * C).epsilon(1e-12));
+        CHECK(point.multipliers.contact == relative(sign > 0 ? C : 0.5 * C, 1e-12));
     }
 }
 
@@ -133,9 +134,8 @@ TEST_CASE("multiplier series: a point whose force turns with its opening decides
         CAPTURE(c);
         const std::vector<Vec2> shared = after_self_stress(c, 0.9, true), free = after_self_stress(c);
         for (std::size_t j = 0; j < shared.size(); ++j) CHECK(shared[j].y() * free[j].y() > 0);
-        CHECK(edge(std::ranges::max(shared, {}, edge)) < 1e-2);  // 0.9/(1 - 0.9) moves
-        CHECK(after_self_stress(c, 1, true)[0].norm() ==
-              doctest::Approx(0.25));  // without end: as far as its force may turn
+        CHECK(edge(std::ranges::max(shared, {}, edge)) < 1e-2);            // 0.9/(1 - 0.9) moves
+        CHECK(after_self_stress(c, 1, true)[0].norm() == relative(0.25));  // without end: as far as its force may turn
     }
 }
 
@@ -143,22 +143,22 @@ TEST_CASE(
     "multiplier series: moves of one direction are extrapolated to their sum where it is below a thousand moves") {
     for (const double q : {0.3, 0.9, 0.996, 0.999}) {
         CAPTURE(q);
-        CHECK(extrapolated(q, 0) == doctest::Approx(q / (1 - q)).epsilon(1e-6));
+        CHECK(extrapolated(q, 0) == relative(q / (1 - q), 1e-6));
     }
-    CHECK(extrapolated(0.99999, 0) == doctest::Approx(1000));  // as far as moves near rounding are trusted
+    CHECK(extrapolated(0.99999, 0) == relative(1000));  // as far as moves near rounding are trusted
 }
 
 TEST_CASE("multiplier series: a ratio that the moves do not tell is not trusted near 1") {
-    CHECK(extrapolated(0.996, 0.05) == doctest::Approx(20));  // the direction changed by 0.05, 1 - q may be that, too
-    CHECK(extrapolated(0.996, 1e-3) == doctest::Approx(100).epsilon(1e-2));
+    CHECK(extrapolated(0.996, 0.05) == relative(20));  // the direction changed by 0.05, 1 - q may be that, too
+    CHECK(extrapolated(0.996, 1e-3) == relative(100, 1e-2));
     CHECK(extrapolated(0.996, 0.2) == 0);
     CHECK(extrapolated(1.01, 0) == 0);
 }
 
 TEST_CASE("multiplier series: contradictory bounds lead to a bound and nearly redundant ones to the sum") {
-    CHECK(extrapolated(1, 0, Forces::cancel) == doctest::Approx(5000));  // 0.5 over 1e-4 of the scale
-    CHECK(extrapolated(0.9999, 0, Forces::cancel) == doctest::Approx(5000).epsilon(1e-3));
-    CHECK(extrapolated(0.996, 0, Forces::cancel) == doctest::Approx(0.996 / 0.004));
+    CHECK(extrapolated(1, 0, Forces::cancel) == relative(5000));  // 0.5 over 1e-4 of the scale
+    CHECK(extrapolated(0.9999, 0, Forces::cancel) == relative(5000, 1e-3));
+    CHECK(extrapolated(0.996, 0, Forces::cancel) == relative(0.996 / 0.004));
     // without the contacts that balance it a fan must not go on: its forces load its nodes
     CHECK(extrapolated(1, 0, Forces::cancel_with_faces) == 0);
 }

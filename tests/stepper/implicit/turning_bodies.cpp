@@ -332,7 +332,7 @@ TEST_CASE("a step in which a piece turns too far is rejected") {
     set_spinning(run);
     CHECK_FALSE(run.step_if_taken(0.5 / 50));
     CHECK(run.last.rejection == Rejection::turn);
-    CHECK(run.last.rejected_value == doctest::Approx(0.5).epsilon(0.05));
+    CHECK(run.last.rejected_value == relative(0.5, 0.05));
 }
 
 TEST_CASE("damping of vibrations leaves a turned piece its spin in implicit steps") {

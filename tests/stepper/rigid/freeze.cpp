@@ -3,6 +3,7 @@
 
 #include "base/random.hpp"
 #include "support/bodies.hpp"
+#include "support/relative.hpp"
 
 #include <doctest/doctest.h>
 
@@ -62,11 +63,11 @@ TEST_CASE("pieces that become rigid keep momentum and angular momentum and the b
             const double M = frozen.body->pieces[p].mass;
             CHECK((after[p].first - before[p].first).norm() <= 1e-14 * before[p].first.norm());
             CHECK((M * piece.velocity - before[p].first.head<2>()).norm() <= 1e-14 * before[p].first.norm());
-            CHECK(before[p].second - after[p].second == doctest::Approx(frozen.vibration[p]).epsilon(1e-13));
+            CHECK(before[p].second - after[p].second == relative(frozen.vibration[p], 1e-13));
             CHECK(frozen.vibration[p] > 0.1 * before[p].second);  // at random: most of it
             kinetic += after[p].second;
         }
-        CHECK(kinetic == doctest::Approx(frozen.kinetic).epsilon(1e-14));
+        CHECK(kinetic == relative(frozen.kinetic, 1e-14));
         double moved = 0;
         for (std::size_t i = 0; i < places.size(); ++i)
             moved = std::max(moved, (places[i] - at.state.displacement[i]).norm());
@@ -91,8 +92,8 @@ TEST_CASE("a rigid piece that turns keeps the distances of its nodes and deforma
     const Vec2 v = frozen.pieces[0].velocity;
     CHECK((after[0].first - before[0].first).head<2>().norm() <= 1e-13 * M * v.norm());
     // about the origin: that of the centre, which moved, and the same spin
-    CHECK(after[0].first.z() - before[0].first.z() == doctest::Approx(M * cross(Vec2(30, -40), v)).epsilon(1e-12));
-    CHECK(after[0].second == doctest::Approx(before[0].second).epsilon(1e-13));
+    CHECK(after[0].first.z() - before[0].first.z() == relative(M * cross(Vec2(30, -40), v), 1e-12));
+    CHECK(after[0].second == relative(before[0].second, 1e-13));
     CHECK(after[1].second == before[1].second);
 }
 
@@ -130,10 +131,10 @@ TEST_CASE("parts that turn about the last whole point between them are no rigid 
     CHECK(unrest_of(3, 3) < 1e-14);
     const double opens = unrest_of(-1, 1);
     CHECK(opens > 1);
-    CHECK(unrest_of(0.5, 2.5) == doctest::Approx(opens));  // the turn of the whole is no part of it
-    CHECK(unrest_of(-0.1, 0.1) == doctest::Approx(0.1 * opens));
+    CHECK(unrest_of(0.5, 2.5) == relative(opens));  // the turn of the whole is no part of it
+    CHECK(unrest_of(-0.1, 0.1) == relative(0.1 * opens));
     CHECK(unrest_of(-1, 1, {0, 10}) < 1);  // it flies so fast that its swing is a small part of its energy
-    CHECK(unrest_of(-1, 1, {0, 0.1}) == doctest::Approx(opens));
+    CHECK(unrest_of(-1, 1, {0, 0.1}) == relative(opens));
 }
 
 }  // namespace rigid_freeze_test
