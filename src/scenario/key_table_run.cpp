@@ -78,9 +78,9 @@ void add_keys_of_run(KeyTable& t) {
     t.word("start", {"rest", "equilibrium", "run:*"}, "initial state: undeformed; in static equilibrium with the "
         "loads at t = 0, held by supports, contact, friction and cohesion; or \"run:DIR@40us\": the state of the run "
         "in DIR, relative to the scenario file, at that time (of output.states, or of a checkpoint), with its damage "
-        "and its energy balance; \"run:DIR\": the last state that it kept. Rotations may be large instead of small; [contact], "
-        "[rigid], and obstacles behind those that were there may be added; [heat] may be left out where no law "
-        "follows the temperature, or frozen; an [[excavation]] that comes after the end of the other run may have "
+        "and its energy balance; \"run:DIR\": the last state that it kept. Rotations may be large instead of small; "
+        "[contact], [rigid], and obstacles behind those that were there may be added; [heat] may be left out where no "
+        "law follows the temperature, or frozen; an [[excavation]] that comes after the end of the other run may have "
         "another time; else the body must be the same. Loads, [time] but its mass, outputs, probes, collectors, "
         "limits and motions of obstacles may be others; the time counts from 0 again, and with it times of results: "
         "what happened before the start has a negative one")
