@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <span>
 #include <utility>
 #include <vector>
@@ -49,25 +50,36 @@ inline Vec2 velocity_at(const Vec3& obstacle_velocity, const ObstacleContact& co
 }
 
 /// The impulses [N s] of the step before; zero where a contact was none. Contacts come in the same order in most steps,
-/// so the search goes on behind the last one that was found: a corner in a valley of a terrain has one for each side.
+/// so the one behind the last that was found is tried first: a corner in a valley of a terrain has one for each side.
+/// Most contacts of pieces that fly by had none; their corners are looked up, since a scan would be quadratic.
 class ImpulsesBefore {
 public:
-    explicit ImpulsesBefore(const State& begin) : all_(begin.obstacle_contacts) {}
+    explicit ImpulsesBefore(const State& begin) : all_(begin.obstacle_contacts), by_corner_(all_.size()) {
+        std::iota(by_corner_.begin(), by_corner_.end(), std::size_t(0));
+        std::ranges::sort(by_corner_, {}, [&](std::size_t i) { return std::pair(all_[i].corner, i); });
+    }
     Vec2 next(const ObstacleContact& contact) {
-        for (std::size_t k = 0; k + (next_ > 0) < all_.size(); ++k) {
-            const std::size_t i = (next_ + k) % all_.size();
-            const ObstacleContactState& before = all_[i];
-            if (before.corner != contact.corner || before.second_corner != contact.second_corner ||
-                before.obstacle != contact.obstacle)
-                continue;
-            next_ = i + 1;
-            return {before.contact, before.tangential};
+        const auto is_same = [&](std::size_t i) {
+            return all_[i].corner == contact.corner && all_[i].second_corner == contact.second_corner &&
+                   all_[i].obstacle == contact.obstacle;
+        };
+        std::size_t found = next_;
+        if (found == all_.size() || !is_same(found)) {
+            const auto corner = [&](std::size_t i) { return all_[i].corner; };
+            found = all_.size();
+            for (auto at = std::ranges::lower_bound(by_corner_, contact.corner, {}, corner);
+                 at != by_corner_.end() && corner(*at) == contact.corner; ++at)
+                if (is_same(*at) && *at + 1 != next_ && (found == all_.size() || (found < next_ && *at >= next_)))
+                    found = *at;
         }
-        return Vec2::Zero();
+        if (found == all_.size()) return Vec2::Zero();
+        next_ = found + 1;
+        return {all_[found].contact, all_[found].tangential};
     }
 
 private:
     const std::vector<ObstacleContactState>& all_;
+    std::vector<std::size_t> by_corner_;
     std::size_t next_ = 0;
 };
 

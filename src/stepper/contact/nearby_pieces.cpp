@@ -87,8 +87,7 @@ void NearbyPieces::find_pairs() {
     for (std::size_t k = 1; k < order_.size(); ++k)  // hardly anything changes between two steps
         for (std::size_t m = k; m > 0 && start(order_[m]) < start(order_[m - 1]); --m)
             std::swap(order_[m], order_[m - 1]);
-    pairs_.swap(before_);
-    std::size_t n = 0;
+    near_.clear();
     for (std::size_t k = 0; k < order_.size(); ++k)
         for (std::size_t m = k + 1; m < order_.size(); ++m) {
             const Index p = order_[k], q = order_[m];
@@ -97,18 +96,18 @@ void NearbyPieces::find_pairs() {
             if (two.low[axis] - two.room > one.high[axis] + one.room) break;
             if (two.low[1 - axis] > one.high[1 - axis] + room || one.low[1 - axis] > two.high[1 - axis] + room)
                 continue;
-            if (n == pairs_.size()) pairs_.emplace_back();
             const bool is_first =
                 outlines_[p].radius > outlines_[q].radius || (outlines_[p].radius == outlines_[q].radius && p < q);
-            pairs_[n].of = is_first ? std::array{p, q} : std::array{q, p};
-            pairs_[n++].margin = -1;
+            near_.push_back(is_first ? std::array{p, q} : std::array{q, p});
         }
-    pairs_.resize(n);
-    std::ranges::sort(pairs_, {}, &Pair::of);
+    std::ranges::sort(near_);
+    pairs_.swap(before_);
+    pairs_.resize(near_.size());
     auto old = before_.begin();
-    for (Pair& pair : pairs_) {
-        while (old != before_.end() && old->of < pair.of) ++old;
-        if (old != before_.end() && old->of == pair.of) std::swap(pair, *old);
+    for (std::size_t n = 0; n < near_.size(); ++n) {
+        while (old != before_.end() && old->of < near_[n]) ++old;
+        if (old != before_.end() && old->of == near_[n]) std::swap(pairs_[n], *old++);
+        else pairs_[n].of = near_[n], pairs_[n].margin = -1;
     }
 }
 

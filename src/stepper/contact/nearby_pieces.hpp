@@ -57,7 +57,8 @@ private:
     std::vector<Outline> outlines_;        // per piece, then of the ground
     std::vector<Index> edges_, vertices_;  // places of free edges (a vertex: of the one that leaves it), by pieces
     std::vector<Box> boxes_;
-    std::vector<Index> order_;  // of the pieces along the axis
+    std::vector<Index> order_;                // of the pieces along the axis
+    std::vector<std::array<Index, 2>> near_;  // pieces whose boxes overlap
     std::vector<Pair> pairs_, before_;
     LargestMotion passing_;
 };
