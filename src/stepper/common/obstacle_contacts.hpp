@@ -54,7 +54,10 @@ inline Vec2 velocity_at(const Vec3& obstacle_velocity, const ObstacleContact& co
 /// Most contacts of pieces that fly by had none; their corners are looked up, since a scan would be quadratic.
 class ImpulsesBefore {
 public:
-    explicit ImpulsesBefore(const State& begin) : all_(begin.obstacle_contacts), by_corner_(all_.size()) {
+    /// `by_corner` is room that lasts from step to step.
+    ImpulsesBefore(const State& begin, std::vector<std::size_t>& by_corner)
+        : all_(begin.obstacle_contacts), by_corner_(by_corner) {
+        by_corner_.resize(all_.size());
         std::iota(by_corner_.begin(), by_corner_.end(), std::size_t(0));
         std::ranges::sort(by_corner_, {}, [&](std::size_t i) { return std::pair(all_[i].corner, i); });
     }
@@ -79,7 +82,7 @@ public:
 
 private:
     const std::vector<ObstacleContactState>& all_;
-    std::vector<std::size_t> by_corner_;
+    std::vector<std::size_t>& by_corner_;
     std::size_t next_ = 0;
 };
 

@@ -116,7 +116,7 @@ void VertexContacts::begin_obstacles(const ExplicitStep& step) {
     for (std::size_t o = 0; o < obstacle_velocity_.size(); ++o)
         obstacle_velocity_[o] = step.begin.obstacles[o].velocity;
     const double scale = step.begin.last_step > 0 ? step.kick_time / step.begin.last_step : 0;
-    ImpulsesBefore before(step.begin);
+    ImpulsesBefore before(step.begin, by_corner_);
     for (const ObstacleContact& contact : obstacles_.contacts.all())
         if (!solver_.is_within_fan(contact)) add_row(contact, scale * before.next(contact), step);
     for (const ObstaclePairContact& contact : obstacles_.pairs.all()) add_row(contact, step);

@@ -102,6 +102,7 @@ private:
     std::vector<std::size_t> first_term_, first_obstacle_term_;  // per contact, and the end
     std::vector<Vec3> obstacle_velocity_;  // [m/s, m/s, rad/s] per obstacle, under the present impulses
     std::vector<Index> rigid_body_;        // per free obstacle of a cluster: its number in the problem
+    std::vector<std::size_t> by_corner_;   // contacts with obstacles of the step before
     std::vector<Cluster> clusters_;
     ContactClusters lists_;  // of touched fans and of free obstacles
     std::vector<StepReport> partial_;

@@ -104,7 +104,8 @@ double pull_on_contact(const Model& model, const std::vector<ActivePoint>& point
 
 void guess_impulses(std::span<const ObstacleContact> contacts, const State& begin, double kick, std::span<Vec2> guess) {
     if (begin.last_step <= 0) return;
-    ImpulsesBefore before(begin);
+    std::vector<std::size_t> by_corner;
+    ImpulsesBefore before(begin, by_corner);
     for (std::size_t i = 0; i < contacts.size(); ++i) guess[i] = kick / begin.last_step * before.next(contacts[i]);
 }
 

@@ -93,7 +93,7 @@ void RigidContacts::add_obstacles(const RigidStep& step, const std::vector<Movin
     const State& begin = step.begin;
     const std::size_t first = rows_.size();
     const double scale = begin.last_step > 0 ? step.kick_time / begin.last_step : 0;
-    ImpulsesBefore before(begin);
+    ImpulsesBefore before(begin, by_corner_);
     for (Index i = 0; i < static_cast<Index>(obstacle_contacts_.all().size()); ++i) {
         const ObstacleContact& c = obstacle_contacts_.all()[i];
         const Index piece = piece_of(c.corner);

@@ -155,6 +155,7 @@ private:
     std::vector<Row> rows_;
     std::vector<Index> row_of_face_;             // per contact of faces_: its row, or -1
     std::vector<std::size_t> hull_, by_bodies_;  // rows
+    std::vector<std::size_t> by_corner_;         // contacts with obstacles of the step before
     ContactClusters lists_;                      // of bodies that move
     std::vector<Cluster> clusters_;
     std::vector<Workspace> work_;
