@@ -77,15 +77,12 @@ double GridTable::corner(double begin, double end, double shortest) const {
         if (*at - begin < shortest) continue;
         const double part = (*at - begin) / (end - begin);
         for (std::size_t i = 0; i < n; ++i) {
-            const auto way = [&](std::size_t k) -> TableWay {
-                if (k == 0 || k == t.size()) return {};
-                return {t[k] - t[k - 1], values_[k * n + i] - values_[(k - 1) * n + i]};
-            };
+            const auto value = [&](std::size_t k) { return values_[k * n + i]; };
             const std::size_t k = at - t.begin();
             const double here = x[i % x.size()], there = y[i / x.size()],
                          line = (1 - part) * (*this)(here, there, begin) + part * (*this)(here, there, end),
-                         off = std::abs(values_[k * n + i] - line);
-            if (off > farthest && off > may_pass_over(way(k), way(k + 1)) * (high - low)) farthest = off, found = *at;
+                         off = std::abs(value(k) - line);
+            if (off > farthest && off > may_pass_over(t, k, value) * (high - low)) farthest = off, found = *at;
         }
     }
     return found;

@@ -101,15 +101,13 @@ double TimeFunction::corner(double begin, double end, double shortest) const {
     if (first == last) return end;
     const auto [low, high] = std::ranges::minmax(value);
     const double at_begin = (*this)(begin), slope = ((*this)(end)-at_begin) / (end - begin);
-    const auto way = [&](std::size_t i) -> TableWay {
-        return i == 0 || i == time.size() ? TableWay{} : TableWay{time[i] - time[i - 1], value[i] - value[i - 1]};
-    };
+    const auto value_at = [&](std::size_t i) { return value[i]; };
     double farthest = 0, found = end;
     for (auto at = first; at != last; ++at) {
         if (*at - begin < shortest) continue;
         const std::size_t i = at - time.begin();
         const double off = std::abs(value[i] - at_begin - slope * (*at - begin));
-        if (off > farthest && off > may_pass_over(way(i), way(i + 1)) * (high - low)) farthest = off, found = *at;
+        if (off > farthest && off > may_pass_over(time, i, value_at) * (high - low)) farthest = off, found = *at;
     }
     return found;
 }

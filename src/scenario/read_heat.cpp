@@ -205,11 +205,14 @@ const char* table_example(std::string_view key) {
 /// Keys beside temperatures that stay.
 void refuse_with_frozen(Reading& reading) {
     const Table table = reading.table("heat");
-    for (const char* key : {"conduction", "ramp", "table", "csv", "table_period"})
-        if (table.given(key) && (key != std::string_view("conduction") || table.get<bool>(key) == true))
-            table.error("exclusive-keys", key, "has no meaning where temperatures are frozen",
-                        "a temperature, or temperature = \"frozen\" alone");
-    if (!reading.table("time").text("start").starts_with("run:"))
+    const auto refuse = [&](const char* key) {
+        table.error("exclusive-keys", key, "has no meaning where temperatures are frozen",
+                    "a temperature, or temperature = \"frozen\" alone");
+    };
+    if (table.get<bool>("conduction") == true) refuse("conduction");  // a resolved text says that there is none
+    for (const char* key : {"ramp", "table", "csv", "table_period"})
+        if (table.given(key)) refuse(key);
+    if (!starts_from_run(reading))
         table.error("exclusive-keys", "temperature", "= \"frozen\" needs temperatures of another run",
                     "time.start = \"run:DIR@TIME\" of a run with [heat]");
 }
@@ -230,9 +233,7 @@ TemperatureTable read_over_temperature(const Table& table, const char* key) {
 }
 
 const char* cure_without_heat(Reading& reading) {
-    return reading.table("time").text("start").starts_with("run:")
-               ? "[heat] with temperature = \"frozen\" keeps those of the other run"
-               : "[heat]";
+    return starts_from_run(reading) ? "[heat] with temperature = \"frozen\" keeps those of the other run" : "[heat]";
 }
 
 void read_heat(Reading& reading) {

@@ -312,7 +312,7 @@ void read_pressure(const Table& table, CrackPressure& pressure) {
     };
     exclude(reading.table("contact").given(), "[contact]");
     exclude(!reading.list("excavation").empty(), "[[excavation]]");
-    exclude(reading.table("time").text("start").starts_with("run:"), "start = \"run:DIR@TIME\"");
+    exclude(starts_from_run(reading), "start = \"run:DIR@TIME\"");
 }
 
 }  // namespace

@@ -14,6 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view of_run = "run:";
 constexpr std::size_t max_times = 12;  // in a message
 
 std::string times_text(const std::vector<StoredState>& states) {
@@ -59,10 +60,11 @@ std::optional<fs::path> find_state(const Table& time, const std::string& run, co
 
 }  // namespace
 
+bool starts_from_run(Reading& reading) { return reading.table("time").text("start").starts_with(of_run); }
+
 void read_start(const Table& time) {
-    const std::string prefix = "run:", start = time.text("start");
-    if (!start.starts_with(prefix)) return;
-    const std::string name = start.substr(prefix.size());
+    if (!starts_from_run(time.reading())) return;
+    const std::string name = time.text("start").substr(of_run.size());
     const std::size_t at = name.rfind('@');
     fs::path file = time.reading().files.directory / name;
     std::error_code none;
@@ -79,7 +81,7 @@ void read_start(const Table& time) {
     try {
         std::string bytes = read_whole_file(file);
         unpacked_checkpoint(bytes);
-        time.scenario().files.push_back({time.path("start"), "start.state", std::move(bytes), prefix});
+        time.scenario().files.push_back({time.path("start"), "start.state", std::move(bytes), std::string(of_run)});
         time.scenario().time.start_run = name;
     } catch (const std::runtime_error& error) {
         time.error("bad-state", "start", ": `" + file.string() + "` cannot be used: " + error.what(),

@@ -199,6 +199,8 @@ std::shared_ptr<const PlaceField> read_place_field(const Table& table, const std
 inline constexpr std::array keys_of_initial_motion{"velocity", "spin", "strain_rate"};
 /// The pairs [temperature, value] of a key; empty, and an error, where their temperatures do not ascend.
 TemperatureTable read_over_temperature(const Table& table, const char* key);
+/// time.start = "run:..."
+bool starts_from_run(Reading& reading);
 /// What a message proposes for a law that needs temperatures.
 const char* cure_without_heat(Reading& reading);
 /// [[traces]]: lines of a file become cracks of a shape.

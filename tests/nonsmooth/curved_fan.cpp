@@ -133,16 +133,8 @@ TEST_CASE("a held obstacle at a corner of a closed fan with the norm law costs n
         FanResult found;
         without += solver.solve(fan, found).iterations;
         const Vec2 v = fan.bodies[0].free_velocity;
-        fan.links.push_back({.before = static_cast<Index>(fan.bodies.size()),
-                             .after = 0,
-                             .normal = v.norm() > 0 ? Vec2(-v.normalized()) : Vec2(1, 0),
-                             .u_N = 0,
-                             .u_T = 0,
-                             .cohesive = 0,
-                             .gamma = 0,
-                             .friction = 0.3,
-                             .restitution = 0,
-                             .unbreakable = false});
+        fan.links.push_back(contact_without_cohesion(static_cast<Index>(fan.bodies.size()), 0,
+                                                     v.norm() > 0 ? Vec2(-v.normalized()) : Vec2(1, 0), 0.3));
         fan.bodies.push_back({.velocity = {0, 0}, .free_velocity = {0, 0}, .inverse_mass = {0, 0}});
         const FanSolution solution = solver.solve(fan, found);
         iterations += solution.iterations;

@@ -18,16 +18,7 @@ namespace {
 
 /// A body on the support at one point whose frame is turned by 45 degrees: W = [[1, .8], [.8, 1]] in (N, T).
 FanProblem coupled_contact(double friction, double q_N, double q_T) {
-    FanLink link{.before = -1,
-                 .after = 0,
-                 .normal = Vec2(M_SQRT1_2, M_SQRT1_2),
-                 .u_N = 0,
-                 .u_T = 0,
-                 .cohesive = 0,
-                 .gamma = 0,
-                 .friction = friction,
-                 .restitution = 0,
-                 .unbreakable = false};
+    const FanLink link = contact_without_cohesion(-1, 0, Vec2(M_SQRT1_2, M_SQRT1_2), friction);
     FanProblem fan;
     fan.drift_time = 1;
     fan.bodies = {{.velocity = Vec2::Zero(),
@@ -347,16 +338,8 @@ TEST_CASE("E4 one contact with coupled normal and tangential motion") {
 TEST_CASE("where friction wedges a driven body the laws are relaxed and nothing gains energy") {
     // the body is driven along x against an inclined support; friction lifts it into the support more than the contact
     // pushes it off
-    FanLink link{.before = -1,
-                 .after = 0,
-                 .normal = Vec2(-0.6, -0.8),
-                 .u_N = 0,
-                 .u_T = 0,
-                 .cohesive = 0,
-                 .gamma = 0,
-                 .friction = 100,
-                 .restitution = 1,
-                 .unbreakable = false};
+    FanLink link = contact_without_cohesion(-1, 0, Vec2(-0.6, -0.8), 100);
+    link.restitution = 1;
     FanProblem fan;
     fan.drift_time = 1;
     fan.bodies = {{.velocity = Vec2(1, 1), .free_velocity = Vec2(0, 1), .inverse_mass = Vec2(0, 1)}};
@@ -439,30 +422,13 @@ TEST_CASE("of two contacts that bound the same motion the stricter one counts by
             fan.bodies = {
                 {.velocity = v, .free_velocity = v + Vec2(0, -0.05), .inverse_mass = Vec2::Constant(0.011)},
                 {.velocity = v, .free_velocity = v + Vec2(0.02, -0.03), .inverse_mass = Vec2::Constant(0.01)}};
-            fan.links = {{.before = 0,
-                          .after = 1,
-                          .normal = Vec2(-0.8, -0.6),
-                          .u_N = 0,
-                          .u_T = 0,
-                          .cohesive = 90,
-                          .gamma = 1.5,
-                          .friction = 0.6,
-                          .restitution = 0,
-                          .unbreakable = false}};
+            fan.links = {contact_without_cohesion(0, 1, Vec2(-0.8, -0.6), 0.6)};
+            fan.links[0].cohesive = 90, fan.links[0].gamma = 1.5;
             for (const Index body : {0, 1}) {
                 fan.bodies.push_back(
                     {.velocity = Vec2::Zero(), .free_velocity = Vec2::Zero(), .inverse_mass = Vec2::Zero()});
-                fan.links.push_back({.before = static_cast<Index>(fan.bodies.size()) - 1,
-                                     .after = body,
-                                     .normal = n,
-                                     .u_N = 0,
-                                     .u_T = 0,
-                                     .cohesive = 0,
-                                     .gamma = 0,
-                                     .friction = 0.6,
-                                     .restitution = 0,
-                                     .unbreakable = false,
-                                     .given = 0.01 + (body == stricter ? 0 : between)});
+                fan.links.push_back(contact_without_cohesion(static_cast<Index>(fan.bodies.size()) - 1, body, n, 0.6));
+                fan.links.back().given = 0.01 + (body == stricter ? 0 : between);
             }
             FanResult result;
             const FanSolution solution = FanSolver().solve(fan, result);

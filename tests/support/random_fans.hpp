@@ -10,6 +10,19 @@
 
 namespace knap::tests {
 
+inline FanLink contact_without_cohesion(Index before, Index after, const Vec2& normal, double friction) {
+    return {.before = before,
+            .after = after,
+            .normal = normal,
+            .u_N = 0,
+            .u_T = 0,
+            .cohesive = 0,
+            .gamma = 0,
+            .friction = friction,
+            .restitution = 0,
+            .unbreakable = false};
+}
+
 struct RandomFanOptions {
     bool friction = true;
     bool prescribed = true;      // some bodies driven

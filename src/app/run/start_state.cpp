@@ -96,7 +96,7 @@ bool is_thermal(const std::string& path) {
 struct NewAssumptions {
     bool rotation, contact, rigid;  // they are large; free faces meet; pieces may be rigid
     bool no_heat;                   // thermal strains vanish
-    bool any_test;                  // no strength of an interface follows from a test
+    bool no_measured_strength;      // no sigma_c follows from that of a test, which may be any
     std::vector<bool> is_later;   // per excavation: it was after the end of the other run, and its times may be others
     std::size_t n_obstacles = 0;  // of the other run
     bool obstacles;               // more of them
@@ -106,7 +106,7 @@ struct NewAssumptions {
           contact(is_new(there, here, "contact")),
           rigid(is_new(there, here, "rigid")),
           no_heat(is_new(here, there, "heat")),
-          any_test(or_nothing(here, "strength.meaning") == "\"of interfaces\"") {
+          no_measured_strength(or_nothing(here, "strength.meaning") == "\"of interfaces\"") {
         for (std::size_t i = 0; has_table(there, item("excavation", i)); ++i)
             is_later.push_back(std::stod(or_nothing(there, item("excavation", i) + ".at")) >=
                                std::stod(or_nothing(there, "time.end")));
@@ -118,8 +118,8 @@ struct NewAssumptions {
     bool concern(const std::string& key) const {
         return (rotation && key == "domain.rotation") || (contact && is_in(key, "contact")) ||
                (rigid && is_in(key, "rigid")) || (no_heat && (is_in(key, "heat") || is_thermal(key))) ||
-               (any_test && (key == "strength.test" || key == "strength.size")) || is_time_of_later_excavation(key) ||
-               (obstacles && concerns_new_obstacle(key));
+               (no_measured_strength && (key == "strength.test" || key == "strength.size")) ||
+               is_time_of_later_excavation(key) || (obstacles && concerns_new_obstacle(key));
     }
 
 private:
@@ -224,9 +224,8 @@ RunOrigin origin_of(const ReadResult& read) {
     if (const std::string text = difference(there, here); !text.empty())
         throw refusal(
             read, text,
-            "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, "
-            "probes, collectors, limits and expectations may be others. Large rotations, [contact], [rigid], and "
-            "obstacles "
+            "the body must be the same: only loads, motions of obstacles, [time] without mass, outputs, probes, "
+            "collectors, limits and expectations may be others. Large rotations, [contact], [rigid], and obstacles "
             "behind those that were there may be added, [heat] left out where no law follows the temperature, or "
             "frozen (temperature = \"frozen\", which keeps the strengths, too); not the reverse: what has turned "
             "would be strained, what rests on free faces or obstacles would fall through them, and what is "

@@ -51,15 +51,14 @@ inline Vec2 velocity_at(const Vec3& obstacle_velocity, const ObstacleContact& co
 
 /// The impulses [N s] of the step before; zero where a contact was none. Contacts come in the same order in most steps,
 /// so the one behind the last that was found is tried first: a corner in a valley of a terrain has one for each side.
-/// Most contacts of pieces that fly by had none; their corners are looked up, since a scan would be quadratic.
+/// Others are looked up by their corner, since most contacts of pieces that fly by had none and a scan would be
+/// quadratic: of several the next one round the list.
 class ImpulsesBefore {
 public:
     /// `by_corner` is room that lasts from step to step.
     ImpulsesBefore(const State& begin, std::vector<std::size_t>& by_corner)
         : all_(begin.obstacle_contacts), by_corner_(by_corner) {
-        by_corner_.resize(all_.size());
-        std::iota(by_corner_.begin(), by_corner_.end(), std::size_t(0));
-        std::ranges::sort(by_corner_, {}, [&](std::size_t i) { return std::pair(all_[i].corner, i); });
+        by_corner_.clear();
     }
     Vec2 next(const ObstacleContact& contact) {
         const auto is_same = [&](std::size_t i) {
@@ -68,6 +67,7 @@ public:
         };
         std::size_t found = next_;
         if (found == all_.size() || !is_same(found)) {
+            if (by_corner_.empty()) sort_by_corner();
             const auto corner = [&](std::size_t i) { return all_[i].corner; };
             found = all_.size();
             for (auto at = std::ranges::lower_bound(by_corner_, contact.corner, {}, corner);
@@ -81,8 +81,14 @@ public:
     }
 
 private:
+    void sort_by_corner() {
+        by_corner_.resize(all_.size());
+        std::iota(by_corner_.begin(), by_corner_.end(), std::size_t(0));
+        std::ranges::sort(by_corner_, {}, [&](std::size_t i) { return std::pair(all_[i].corner, i); });
+    }
+
     const std::vector<ObstacleContactState>& all_;
-    std::vector<std::size_t>& by_corner_;
+    std::vector<std::size_t>& by_corner_;  // empty until it is needed
     std::size_t next_ = 0;
 };
 

@@ -201,6 +201,7 @@ void FaceContacts::find_rigid(const State& begin, double h, bool boundary_change
     nearby_pieces_.for_near([&](Index i, Index e, double reach) {
         if (may_touch(place_of_vertex(i), e, reach)) near_.push_back({i, e});
     });
+    // one number is compared faster than a pair
     std::ranges::sort(near_, {}, [](const NearbyEdge& at) { return (std::int64_t(at.vertex) << 32) + at.edge; });
     blocks_.resize(std::max<std::size_t>(blocks_.size(), 1));
     Block& block = blocks_[0];
