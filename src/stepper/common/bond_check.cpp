@@ -47,6 +47,20 @@ bool BondCheck::find_best(const Fan& fan, const State& begin, std::span<const Ve
     return found.slack >= 0;
 }
 
+double BondCheck::margin(Index f, const State& begin, double time) {
+    const auto points = model_->points(model_->fans[f]);
+    planes_.clear();
+    for (std::size_t j = 0; j < points.size(); ++j) {
+        const CohesiveLaw& law = law_of(*model_, begin, points[j]);
+        if (!law.breakable()) continue;
+        const StrengthPolygon strength = strength_of(law, points[j], time);
+        strength.add_half_planes(static_cast<Index>(j), impulse_[j], Vec2::Ones(), planes_);
+    }
+    double smallest = infinity;
+    for (const HalfPlane& plane : planes_) smallest = std::min(smallest, plane.value / plane.gradient.norm());
+    return smallest;
+}
+
 /// With the cohesion U C the half planes of a point are g . P + U C >= 0 and, in shear, g . P + U (gamma + mu) C >= 0.
 /// Divided by their strengths they have the smallest slack U + min g . P/strength, whose largest value is 0.
 double BondCheck::utilisation(Index f, const State& begin, std::span<const Vec2> required, double time) {

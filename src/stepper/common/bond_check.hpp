@@ -23,6 +23,9 @@ public:
     /// [-] U >= 0: the smallest factor on the cohesive strengths with which the fan stays bonded. All its breakable
     /// points need a strength.
     double utilisation(Index fan, const State& begin, std::span<const Vec2> required, double time);
+    /// [N s] Where the impulses of the last fan, at the same state, differ by less at every point, the exact test finds
+    /// them admissible, too. Negative: outside of the convex part of the norm's domain that this test has.
+    double margin(Index fan, const State& begin, double time);
     /// [N s] per point of the last fan, on `after`; admissible if it is bonded, else with the largest smallest slack.
     const std::vector<Vec2>& impulses() const { return impulse_; }
 

@@ -91,7 +91,7 @@ struct StepReport {
     std::int64_t fan_iterations = 0;     // linear systems solved for them
     std::int64_t fan_fallbacks = 0;      // of them not solved by the active set
     std::int64_t face_contacts = 0;      // between free faces
-    std::int64_t bond_checks = 0;        // bonded fans tested by BondCheck
+    std::int64_t bond_checks = 0;        // bonded fans that the stress criterion does not clear
     std::int64_t released = 0;           // fans that split
     std::int64_t softened = 0;           // points that lost cohesion
     std::int64_t linear_solves = 0;      // of the implicit bulk

@@ -37,6 +37,7 @@ ExplicitScheme::ExplicitScheme(const Model& model, const SchemeOptions& options)
       corner_force_(model.mesh.n_corners() + 1, Vec2::Zero()),  // the last: BlockFans::no_force
       elastic_energy_(blocks_.size()),
       fan_is_candidate_(model.fans.size(), 0),
+      bond_proofs_(model),
       splits_(model.fans.size(), 0),
       workspaces_(omp_get_max_threads(), ThreadWorkspace(model)) {
     if (model.faces_meet() || !model.obstacles.empty()) {
@@ -394,24 +395,25 @@ StepReport ExplicitScheme::sweep_bordering(const ExplicitStep& step) {
     });
 }
 
-/// Tests a candidate of the stress criterion, by the inscribed circles and then by BondCheck. `force` [N]: on the whole
-/// fan.
+/// Tests a candidate of the stress criterion, by the last proof, the inscribed circles and then by BondCheck. `force`
+/// [N]: on the whole fan.
 template <class Force>
 bool ExplicitScheme::is_bonded(Index f, std::span<const InscribedCircle> circles, const Force& force_on,
                                const Vec2& force, const ExplicitStep& step, ThreadWorkspace& work, StepReport& report) {
     fan_is_candidate_[f] = 0;
     if (contacts_ && contacts_->touches(f)) return false;  // their impulses decide
+    ++report.bond_checks;
     if (incubation_.concerns(f)) {
-        ++report.bond_checks;
         work.find_required(model_, f, step.begin, mass_, force_on, force);
         const double U = work.bond_check.utilisation(f, step.begin, work.required, 1);
         const bool held = incubation_.is_held(f, U, step.begin.time, step.end.incubation[f]);
         splits_[f] = !held;
         return held;
     }
+    if (bond_proofs_.hold(f, force_on)) return true;
     if (within_inscribed_circles(circles.data(), static_cast<Index>(circles.size()), force_on, force)) return true;
-    ++report.bond_checks;
     const bool bonded = work.is_bonded(model_, f, step.begin, mass_, force_on, force);
+    if (bonded) bond_proofs_.keep(f, force_on, work.bond_check.margin(f, step.begin, 1));
     splits_[f] = !bonded;
     return bonded;
 }

@@ -91,9 +91,10 @@ private:
     std::vector<double> elastic_energy_;          // [J] per block, with large rotations
     std::vector<double> no_viscous_stress_;       // zeros, of a state without; empty: no viscosity
     std::vector<std::uint8_t> fan_is_candidate_;  // per fan: it exceeds the stress criterion
-    std::vector<std::uint8_t> splits_;            // per fan, in this step
-    std::vector<Rotation> frames_;                // per point of split fans, see ExplicitStep
-    std::vector<ThreadWorkspace> workspaces_;     // one per thread
+    BondProofs bond_proofs_;
+    std::vector<std::uint8_t> splits_;         // per fan, in this step
+    std::vector<Rotation> frames_;             // per point of split fans, see ExplicitStep
+    std::vector<ThreadWorkspace> workspaces_;  // one per thread
     std::vector<StepReport> partial_;
     State unordered_;
 };

@@ -353,12 +353,13 @@ void ImplicitBulk::add_mass_times(const Velocity& of_corner, std::vector<Vec2>& 
             for (Index c = n * first; c < n * last; ++c) sum[c] += model_.corner_mass[c] * of_corner(c);
             return;
         }
-        for (Index t = first; t < last; ++t)
+        for (Index t = first; t < last; ++t) {
+            const double m = model_.triangle_mass(t);
             for (Index j = 0; j < n; ++j) {
-                const double m = model_.triangle_mass(t);
                 const Vec2 a = of_corner(n * t + j);
                 for (Index i = 0; i < n; ++i) sum[n * t + i] += shares(i, j) * m * a;
             }
+        }
     });
 }
 
