@@ -42,10 +42,12 @@ struct StrengthPolygon : TangentialRange {
                 law.pressed_friction(unit)};
     }
 
+    /// Of the norm, or with a friction over pressure: bounded by more than three lines.
+    bool is_curved() const { return coupling == Coupling::norm || pressed; }
     /// Negative: P is not admissible. All points of fans that nearly open are asked in every step, mostly with straight
     /// lines: without a call, and the call takes copies, so that polygon and P stay in registers.
     [[gnu::always_inline]] double smallest_slack(const Vec2& P) const {
-        if (coupling == Coupling::norm || pressed) return StrengthPolygon(*this).smallest_slack_of_curve(Vec2(P));
+        if (is_curved()) return StrengthPolygon(*this).smallest_slack_of_curve(Vec2(P));
         const double p = P.dot(normal) + cohesive;
         return slack_over(p, contact_jump * p, P);
     }
@@ -70,7 +72,7 @@ private:
         const double q = P.dot(turned_left(normal)) + (offset + line_offset + contact_offset * p);
         return std::min(p, jump + line_jump + friction - std::abs(q));
     }
-    double smallest_slack_of_curve(const Vec2& P) const;  // of the norm, and of a friction over pressure
+    double smallest_slack_of_curve(const Vec2& P) const;
     template <class Visit>
     void visit_lines(const Visit& visit) const {
         if (!pressed) return visit(FrictionLine{contact_jump, line_jump});

@@ -50,13 +50,18 @@ bool BondCheck::find_best(const Fan& fan, const State& begin, std::span<const Ve
 double BondCheck::margin(Index f, const State& begin, double time) {
     const auto points = model_->points(model_->fans[f]);
     planes_.clear();
+    double smallest = infinity;
     for (std::size_t j = 0; j < points.size(); ++j) {
         const CohesiveLaw& law = law_of(*model_, begin, points[j]);
         if (!law.breakable()) continue;
         const StrengthPolygon strength = strength_of(law, points[j], time);
-        strength.add_half_planes(static_cast<Index>(j), impulse_[j], Vec2::Ones(), planes_);
+        if (strength.is_curved()) {
+            strength.add_half_planes(static_cast<Index>(j), impulse_[j], Vec2::Ones(), planes_);
+        } else {
+            const double slope = std::sqrt(1 + law.friction * law.friction);  // the largest gradient of a slack
+            smallest = std::min(smallest, strength.smallest_slack(impulse_[j]) / slope);
+        }
     }
-    double smallest = infinity;
     for (const HalfPlane& plane : planes_) smallest = std::min(smallest, plane.value / plane.gradient.norm());
     return smallest;
 }
