@@ -14,6 +14,7 @@ namespace knap {
 namespace {
 
 constexpr int more_rounds = 10, sweeps_of_round = 40;  // of clusters whose works are positive beyond the next two
+constexpr int sweeps_of_heap = 2400;                   // of a round where it is asked whether contacts bear the loads
 constexpr double allowed_injection = 2e-4;             // [-] of the losses
 constexpr double at_rest = 1e-8;                       // [-] of the impulses times the speeds
 constexpr double lasting_load = 0.5;   // [-] of sigma_c, over an edge, that a piece bears without a blow
@@ -273,7 +274,7 @@ void RigidContacts::find_clusters(const std::vector<MovingBody>& bodies) {
 }
 
 void RigidContacts::solve(std::size_t number, const RigidStep& step, const std::vector<MovingBody>& bodies,
-                          Workspace& work) {
+                          Workspace& work, double goal) {
     Cluster& cluster = clusters_[number];
     const std::span<const Index> rows = lists_.rows(number);
     ContactCluster& problem = work.cluster;
@@ -321,6 +322,8 @@ void RigidContacts::solve(std::size_t number, const RigidStep& step, const std::
     };
     for (int k = 0; k < more_rounds && injects(); ++k)
         cluster.residual = problem.sweep_bodies(cluster.speed, sweeps_of_round);
+    for (int k = 0; k < more_rounds && cluster.residual > goal * cluster.speed; ++k)
+        cluster.residual = problem.sweep_bodies(cluster.speed, sweeps_of_heap);
     for (std::size_t i = 0; i < rows.size(); ++i) rows_[rows[i]].impulse = problem.contacts[i].impulse;
 }
 
@@ -365,7 +368,7 @@ LargestMotion RigidContacts::solve(const RigidStep& step, std::vector<MovingBody
 
 template <class Change, class Take>
 void RigidContacts::solve_anew(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies,
-                               const Change& change, const Take& take) {
+                               double goal, const Change& change, const Take& take) {
     const std::span<const Index> rows = lists_.rows(cluster);
     const Cluster before = clusters_[cluster];
     std::vector<Row> kept;
@@ -373,13 +376,13 @@ void RigidContacts::solve_anew(std::size_t cluster, const RigidStep& step, const
         kept.push_back(rows_[r]), change(rows_[r]);
         rows_[r].law.restitution = rows_[r].law.tangential = 0, rows_[r].is_struck = false;
     }
-    solve(cluster, step, bodies, work_[0]);
+    solve(cluster, step, bodies, work_[0], goal);
     for (const Index r : rows) take(r, rows_[r]);
     for (std::size_t i = 0; i < rows.size(); ++i) rows_[rows[i]] = kept[i];
     clusters_[cluster] = before;
 }
 
-double RigidContacts::move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked,
+double RigidContacts::move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked, double goal,
                                      std::vector<MovingBody>& bodies) {
     double error = 0;
     for (std::size_t k = 0; k < clusters_.size(); ++k) {
@@ -387,7 +390,7 @@ double RigidContacts::move_from_rest(const RigidStep& step, const std::vector<st
         if (std::ranges::none_of(members, [&](Index body) { return marked[body] != 0; })) continue;
         for (const Index b : members) bodies[b].end = bodies[b].free;
         solve_anew(
-            k, step, bodies,
+            k, step, bodies, goal,
             [&](Row& row) {
                 row.before = rate(row, bodies, &MovingBody::before), row.free = rate(row, bodies, &MovingBody::free);
                 if (row.lasting.x() > 0) row.gap = std::min(row.gap, 0.0);
@@ -408,7 +411,7 @@ RigidContacts::Blow RigidContacts::hardest_blow(const RigidStep& step, const std
     const auto impulse_of_motion = [&](std::size_t r) {
         if (!of_motion[r])
             solve_anew(
-                rows_[r].cluster, step, bodies,
+                rows_[r].cluster, step, bodies, infinity,
                 [&](Row& row) {
                     if (row.impulse.x() > 0) row.gap = std::min(row.gap, 0.0);
                     row.impulse.setZero(), row.free = row.before;

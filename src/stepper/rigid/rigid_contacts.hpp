@@ -49,8 +49,9 @@ public:
     /// where it separated, its law stops it at the opposite speed at most, since less would be positive work.
     LargestMotion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
     /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, in clusters with a
-    /// body that is marked [0/1]. [m/s] The largest error of a rate.
-    double move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked,
+    /// body that is marked [0/1]. Sweeps go on while they leave errors above `goal` [-] of the speed of a cluster. [m/s]
+    /// The largest error of a rate.
+    double move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked, double goal,
                           std::vector<MovingBody>& bodies);
     /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place;
     /// `of_piece` [-]: likewise of each piece, and of those that it hits, whose waves are part of the blow.
@@ -134,11 +135,12 @@ private:
     /// alone.
     ContactLaw law_for(ContactLaw law, bool breaks) const;
     void find_clusters(const std::vector<MovingBody>& bodies);
-    void solve(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies, Workspace& work);
+    void solve(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies, Workspace& work,
+               double goal = infinity);
     /// Solves a cluster once more, from impacts without rebound, with rows as `change(row)` makes them; calls
     /// `take(number, row)` for each. The rows stay what they are.
     template <class Change, class Take>
-    void solve_anew(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies,
+    void solve_anew(std::size_t cluster, const RigidStep& step, const std::vector<MovingBody>& bodies, double goal,
                     const Change& change, const Take& take);
     bool mark_rigid_sides(const Row& row, const std::vector<MovingBody>& bodies,
                           std::vector<std::uint8_t>& marked) const;
