@@ -9,6 +9,7 @@ namespace knap {
 namespace {
 
 constexpr int steps_until_growth = 10;
+constexpr int after_fast_contact = 3;  // in a run of implicit steps: too long ones are refused before they are solved
 constexpr double growth = 1.5;
 constexpr double growth_implicit = 2, cut_implicit = 0.25;  // [-] in a run that changes scheme
 constexpr int first_wait = 8, longest_wait = 128;           // steps
@@ -185,7 +186,9 @@ std::optional<Cutback> StepControl::judge(const State& begin, double h, const St
             return std::nullopt;
         }
         opened_ = std::max(opened_, report.largest_opened);
-        if (++n_good_ < steps_until_growth) return std::nullopt;
+        const bool met_fast =
+            begin.has_end_velocities() && n_cutbacks_[static_cast<std::size_t>(CutbackReason::contact_speed)] > 0;
+        if (++n_good_ < (met_fast ? after_fast_contact : steps_until_growth)) return std::nullopt;
         if (!is_struck(begin) || growth * opened_ <= opened_to_grow) step_ = std::min(growth * step_, largest_);
         n_good_ = 0, opened_ = 0;
         return std::nullopt;

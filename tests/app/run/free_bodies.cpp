@@ -143,7 +143,7 @@ TEST_CASE("viscosity: a block that a pulse shakes slips as far as Newmark's rigi
     CHECK(number(folder.path / "run", "mean_displacement_x") == relative(A * T * T * (A - a) / (2 * a), 0.005));
 }
 
-TEST_CASE("T9 rubble of 24 blocks that falls in implicit steps of 10 ms comes to rest to rounding") {
+TEST_CASE("T9 rubble of 24 blocks that falls in implicit steps of 40 ms comes to rest to rounding") {
     constexpr int n = 24, in_a_row = 4;
     const auto number_text = [](double value) { return std::to_string(value); };
     knap::Random random(1, "rubble");
@@ -162,7 +162,7 @@ TEST_CASE("T9 rubble of 24 blocks that falls in implicit steps of 10 ms comes to
                 number_text(0.5 + 0.95 * row) + "]\nangle = \"" + number_text(random.uniform(-40, 40)) + " deg\"\n";
     }
     text +=
-        "[[load]]\nacceleration = [0, -9.81]\n[time]\nend = 5\nbulk = \"implicit\"\nstep = 0.01\ntheta = 1\n"
+        "[[load]]\nacceleration = [0, -9.81]\n[time]\nend = 5\nbulk = \"implicit\"\nstep = 0.04\ntheta = 1\n"
         "[output]\nevery = 0.1\nfields = false\n";
     const Folder folder("rubble");
     write_scene(folder, text);
@@ -179,7 +179,7 @@ TEST_CASE("T9 rubble of 24 blocks that falls in implicit steps of 10 ms comes to
         if (name == "contact_depth") CHECK(gate["value"] < 2e-3);
         if (name == "contact_injection") CHECK(gate["value"] < 1e-10);
     }
-    CHECK(record["steps"] < 1000);
+    CHECK(record["steps"] < 500);
 }
 
 }  // namespace free_bodies_test
