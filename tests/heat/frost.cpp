@@ -37,30 +37,36 @@ ModelInput warm_points(const CohesiveLaw& law, bool glued, const std::string& te
     return input;
 }
 
+/// A law, and the sine of the angle at which it is loaded: the norm with gamma = 1 has one strength in all directions.
 struct Shaped {
     const char* name;
     SofteningOptions options;
+    Coupling coupling = Coupling::sum;
+    double along = 0;
 };
 const Shaped shapes[] = {{"linear", {}},
                          {"Petersson", {.shape = SofteningOptions::Shape::petersson}},
-                         {"exponential", {.shape = SofteningOptions::Shape::exponential}}};
+                         {"exponential", {.shape = SofteningOptions::Shape::exponential}},
+                         {"linear, norm", {}, Coupling::norm, 0.6}};
 
 }  // namespace
 
 TEST_CASE("H20 a joint that is warmed under load breaks when phi(T) sigma_c has fallen to it") {
     describe(
-        "Two points carry 1.2 Pa in tension, sigma_c = 2 Pa at -10 C; T rises by 10 K in 1 s and phi falls linearly "
+        "Two points carry 1.2 Pa in tension (norm: at an angle), sigma_c = 2 Pa at -10 C; T rises by 10 K in 1 s and "
+        "phi falls linearly "
         "from 1 to 0.2, so that "
         "phi sigma_c = 1.2 Pa at t = 0.5 s. First loss of cohesion, within a step; and the energy that the break has "
         "dissipated.");
     for (const Shaped& shape : shapes)
         for (const SchemeOptions& scheme : all_paths()) {
             on_path(scheme);
-            CohesiveLaw law{.sigma_c = sigma_c, .G_c = G_c, .gamma = 1};
+            CohesiveLaw law{.sigma_c = sigma_c, .G_c = G_c, .gamma = 1, .coupling = shape.coupling};
             law.softening = make_softening(shape.options);
             law.of_temperature = tables(falling);
             ModelInput input = warm_points(law, true, "-10 + 10*t");
-            input.loads = {load(Load::Kind::acceleration, "", 0.0, 1.2)};
+            input.loads = {
+                load(Load::Kind::acceleration, "", 1.2 * shape.along, 1.2 * std::sqrt(1 - shape.along * shape.along))};
             SchemeOptions options = scheme;
             options.respect_assumption_1 = false;
             Run run(input, options);
@@ -98,7 +104,7 @@ TEST_CASE("H20 the energy of an open joint that thaws changes by dphi beta sigma
         for (const Shaped& shape : shapes)
             for (const SchemeOptions& scheme : both_paths()) {
                 on_path(scheme);
-                CohesiveLaw law{.sigma_c = sigma_c, .G_c = G_c, .gamma = 1};
+                CohesiveLaw law{.sigma_c = sigma_c, .G_c = G_c, .gamma = 1, .coupling = shape.coupling};
                 law.softening = make_softening(shape.options);
                 law.unloading = unloading;
                 law.of_temperature = tables(falling);
@@ -245,13 +251,21 @@ TEST_CASE("the energy balance closes to rounding while a body that thaws tears")
         for (const Index order : {1, 2}) {
             if (scheme.bulk == BulkScheme::explicit_lumped && scheme.cohesion == CohesionScheme::implicit_beta)
                 continue;
-            for (const Unloading unloading : {Unloading::constant, Unloading::secant}) {
+            for (const auto& [unloading, coupling] : {std::pair{Unloading::constant, Coupling::sum},
+                                                      {Unloading::secant, Coupling::sum},
+                                                      {Unloading::constant, Coupling::norm},
+                                                      {Unloading::secant, Coupling::norm}}) {
                 const bool implicit = scheme.bulk == BulkScheme::implicit_theta;
                 if (implicit && order == 2) continue;  // slow, and the same code
                 on_path(scheme);
                 SchemeOptions options = scheme;
                 options.respect_assumption_1 = false;
-                CohesiveLaw law{.sigma_c = 8e-4, .G_c = 1.2e-6, .gamma = 1, .friction = 0.3, .unloading = unloading};
+                CohesiveLaw law{.sigma_c = 8e-4,
+                                .G_c = 1.2e-6,
+                                .gamma = 1,
+                                .friction = 0.3,
+                                .coupling = coupling,
+                                .unloading = unloading};
                 law.of_temperature = tables({.temperature = {-100, 0, 100}, .value = {1, 0.6, 0.3}},
                                             {.temperature = {-100, 100}, .value = {0.7, 0.2}});
                 Heat heat = field("120*sin(3*t + 2*x)*cos(y - 5*t) + 40*x*y", {a});

@@ -10,6 +10,7 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -137,6 +138,41 @@ TEST_CASE("strength: what structures bear is what the bench measured") {
         ++n;
     }
     CHECK(n >= 50);
+}
+
+TEST_CASE("strength: means of the bench are those of its single seeds") {
+    // specimen, coupling and gamma, and the fields behind them
+    const auto rows = [](const std::string& file) {
+        std::ifstream table(KNAP_SOURCE_DIR "/scenarios/results/" + file);
+        std::map<std::string, std::vector<std::string>> found;
+        for (std::string line; std::getline(table, line);) {
+            std::size_t end = line.starts_with('"') ? line.find('"', 1) + 1 : line.find(',');
+            if (line.starts_with('#') || line.starts_with("specimen")) continue;
+            for (int i = 0; i < 2; ++i) end = line.find(',', end + 1);
+            std::istringstream fields(line.substr(end + 1));
+            for (std::string field; std::getline(fields, field, ',');) found[line.substr(0, end)].push_back(field);
+        }
+        return found;
+    };
+    const auto mean = [](const std::string& numbers) {
+        std::istringstream in(numbers);
+        double sum = 0, n = 0;
+        for (double number; in >> number; ++n) sum += number;
+        return sum / n;
+    };
+    const auto means = rows("coupling_surplus.csv");
+    int n = 0;
+    for (const auto& [name, row] : rows("coupling_runs.csv")) {
+        if (row[0].empty() || name.find("spall") != name.npos) continue;  // over sigma_c or another specimen
+        const auto& of_means = means.at(name);
+        for (const int column : {0, 1})
+            if (const std::string& given = of_means[1 + 2 * column]; !given.empty()) {
+                CAPTURE(name);
+                CHECK(std::abs(mean(row[3 + column]) / std::stod(row[column]) - std::stod(given)) < 0.00051);
+                ++n;
+            }
+    }
+    CHECK(n > 120);
 }
 
 TEST_CASE("strength: interfaces within a material get the measured strength over the surplus") {

@@ -3,9 +3,12 @@
 #include "samples.hpp"
 
 #include "base/error.hpp"
+#include "scenario/built_in.hpp"
 #include "support/relative.hpp"
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
 
 namespace toughness_test {
 
@@ -63,6 +66,15 @@ TEST_CASE("toughness: of several loads the smallest one counts under which four 
     CHECK(table.find(law_with(1, 6))->mean == 1.1);
     CHECK(table.at_speed(law_with(1, 6), 0.5)->mean == tests::relative(1.25));  // between loads
     CHECK_FALSE(table.at_speed(law_with(1, 6), 0.7));
+}
+
+TEST_CASE("toughness: a crack costs less with the norm up to 0.6 of the Rayleigh speed") {
+    const ToughnessTable table(std::ranges::find(built_in_files(), "mesh_toughness.csv", &BuiltIn::name)->text);
+    const auto costs = [&](Coupling coupling, double speed) {
+        return table.at_speed(law_with(1, 6).with(coupling), speed)->mean;
+    };
+    for (const double speed : {0.52, 0.56, 0.6}) CHECK(costs(Coupling::norm, speed) < costs(Coupling::sum, speed));
+    for (const double speed : {0.63, 0.66}) CHECK(costs(Coupling::norm, speed) > costs(Coupling::sum, speed));
 }
 
 TEST_CASE("toughness: a table is what it writes") {

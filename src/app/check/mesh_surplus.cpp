@@ -26,8 +26,9 @@ constexpr double splits_from = 6.5, same_disc = 2.1;
 // A run is slow that lasts as many passages of a shear wave through the body: it bears its loads like one at rest.
 constexpr double slow_passages = 100;
 
-// [-] Over the Rayleigh speed: the fast crack whose cost is told.
-constexpr double fast_crack = 0.66;
+// [-] Over the Rayleigh speed: below `even_crack` one costs less with the norm, above it with the sum; the fast crack
+// whose cost is told.
+constexpr double even_crack = 0.6, fast_crack = 0.66;
 
 /// A surplus, and whether it is that of rows of the table or between them; else it is that of the nearest one.
 struct Found {
@@ -216,27 +217,31 @@ bool has_rows(const WithCoupling& of) {
     return std::ranges::all_of(lines, [&](const Line& line) { return !(of.*line.of) || (of.*line.of)->has_rows; });
 }
 
-/// What tells the coupling that fits a run.
+/// What tells the coupling that fits a run, or its cracks of one speed.
 struct Fits {
-    std::string run, bodies;
+    std::string what, bodies;
     std::vector<Column> columns;
     bool costs = false;  // of two costs the less fits, of two loads that nearer to the one along a given path
 };
 
-Fits what_fits(const Scenario& scenario, const Mesh& mesh, const StepPlan& plan) {
+/// How long it runs does not tell how fast a crack will be, so that both speeds are told.
+std::vector<Fits> what_fits(const Scenario& scenario, const Mesh& mesh, const StepPlan& plan) {
     const double passages = plan.limits.end / plan.limits.passage;
-    const std::string lasts = formatted(" run (%.3g passages of a wave)", passages);
+    const std::string lasts = formatted("run (%.3g passages of a wave)", passages);
     if (has_test(scenario, SpecimenOptions::Test::compression))
-        return {"run under compression", "plates bear", {&WithCoupling::compression}};
+        return {{"this run under compression", "plates bear", {&WithCoupling::compression}}};
     if (has_test(scenario, SpecimenOptions::Test::brazilian))
-        return {"run of a disc", "discs bear", {&WithCoupling::disc}};
+        return {{"this run of a disc", "discs bear", {&WithCoupling::disc}}};
     if (passages >= slow_passages)
-        return {"slow" + lasts,
-                "notched structures bear",
-                {&WithCoupling::panel, &WithCoupling::beam, &WithCoupling::sheared}};
-    if (std::ranges::any_of(mesh.interior_edges, &InteriorEdge::cracked))
-        return {"fast" + lasts + " with a crack", "cracks at 0.66 c_R cost", {&WithCoupling::fast}, true};
-    return {"fast" + lasts + " without a crack", "bars that expand bear", {&WithCoupling::spall}};
+        return {{"this slow " + lasts,
+                 "notched structures bear",
+                 {&WithCoupling::panel, &WithCoupling::beam, &WithCoupling::sheared}}};
+    if (std::ranges::any_of(mesh.interior_edges, &InteriorEdge::cracked)) {
+        const std::string speed = formatted("than %.3g c_R (max_tip_speed_over_cR)", even_crack);
+        return {{"a crack slower " + speed, "the slowest that run cost", {&WithCoupling::slowest}, true},
+                {"a faster one", formatted("those at %.3g c_R cost", fast_crack), {&WithCoupling::fast}, true}};
+    }
+    return {{"this fast " + lasts + " without a crack", "bars that expand bear", {&WithCoupling::spall}}};
 }
 
 /// The range of the numbers of one coupling; none where one is missing.
@@ -250,7 +255,7 @@ struct Range {
     double misses() const { return std::max(std::abs(least - 1), std::abs(most - 1)); }
 };
 
-/// The coupling that fits a run, and why.
+/// The coupling that fits, and why.
 std::string advice(const std::array<WithCoupling, 2>& couplings, const Fits& fits, const CohesiveLaw& law) {
     std::array<Range, 2> range;
     bool all_have_rows = true;
@@ -271,9 +276,9 @@ std::string advice(const std::array<WithCoupling, 2>& couplings, const Fits& fit
                fewer = fits.costs ? norm.most < sum.most : norm.misses() < sum.misses(),
                norm_fits = fewer && weakest == 1 && !crushed;
     const Coupling best = norm_fits ? Coupling::norm : Coupling::sum;
-    std::string text = formatted("coupling = \"%s\"%s fits this %s: %s %s with the sum, %s with the norm",
+    std::string text = formatted("coupling = \"%s\"%s fits %s: %s %s with the sum, %s with the norm",
                                  norm_fits ? "norm" : "sum", law.coupling == best ? ", which it has," : "",
-                                 fits.run.c_str(), fits.bodies.c_str(), sum.text().c_str(), norm.text().c_str());
+                                 fits.what.c_str(), fits.bodies.c_str(), sum.text().c_str(), norm.text().c_str());
     if (fewer && weakest < 1) text += formatted(", but there a facet in the worst direction bears %.2f", weakest);
     if (fewer && crushed) text += ", but there discs are crushed";
     if (norm_fits && law.friction > 0) text += ", but the shear strength falls from gamma + friction to gamma";
@@ -284,7 +289,7 @@ std::string advice(const std::array<WithCoupling, 2>& couplings, const Fits& fit
 
 std::string mesh_surplus_text(const ReadResult& read, const Mesh& mesh, const StepPlan& plan) {
     const Scenario& scenario = read.scenario;
-    const Fits fits = what_fits(scenario, mesh, plan);
+    const std::vector<Fits> all_fits = what_fits(scenario, mesh, plan);
     const double ligament = bounding_box(mesh.vertices).extent().minCoeff() / 2;
     std::string text;
     bool all_have_rows = true;
@@ -297,7 +302,9 @@ std::string mesh_surplus_text(const ReadResult& read, const Mesh& mesh, const St
         text += formatted("  %-46s sum           norm\n", ("law " + named.name + " on this mesh, coupling =").c_str());
         for (const Line& line : lines) text += text_of(line, couplings[0], couplings[1]);
         all_have_rows = all_have_rows && std::ranges::all_of(couplings, has_rows);
-        if (const std::string line = advice(couplings, fits, named.law); !line.empty()) text += "    " + line + "\n";
+        for (const Fits& fits : all_fits)
+            if (const std::string line = advice(couplings, fits, named.law); !line.empty())
+                text += "    " + line + "\n";
     }
     if (text.empty()) return {};
     text += formatted(

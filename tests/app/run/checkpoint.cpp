@@ -224,15 +224,18 @@ TEST_CASE("an interrupted run goes on when it is started again") {
 }
 
 TEST_CASE("a slope that thaws goes on with the same bits") {  // the laws of its points are made again
-    const Folder folder("thaw");
-    const std::string run =
-        "run permafrost_slope -q -j 1 -s 'mesh.size=3 m' -s 'time.end=0.9 s' -s 'expect={}' -s "
-        "output.breaks=true " +
-        undrawn + "-o ";
-    REQUIRE(command(run + folder.in_shell("whole")).code == 0);
-    CHECK(command(run + folder.in_shell("parts") + " --until 500ms").code == 0);
-    CHECK(command(run + folder.in_shell("parts")).code == 0);
-    check_same_bits(folder.path / "whole", folder.path / "parts");
+    for (const std::string coupling : {"sum", "norm"}) {
+        CAPTURE(coupling);
+        const Folder folder("thaw");
+        const std::string run =
+            "run permafrost_slope -q -j 1 -s 'mesh.size=3 m' -s 'time.end=0.9 s' -s 'expect={}' -s "
+            "output.breaks=true -s interface.joint.coupling=" +
+            coupling + " " + undrawn + "-o ";
+        REQUIRE(command(run + folder.in_shell("whole")).code == 0);
+        CHECK(command(run + folder.in_shell("parts") + " --until 500ms").code == 0);
+        CHECK(command(run + folder.in_shell("parts")).code == 0);
+        check_same_bits(folder.path / "whole", folder.path / "parts");
+    }
 }
 
 TEST_CASE("a run that goes on from its older checkpoint keeps that until it has a newer one that is whole") {
