@@ -10,7 +10,7 @@
 namespace knap {
 namespace {
 
-constexpr int first_sweeps = 12, last_sweeps = 100;
+constexpr int first_sweeps = 12;
 constexpr int first_body_sweeps = 24, more_body_sweeps = 60, more_rounds = 5;  // of contacts of rigid bodies
 constexpr double rough = 1e-3;            // [-] of the speeds: a residual of sweeps that is not left
 constexpr double exact = 1e-13;           // [-] of the speeds: a residual at rounding
@@ -264,7 +264,7 @@ double ContactCluster::approach(double best, double speed, double rounding, cons
             return sweep_to(0.1 * tolerance, sweeps) <= tolerance || settle_states(speed, tolerance);
         };
         const bool found = (k == 0 && found_after(0)) || found_after(first_sweeps) ||
-                           (alpha >= slow_below && found_after(last_sweeps));
+                           (alpha >= slow_below && found_after(max_iterations));
         bring_near(0);
         find_velocities();
         const double now = largest_error();

@@ -31,7 +31,7 @@ namespace {
 // step of this size: on a slope that does not hold it the same force stays, and the search ends before large steps are
 // tried, which slide and cost a hundred times as much.
 constexpr double first_step = 1, last_step = 1e4, growth = 10;
-constexpr int max_steps = 200, max_rounds = 100;
+constexpr int max_steps = 200;
 constexpr double accepted_residual = 1e-9;  // where rounding prevents less
 constexpr double jammed = 3;  // a large step that increases this force by more has jammed the body, with friction
 constexpr double follows_body = 10, closes_gap = 0.05;  // [-] of displacements; of the half width of an obstacle
@@ -295,7 +295,7 @@ bool EquilibriumSearch::settle(Interfaces interfaces, State& now) {
     for (int round = 0;; ++round) {
         const double change = correct(now);
         if (change <= relative_tolerance || (change <= accepted_residual && change > 0.5 * last)) return true;
-        if (round == max_rounds || !(change <= 2 * last))
+        if (round == max_iterations || !(change <= 2 * last))
             no_equilibrium("the body turns or strains too far", place_of_largest_displacement(now));
         last = change;
         if (!find_still(interfaces, now)) return false;

@@ -128,9 +128,9 @@ std::optional<Cutback> StepControl::reason_against(const State& begin, double h,
 /// A step of rigid pieces. What cannot be resolved with smaller ones is left to the deformable body; what islands
 /// cannot resolve has the reason of their own steps.
 std::optional<Cutback> StepControl::judge_rigid(const State& begin, double h, const StepReport& report) {
-    constexpr double aimed_motion = 0.8, largest_growth = 1.5;
+    constexpr double aimed_motion = 0.8;
     const double motion = std::max(report.contact_motion, 1e-300), smallest = limits_.rigid.smallest;
-    const double fitting = std::min(aimed_motion / motion, largest_growth) * h;
+    const double fitting = std::min(aimed_motion / motion, growth) * h;
     if (report.rejection == Rejection::none) {
         rigid_step_ = std::clamp(fitting, smallest, limits_.rigid.step);
         smallest_taken_ = largest_taken_ == 0 ? h : std::min(smallest_taken_, h);

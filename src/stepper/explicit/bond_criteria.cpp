@@ -84,7 +84,7 @@ std::vector<double> stress_thresholds(const Model& model, std::span<const Dashpo
 }
 
 void add_inscribed_circles(const Model& model, const Fan& fan, std::vector<InscribedCircle>& circles) {
-    constexpr double rounding = 1e-12, unknown = -1;
+    constexpr double unknown = -1;
     const auto corners = model.corners(fan);
     const bool driven = model.motion_of(corners[0]);
     for (Index i = 0; i < fan.n_corners; ++i) {
@@ -92,7 +92,7 @@ void add_inscribed_circles(const Model& model, const Fan& fan, std::vector<Inscr
         double strength = infinity;
         if (j < fan.n_points) {
             const FanPoint& after = model.points(fan)[j];
-            strength = sure_strength(model.laws[after.law], after.area) * (1 - rounding);
+            strength = sure_strength(model.laws[after.law], after.area) * (1 - relative_tolerance);
         }
         circles.push_back(
             {.share = model.corner_mass[corners[i]] / fan.mass, .strength2 = driven ? unknown : strength * strength});

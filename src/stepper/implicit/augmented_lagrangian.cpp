@@ -9,7 +9,7 @@
 namespace knap {
 namespace {
 
-constexpr int max_newton_steps = 400, max_outer_steps = 100, max_cycling_steps = 30, max_friction_rounds = 60;
+constexpr int max_newton_steps = 400, max_cycling_steps = 30, max_friction_rounds = 60;
 constexpr int max_found_steps = 10;  // of the method of multipliers, from a solution of the active set
 constexpr int max_near = 5, max_completions = 3;
 constexpr double full_augmentation = 1e3;  // of the point's mass: each round of multipliers gains three digits
@@ -25,10 +25,8 @@ constexpr std::array other_face_augmentations{1e6, 1e7, 1e3, 3e4};
 // springs follows where this many steps do not converge.
 constexpr int max_direct_steps = 20;
 constexpr int max_swept_steps = 12;       // of a round: where they do not end it, their moves of multipliers may be why
-constexpr double sweep_goal = 1e-4;       // of the scale: a smaller residual of the balance is left to Newton's steps
 constexpr double inexact_balance = 1e-3;  // of the last move of the multipliers
-constexpr std::size_t min_points = 16;    // of a problem for the active set
-constexpr double soft_augmentation = 10, hardening = 3, soft_tolerance = 1e-4;
+constexpr double soft_augmentation = 10, hardening = 3;
 // Where a body is driven against itself its contact impulses grow without bound. Beyond this multiple of the largest
 // scale their rounding hides the balance, so the attempt is given up, and after three of them the problem.
 constexpr double jammed = 1e6;
@@ -60,7 +58,7 @@ bool AugmentedLagrangian::solve(double scale, double largest_scale, Effort effor
              .faces = std::ranges::any_of(points, [](const ActivePoint& p) { return p.fan == between_faces; }),
              .curved = std::ranges::any_of(points, [](const ActivePoint& p) { return p.law.is_curved(); })};
     first_ = newton_.x, newton_.final_augmentation = kind_.faces ? face_augmentation : full_augmentation;
-    sweeps_ = points.size() >= min_points;
+    sweeps_ = points.size() >= CondensedSystem::min_points;
     // on ramps of secant unloading the active set found other solutions with friction than the method of multipliers
     kind_.has_pieces =
         sweeps_ && std::ranges::none_of(points, [](const ActivePoint& p) { return p.law.holds_cohesion(); });
@@ -204,7 +202,8 @@ bool AugmentedLagrangian::find_solution(int max_steps) {
     }
     for (int i = 0; i < max_completions; ++i) {
         const bool found =
-            find_multipliers(NewtonIteration::law_goal, i == 0 && sweeps_ ? sweep_goal * newton_.unit : 0, max_steps);
+            find_multipliers(NewtonIteration::law_goal,
+                             i == 0 && sweeps_ ? NewtonIteration::preliminary_goal * newton_.unit : 0, max_steps);
         if (!found && i == 0) return false;
         if (!found) newton_.restart_from(completed_);
         if (!found) break;
@@ -227,7 +226,7 @@ bool AugmentedLagrangian::find_multipliers(double goal, double first_tolerance, 
     // a few points are solved exactly: where bounds contradict each other, the series of their moves must be precise
     const double inexact = sweeps_ ? inexact_balance : 0;
     double change = 0;
-    for (int outer = 0, n_near = 0; outer < max_outer_steps; ++outer) {
+    for (int outer = 0, n_near = 0; outer < max_iterations; ++outer) {
         const int solves = newton_.counts.linear_solves;
         const double exact = std::max(newton_.balance_goal(newton_.unit), sweeps_ ? goal * newton_.unit : 0),
                      tolerance = std::max(exact, outer == 0 ? first_tolerance : inexact * change);
@@ -265,7 +264,7 @@ bool AugmentedLagrangian::continue_penalties(double tolerance) {
     for (double augmentation = soft_augmentation; augmentation < newton_.final_augmentation;
          augmentation *= hardening) {
         newton_.set_augmentation(augmentation);
-        if (!find_rates(soft_tolerance * newton_.unit, max_newton_steps)) return false;
+        if (!find_rates(NewtonIteration::preliminary_goal * newton_.unit, max_newton_steps)) return false;
         update_multipliers();
     }
     newton_.set_augmentation(newton_.final_augmentation);
@@ -281,7 +280,8 @@ bool AugmentedLagrangian::find_rates(double tolerance, int max_steps) {
     for (int i = 0; i < max_steps; ++i) {
         newton_.give_up_if_asked();
         evaluate();
-        if (sweeps_ && i < max_swept_steps && residual() > sweep_goal * newton_.unit) sweep_fans();
+        if (sweeps_ && i < max_swept_steps && residual() > NewtonIteration::preliminary_goal * newton_.unit)
+            sweep_fans();
         const double norm = residual();
         // Where find_solution adds no step of the whole body, one more than the tolerance asks for takes the error to
         // rounding; it costs no factor.
@@ -381,8 +381,8 @@ double AugmentedLagrangian::move_freely() {
 
 void AugmentedLagrangian::sweep_fans() {
     if (matrix_.is_reduced()) return;
-    fans_.sweep(0.1 * sweep_goal * newton_.unit, newton_.x.points, newton_.x.rate, newton_.system.impulse(),
-                newton_.system.residual());
+    fans_.sweep(0.1 * NewtonIteration::preliminary_goal * newton_.unit, newton_.x.points, newton_.x.rate,
+                newton_.system.impulse(), newton_.system.residual());
     if (!newton_.system.is_condensed()) evaluate();  // the impulses of corners, too
 }
 

@@ -16,6 +16,8 @@ namespace knap {
 
 class CondensedSystem {
 public:
+    static constexpr std::size_t min_points = 16;  // of a problem that is condensed, and whose fans are swept
+
     /// `rate` [m/s]: of the nodes. All references must outlive it.
     CondensedSystem(const Model& model, const ImplicitBulk& bulk, ThetaMatrix& matrix, std::vector<Vec2>& rate);
 
@@ -60,7 +62,6 @@ private:
     const ImplicitBulk& bulk_;
     ThetaMatrix& matrix_;
     std::vector<Vec2>& rate_;
-    static constexpr std::size_t min_points = 16;
     FreeMotions* free_ = nullptr;
     bool condensed_ = false;
     bool is_evaluated_ = false;  // r(w) of all nodes

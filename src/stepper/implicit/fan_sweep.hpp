@@ -32,8 +32,8 @@ public:
                std::vector<Vec2>& residual);
 
 private:
-    static constexpr Index max_nodes = 16;   // of a fan, and points: larger ones are left to the steps of the body
-    static constexpr int max_unknowns = 32;  // twice as many
+    static constexpr Index max_nodes = 16;  // of a fan, and points: larger ones are left to the steps of the body
+    static constexpr int max_unknowns = 2 * max_nodes;
     using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, max_unknowns, max_unknowns>;
     using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, max_unknowns, 1>;
     using Columns = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, 2>>;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr double far_from_law = 1e-3;  // of the scale
 constexpr double local_goal = 1e-8;    // of the scale: change of an impulse in a sweep
-constexpr int max_sweeps = 100, max_inner_sweeps = 20;
+constexpr int max_inner_sweeps = 20;
 
 double distance_from_law(const ActivePoint& point) {
     return std::max(std::abs(point.response.contact - point.multipliers.contact),
@@ -108,7 +108,7 @@ bool LocalPoints::find_impulses(const std::vector<ActivePoint>& points, double u
     }
     const Eigen::Index n = static_cast<Eigen::Index>(chosen_.size());
     const auto fan = [&](Eigen::Index k) { return points[chosen_[k]].fan; };
-    for (int sweep = 0; sweep < max_sweeps; ++sweep) {
+    for (int sweep = 0; sweep < max_iterations; ++sweep) {
         double largest = 0;
         for (Eigen::Index first = 0, end; first < n; first = end) {
             for (end = first; end < n && fan(end) == fan(first);) ++end;
