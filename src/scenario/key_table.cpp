@@ -474,8 +474,8 @@ void add_keys_of_loads(KeyTable& t) {
         .at_least(0).computed("0").to(&RigidOptions::smallest);
     t.number("sleep", "m/s", "pieces that stay slower for 0.2 s and do not set out (the speed of what slides from rest "
         "grows) or go on with no loss, press on what stands still, and whose contacts would bear them at rest (not "
-        "where they turn back, or on a corner), fall asleep, after 2 s also those that only creep in a heap: they stand "
-        "still until they are hit faster; 0: none does")
+        "where they turn back, or on a corner), fall asleep, after 2 s also those that only creep in a heap: they "
+        "stand still until they are hit faster; 0: none does")
         .at_least(0).computed("2 cm/s").to(&RigidOptions::sleep);
     t.number("restitution", "", "Newton's coefficient of rigid pieces that cannot break, where neither the pair of "
         "materials or the obstacle, nor [contact] (obstacles that give none have its R_N or restitution), nor the "

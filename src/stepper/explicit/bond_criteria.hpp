@@ -14,8 +14,8 @@
 //    corner.
 //
 // 3. Last proof. Where BondCheck found admissible reactions R_j of forces f_i, those of the forces f_i + d_i with the
-//    same R before the first corner differ by sum_(i <= j) (m_i/m sum d - d_i), whose length is at most sum_i |d_i|: the
-//    fan is bonded while that is less than the distance of all R_j from the bounds of their strengths.
+//    same R before the first corner differ by sum_(i <= j) (m_i/m sum d - d_i), whose length is at most sum_i |d_i|: so
+//    the fan is bonded while that is less than the distance of all R_j from the bounds of their strengths.
 #include "stepper/explicit/absorbing_boundary.hpp"
 
 #include <limits>

@@ -49,8 +49,8 @@ public:
     /// where it separated, its law stops it at the opposite speed at most, since less would be positive work.
     LargestMotion solve(const RigidStep& step, std::vector<MovingBody>& bodies, StepReport& report);
     /// How `bodies` would move on from rest (their `before` is zero) under their loads: their `end`, in clusters with a
-    /// body that is marked [0/1]. Sweeps go on while they leave errors above `goal` [-] of the speed of a cluster. [m/s]
-    /// The largest error of a rate.
+    /// body that is marked [0/1]. Sweeps go on while they leave errors above `goal` [-] of the speed of a cluster.
+    /// [m/s] The largest error of a rate.
     double move_from_rest(const RigidStep& step, const std::vector<std::uint8_t>& marked, double goal,
                           std::vector<MovingBody>& bodies);
     /// [-] The hardest blow or lasting load on a piece that can break, over what it bears (freeze.hpp), and its place;
